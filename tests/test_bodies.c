@@ -1,9 +1,8 @@
 /* Rigid bodies: what they weigh, how they move, what particles do to them. */
 #include "surface_helpers.h"
 
-#include "boundary/bodies.h"
-#include "boundary/self_intersection.h"
-#include "boundary/surface_lists.h"
+#include "boundary/overlap.h"
+#include "boundary/surface.h"
 #include "run/run.h"
 
 /* One far particle, so that there is a specimen. */

@@ -3,8 +3,8 @@
 #include "parts.h"
 #include "run_helpers.h"
 
-#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
+#include "boundary/surface.h"
 #include "surfaces/body_shape.h"
 
 static gn_rigid *body(gn_world *w, size_t k) {

@@ -8,7 +8,7 @@
 #include "parts.h"
 #include "run/warnings.h"
 #include "run_helpers.h"
-#include "timestep/particle_limit.h"
+#include "timestep/timestep_private.h"
 
 #include <unistd.h>
 

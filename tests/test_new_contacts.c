@@ -4,7 +4,6 @@
 
 #include "particles/law.h"
 #include "scene/read.h"
-#include "timestep/collisions.h"
 #include "timestep/step_limit.h"
 
 static double residual_after(gn_world *w, double end) {

@@ -1,6 +1,6 @@
 /* A wall that a servo moves: whatever relaxation is asked for, the loop of wall and particles is
  * stable, also near the limit of the step. */
-#include "boundary/walls.h"
+#include "boundary/boundary.h"
 #include "world_helpers.h"
 
 /* Between a floor and a servo wall that wants 5 N, all a little pressed at the start, so that the

@@ -1,5 +1,6 @@
 /* The stable step: closed forms, Bloch waves on lattices, packings. */
-#include "limit/local.h"
+#include "limit/springs.h"
+#include "limit/step_limits.h"
 #include "timestep_specimen.h"
 
 #include <complex.h>

@@ -6,7 +6,6 @@
  * Leimkuhler and McLachlan 1997, J. Chem. Phys. 107, 5840). Without moment that keeps the momentum
  * exactly and the energy without drift; it is symplectic, reversible and of second order, of fourth
  * in steps in which the body turns far. */
-#include "boundary/bodies.h"
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -15,9 +14,8 @@
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
-#include "boundary/self_intersection.h"
+#include "boundary/overlap.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "measure/energy.h"
@@ -26,7 +24,7 @@
 #include "scene/table.h"
 #include "solids/elements.h"
 #include "surfaces/body_shape.h"
-#include "surfaces/facet_tree.h"
+#include "surfaces/facet.h"
 
 #include <math.h>
 #include <string.h>

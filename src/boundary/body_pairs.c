@@ -4,12 +4,10 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/dashpot.h"
@@ -20,7 +18,6 @@
 #include "soa/field.h"
 #include "surfaces/convex.h"
 #include "timestep/step_limit.h"
-#include "timestep/surface_limit.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -47,12 +44,6 @@ static bool may_meet(const gn_step_context *ctx, const gn_boundary *boundary, si
 bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b) {
     const gn_convex *c = boundary->pairs.convex;
     return c && c[a].planes && c[b].planes && may_meet(ctx, boundary, a, b);
-}
-
-bool gn_body_meets_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
-    for (size_t m = 0; boundary->pairs.convex && m < ctx->scene.body_count; m++)
-        if (gn_bodies_meet(ctx, boundary, k, m)) return true;
-    return false;
 }
 
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {

@@ -55,7 +55,6 @@ gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary 
                                   gneiss_error *error);
 /* Whether two bodies can meet; and whether one meets none because of its shape. */
 bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b);
-bool gn_body_meets_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 /* The same, where one that it misses is, or was at the start, as near as both reach. */
 bool gn_body_passes_bodies(const gn_world *world, size_t body);

@@ -18,8 +18,8 @@
 #include "particles/lists.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "surfaces/facet_tree.h"
-#include "timestep/body_paths.h"
+#include "surfaces/facet.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <stddef.h>

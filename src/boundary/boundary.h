@@ -3,13 +3,12 @@
 #ifndef GN_BOUNDARY_BOUNDARY_H
 #define GN_BOUNDARY_BOUNDARY_H
 
-#include "frame/parts.h"
-
 #include "base/error.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/surface.h"
 #include "frame/balance.h"
+#include "frame/parts.h"
 #include "frame/periodic_box.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
@@ -124,5 +123,18 @@ size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary);
+
+/* N, with which a servo wall shall be pressed. */
+double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                      double time);
+/* After lists have been made: what servos press. */
+void gn_walls_listed(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
+/* J: what the spring of a contact with a wall holds, less half a step of what it gives to the
+ * particle and takes of the wall, at the velocities that led here; linear law. */
+double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    size_t row);
+/* The largest share of the missing force that a servo wall takes up in a step and is stable. */
+double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, size_t wall);
 
 #endif

@@ -5,6 +5,8 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
+#include "scene/scene.h"
+#include "surfaces/body_shape.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +29,14 @@ gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_
 bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_periodic_box *box, const gn_overlap *overlap, char *text,
                        size_t size);
+
+/* GNEISS_ERROR_INPUT where the surface of a body that is weighed (gn_body_mass_is_from_surface)
+ * cuts itself, with the place. Bodies for contact alone may. */
+gneiss_status gn_body_check_cuts(const gn_scene *scene, size_t index, const gn_body_shape *shape,
+                                 gneiss_error *error);
+
+/* Closed parts of the surface of a weighed body that lie in others and count as cavities, whichever
+ * way their normals point in the file, which is read anew; 0 also where it cannot be read. */
+size_t gn_body_cavities(const gn_scene *scene, size_t index);
 
 #endif

@@ -3,12 +3,13 @@
 #ifndef GN_BOUNDARY_SURFACE_H
 #define GN_BOUNDARY_SURFACE_H
 
+#include "base/error.h"
+#include "frame/parts.h"
 #include "kernels/motion.h"
 #include "solids/elements.h"
-#include "surfaces/facet_tree.h"
+#include "surfaces/facet.h"
 
 #include <stdbool.h>
-
 #include <stddef.h>
 #include <stdint.h>
 
@@ -55,5 +56,21 @@ static inline bool gn_surface_patched(const gn_surface *surface, double radius) 
     const double facets = 3.0;
     return surface->body < 0 && radius > facets * surface->facet_size;
 }
+
+/* v . I^-1 v about the centre. */
+double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
+/* Surfaces of bodies from the arrays that a checkpoint stores as well. */
+gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *boundary,
+                                 gn_solids *solids, gneiss_error *error);
+/* Orientation from the start, w x y z with w >= 0. */
+void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
+
+/* The surface that a row belongs to. */
+const gn_surface *gn_surface_of_row(const gn_step_context *ctx, const gn_boundary *boundary,
+                                    size_t row);
+/* A point, a direction from the body's frame, and back. */
+void gn_rigid_place(const gn_rigid *body, const double local[3], double point[3]);
+void gn_rigid_direct(const gn_rigid *body, const double local[3], double direction[3]);
+void gn_rigid_local(const gn_rigid *body, const double direction[3], double local[3]);
 
 #endif

@@ -3,13 +3,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_contacts.h"
-#include "boundary/surface_lists.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/law.h"
@@ -19,7 +16,6 @@
 #include "soa/records.h"
 #include "solids/element_bodies.h"
 #include "surfaces/facet.h"
-#include "surfaces/facet_tree.h"
 #include "surfaces/patch.h"
 
 #include <math.h>
@@ -48,15 +44,8 @@ static int32_t facet_of(const group *g, size_t row) {
 }
 
 static void near_of_row(const group *g, const double centre[3], size_t row, gn_facet_near *near) {
-    const gn_facet_set *f = &g->s->facets;
-    const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, row);
-    const double *x[3] = {0};
-    *near = (gn_facet_near){.corner = {-1, -1, -1}, .row = row};
-    for (int k = 0; k < f->corners; k++) {
-        near->corner[k] = corner[k];
-        x[k] = f->pos + 4 * (int64_t)corner[k];
-    }
-    gn_facet_nearest(f->corners, x, centre, near);
+    *near = (gn_facet_near){.row = row};
+    gn_facet_set_nearest(&g->s->facets, facet_of(g, row), centre, near);
 }
 
 /* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
@@ -431,16 +420,21 @@ size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
     return g.end;
 }
 
+bool gn_surface_contacts_next(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, size_t *row, double skin,
+                              gn_surface_contact *contacts, size_t *count) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    while (*row < q->soa.count && (size_t)q->wall[*row] < ctx->scene.wall_count) (*row)++;
+    if (*row == q->soa.count) return false;
+    *row = gn_surface_contacts_at(ctx, dem, boundary, *row, skin, contacts, count);
+    return true;
+}
+
 gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
                                         const gn_boundary *boundary, gneiss_error *error) {
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    for (size_t c = 0; c < boundary->contacts.soa.count;) {
-        size_t count = 0;
-        if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count) {
-            c++;
-            continue;
-        }
-        c = gn_surface_contacts_at(ctx, dem, boundary, c, 0.0, found, &count);
+    size_t row = 0, count;
+    while (gn_surface_contacts_next(ctx, dem, boundary, &row, 0.0, found, &count)) {
         if (count < GN_PATCH_FACETS) continue;
         return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                        "particle %d: expected fewer than %d facets of the elements in it at once, "
@@ -521,14 +515,11 @@ static void load_body(gn_rigid *b, const double touch[3], const double force[3])
 
 static void load_vertices(gn_surface *s, int32_t facet, const double touch[3],
                           const double force[3]) {
-    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
-    const double *x[3] = {0};
     gn_facet_near near;
-    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
-    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    gn_facet_set_nearest(&s->facets, facet, touch, &near);
     for (int c = 0; c < s->facets.corners; c++)
         for (int a = 0; a < 3; a++)
-            s->force[4 * (int64_t)corner[c] + a] -= near.weight[c] * force[a];
+            s->force[4 * (int64_t)near.corner[c] + a] -= near.weight[c] * force[a];
 }
 
 void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary, size_t row,
@@ -545,16 +536,13 @@ void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary
         for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
         return;
     }
-    int32_t facet = q->wall[row] - (int32_t)ctx->scene.wall_count - s->first;
-    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
-    const double *x[3] = {0};
     gn_facet_near near;
-    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
-    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    gn_facet_set_nearest(&s->facets, q->wall[row] - (int32_t)ctx->scene.wall_count - s->first,
+                         touch, &near);
     v[0] = v[1] = v[2] = 0.0;
     for (int c = 0; c < s->facets.corners; c++)
         for (int a = 0; a < 3; a++)
-            v[a] += near.weight[c] * s->velocity[4 * (int64_t)corner[c] + a];
+            v[a] += near.weight[c] * s->velocity[4 * (int64_t)near.corner[c] + a];
 }
 
 void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary) {

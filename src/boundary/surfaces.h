@@ -33,6 +33,11 @@ typedef struct gn_surface_contact {
 size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);
+/* The contacts of the next group of rows from *row on, which moves behind it; rows of plane walls
+ * are passed over. Returns false behind the last group. */
+bool gn_surface_contacts_next(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, size_t *row, double skin,
+                              gn_surface_contact *contacts, size_t *count);
 /* That there is room for all facets that a particle presses at once (patch.h). */
 gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
                                         const gn_boundary *boundary, gneiss_error *error);

@@ -1,5 +1,4 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
-#include "boundary/walls.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"

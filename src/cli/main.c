@@ -16,7 +16,7 @@
 #include "io/files.h"
 #include "run/folder.h"
 #include "sweep/sweep.h"
-#include "timestep/surface_limit.h"
+#include "timestep/step_limit.h"
 #include "world/scale.h"
 
 #include <malloc.h>

@@ -5,7 +5,6 @@
 #include "cli/plan_time.h"
 #include "cli/progress.h"
 #include "scene/stages.h"
-#include "timestep/collisions.h"
 #include "timestep/step_limit.h"
 #include "zones/zone_state.h"
 

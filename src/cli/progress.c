@@ -11,7 +11,6 @@
 #include "cli/shown.h"
 #include "io/files.h"
 #include "plan/estimate.h"
-#include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>

@@ -15,7 +15,7 @@
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "timestep/particle_limit.h"
+#include "timestep/step_limit.h"
 #include "world/world.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"

@@ -8,7 +8,7 @@
  * the interval that led here has the mean of its two ends, takes the one after the conversion for
  * that end: what it misses is half a step of the power of what the reactions jump by. */
 #include "base/vec3.h"
-#include "boundary/walls.h"
+#include "boundary/boundary.h"
 #include "conversion/conversion_private.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"

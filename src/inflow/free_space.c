@@ -4,12 +4,11 @@
 #include "base/memory.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "surfaces/facet_tree.h"
+#include "surfaces/facet.h"
 
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* Particles that leave the domain, which stop the run, or leave the model with all they hold; and
  * those that sinks take. */
 #include "inflow/removal.h"
+#include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
@@ -11,9 +12,16 @@
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "laboratory/strain_gauge.h"
+#include "neigh/pairs.h"
+#include "pack/domain.h"
 #include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/fragments.h"
+#include "particles/lists.h"
+#include "scene/flow_def.h"
 #include "scene/scene.h"
+#include "sched/hold.h"
+#include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/origin.h"
@@ -21,6 +29,7 @@
 #include "zones/zones.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* --- who --- */
@@ -230,5 +239,280 @@ gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {
             ? left_domain(&w->ctx, &w->dem, p, gn_finest_reach(w->dem.radius_min), error)
             : remove_gone(w, gone, error);
     gn_free(gone);
+    return status;
+}
+
+/* Sinks that are thin: what passes through them between two lists, and what never fits. */
+
+double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
+    const gn_flow_region *r = &ctx->scene.sinks[sink].region;
+    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
+    double lower[3], upper[3], width = INFINITY, around = 0.0;
+    if (!region) return INFINITY;
+    gn_domain_bounds(region, lower, upper);
+    for (int a = 0; a < gn_domain_dimension(region); a++) width = fmin(width, upper[a] - lower[a]);
+    for (size_t k = 0; k < r->corner_count; k++) {
+        const double *x = r->corners + 2 * k, *y = r->corners + 2 * ((k + 1) % r->corner_count);
+        around += hypot(y[0] - x[0], y[1] - x[1]);
+    }
+    /* A long strip has 2 A/P, any other polygon less than its width. */
+    return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
+}
+
+static double largest_radius(const gn_step_context *ctx, const gn_dem *dem) {
+    double most = gn_flow_largest_radius(ctx, dem);
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        most = fmax(most, dem->particles.pos[4 * p + 3]);
+    return most;
+}
+
+/* Tells whether a particle can be wholly in it for hardly longer than lists may stand: the skin
+ * grows to six times that of the start. */
+static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
+    return ctx->scene.sinks[sink].remove &&
+           gn_sink_width(ctx, dem, sink) - 2.0 * dem->flow.largest < 12.0 * dem->verlet.skin_start;
+}
+
+enum { PLACES = 16, HALVINGS = 40 };
+/* Of a radius: as much is a particle inside that only rounding keeps from it. */
+static const double rounding = 1e-9;
+
+/* m: how deep a particle's centre was in a region at a share of its last step, counted backwards.
+ */
+static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const gn_domain *region,
+                           size_t particle, double share) {
+    const gn_particles *q = &dem->particles;
+    double at[3];
+    for (int a = 0; a < 3; a++)
+        at[a] = q->pos[4 * particle + a] - share * ctx->dt_past * q->vel[4 * particle + a];
+    return gn_domain_depth(region, at);
+}
+
+/* The largest depth between two shares of the last step; on a line through a convex region depth
+ * has one maximum. */
+static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_domain *region, size_t particle, double from, double to) {
+    for (int k = 0; k < HALVINGS; k++) {
+        const double low = from + 0.382 * (to - from), high = to - 0.382 * (to - from);
+        if (depth_before(ctx, dem, region, particle, low) >
+            depth_before(ctx, dem, region, particle, high))
+            to = high;
+        else
+            from = low;
+    }
+    return depth_before(ctx, dem, region, particle, 0.5 * (from + to));
+}
+
+/* Tells whether it was wholly inside at any instant of the last step. Depth changes along the way
+ * by no more than the way, which is at most half of the smallest radius (paths.c). */
+static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
+    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
+    const double *v = dem->particles.vel + 4 * particle,
+                 needed = (1.0 - rounding) * dem->particles.pos[4 * particle + 3],
+                 part = ctx->dt_past * sqrt(gn_dot3(v, v)) / PLACES;
+    double deepest = -INFINITY;
+    int best = 0;
+    for (int k = 0; k <= PLACES; k++) {
+        const double depth = depth_before(ctx, dem, region, particle, (double)k / PLACES);
+        if (depth > deepest) {
+            deepest = depth;
+            best = k;
+        }
+    }
+    if (deepest >= needed || deepest + part < needed) return deepest >= needed;
+    return deepest_between(ctx, dem, region, particle, fmax(0, best - 1) / PLACES,
+                           fmin(PLACES, best + 1) / PLACES) >= needed;
+}
+
+bool gn_sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
+    return gn_sink_has(ctx, dem, sink, dem->particles.pos + 4 * particle) ||
+           (is_thin(ctx, dem, sink) && passed(ctx, dem, sink, particle));
+}
+
+/* Tells whether its centre is in the box about the region, the last way added. */
+static bool is_near(const gn_step_context *ctx, const gn_dem *dem, const double lower[3],
+                    const double upper[3], size_t p) {
+    const double *x = dem->particles.pos + 4 * p, *v = dem->particles.vel + 4 * p;
+    for (int a = 0; a < (int)ctx->scene.dimension; a++) {
+        const double way = ctx->dt_past * fabs(v[a]);
+        if (x[a] + way < lower[a] || x[a] - way > upper[a]) return false;
+    }
+    return gn_particle_is_active(&dem->particles, p);
+}
+
+bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem) {
+    for (size_t k = 0; k < ctx->scene.sink_count; k++) {
+        const gn_domain *region = dem->flow.region[ctx->scene.source_count + k];
+        double lower[3], upper[3];
+        if (!region || !is_thin(ctx, dem, k)) continue;
+        gn_domain_bounds(region, lower, upper);
+        for (size_t p = 0; p < dem->particles.soa.count; p++)
+            if (is_near(ctx, dem, lower, upper, p) && gn_sink_takes(ctx, dem, k, p)) return true;
+    }
+    return false;
+}
+
+void gn_sinks_listed(const gn_step_context *ctx, gn_dem *dem) {
+    if (ctx->scene.sink_count) dem->flow.largest = largest_radius(ctx, dem);
+}
+
+bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
+                         size_t size) {
+    const double width = gn_sink_width(ctx, dem, sink), most = 2.0 * largest_radius(ctx, dem),
+                 least = 2.0 * dem->radius_min;
+    if (!ctx->scene.sinks[sink].remove || !(width < (1.0 - rounding) * most)) return false;
+    snprintf(text, size, "sink '%s' is %.4g m thick, and removes what is wholly inside: %s",
+             ctx->scene.sinks[sink].name, width,
+             width < (1.0 - rounding) * least
+                 ? "it is thinner than any particle, and never removes one"
+                 : "it is thinner than the largest particles, and never removes these");
+    if (strlen(text) + 40 < size)
+        snprintf(text + strlen(text), size - strlen(text), " (diameters of %.4g to %.4g m)", least,
+                 most);
+    return true;
+}
+
+/* The number of rows of particles changes: some come in behind the others, rows of those that are
+ * gone are left out. */
+
+/* What goes by the number of particles or of their blocks is made anew when the lists are. */
+static gneiss_status forget_sizes(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gneiss_error *error) {
+    gn_dem *d = dem;
+    gn_free(d->motion_sums);
+    gn_free(d->around);
+    gn_free(d->pieces.parent);
+    gn_free(d->pieces.members);
+    gn_free(d->pieces.volume);
+    d->motion_sums = NULL;
+    d->around = NULL;
+    d->pieces = (gn_pieces){0};
+    gn_hold_free(&d->hold);
+    gn_boundary_resized(boundary);
+    return gn_pieces_create(ctx, dem, error);
+}
+
+/* --- more --- */
+
+static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *a, size_t p) {
+    gn_particles *q = &dem->particles;
+    const gn_source_def *d = &ctx->scene.sources[a->source];
+    int material = gn_scene_find_material(&ctx->scene, d->material);
+    double r = a->sphere[3], mass = ctx->scene.materials[material].density *
+                                    gn_ball_volume((int)ctx->scene.dimension, r);
+    memcpy(q->pos + 4 * p, a->sphere, sizeof a->sphere);
+    memcpy(q->start + 4 * p, a->sphere, sizeof a->sphere);
+    memcpy(q->ref + 4 * p, a->sphere, sizeof a->sphere);
+    memcpy(q->vel + 4 * p, a->velocity, sizeof a->velocity);
+    q->vel[4 * p + 3] = 1.0 / mass;
+    if (q->spin)
+        q->spin[4 * p + 3] = 1.0 / ((ctx->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
+    q->id[p] = (int32_t)dem->ids++;
+    q->material[p] = material;
+    if (q->slot) q->slot[p] = -1;
+    if (q->orientation) q->orientation[4 * p] = 1.0;
+    dem->radius_min = fmin(dem->radius_min, r);
+    if (dem->loose) dem->loose[q->id[p]] = 1;
+}
+
+/* Tables by id for `ids` of them. */
+static gneiss_status grow_tables(gn_dem *dem, size_t ids, gneiss_error *error) {
+    gn_dem *d = dem;
+    int32_t *index = gn_alloc_array(ids + 1, sizeof *index);
+    uint8_t *loose = d->loose ? gn_alloc(ids + 1) : NULL;
+    if (!index || (d->loose && !loose)) {
+        gn_free(index);
+        gn_free(loose);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particle numbers", ids);
+    }
+    if (loose) memcpy(loose, d->loose, (size_t)d->ids);
+    gn_free(d->loose);
+    gn_free(d->index_of_id);
+    d->loose = loose;
+    d->index_of_id = index;
+    return GNEISS_OK;
+}
+
+/* `order` [count]: old places, -1: a new one. */
+static gneiss_status take_rows(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                               const int32_t *order, size_t count, gneiss_error *error) {
+    gn_particles now = {0};
+    GN_TRY(gn_soa_create(&gn_particle_record, &now, count, ctx->effects, error));
+    gn_soa_permute(&gn_particle_record, &now, &dem->particles, order);
+    gn_soa_destroy(&gn_particle_record, &dem->particles);
+    dem->particles = now;
+    gn_dem_null_particles(ctx, dem);
+    return forget_sizes(ctx, dem, boundary, error);
+}
+
+gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          const gn_arrival *arrivals, size_t count, gneiss_error *error) {
+    size_t before = dem->particles.soa.count, after = before + count;
+    if ((size_t)dem->ids + count > INT32_MAX - 2 * GN_LANES_MAX)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "step %lld, t = %g s: sources: %lld particles that came in are more than "
+                       "the engine can number",
+                       (long long)ctx->step, ctx->time, (long long)dem->ids);
+    int32_t *order = gn_alloc_array(after + 1, sizeof *order);
+    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", after);
+    for (size_t p = 0; p < after; p++) order[p] = p < before ? (int32_t)p : -1;
+    gneiss_status status = grow_tables(dem, (size_t)dem->ids + count, error);
+    if (status == GNEISS_OK) status = take_rows(ctx, dem, boundary, order, after, error);
+    gn_free(order);
+    GN_TRY(status);
+    for (size_t k = 0; k < count; k++) {
+        const double *v = arrivals[k].velocity;
+        fill(ctx, dem, &arrivals[k], before + k);
+        /* What follows flights looks at the fastest. */
+        dem->done.motion.speed2 = fmax(dem->done.motion.speed2, gn_dot3(v, v));
+    }
+    gn_dem_number_ids(dem);
+    return gn_lists_follow_rows(ctx, dem, NULL, error);
+}
+
+/* --- fewer --- */
+
+/* Places of those that stay, -1 of the others; returns how many stay. */
+static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
+    const gn_particles *q = &dem->particles;
+    size_t count = 0;
+    for (size_t p = 0; p < q->soa.count; p++) place[p] = gn_particle_is_active(q, p) ? 1 : -1;
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        const gn_contacts *list = &dem->list[l].contacts;
+        if (!gn_list_kinds[l]->persistent) continue;
+        for (size_t c = 0; c < list->soa.count; c++) place[list->i[c]] = place[list->j[c]] = 1;
+    }
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (place[p] < 0) continue;
+        order[count] = (int32_t)p;
+        place[p] = (int32_t)count++;
+    }
+    return count;
+}
+
+static gneiss_status drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          const int32_t *order, size_t count, const int32_t *place,
+                          gneiss_error *error) {
+    GN_TRY(take_rows(ctx, dem, boundary, order, count, error));
+    gn_dem_number_ids(dem);
+    GN_TRY(gn_lists_follow_rows(ctx, dem, place, error));
+    return gn_boundary_renumber(boundary, place, error);
+}
+
+gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          gneiss_error *error) {
+    size_t n = dem->particles.soa.count;
+    if (!gn_scene_has_flow(&ctx->scene) || n == 0) return GNEISS_OK;
+    int32_t *place = gn_alloc_array(n + 1, sizeof *place),
+            *order = gn_alloc_array(n + 1, sizeof *order);
+    gneiss_status status = GNEISS_OK;
+    if (!place || !order)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    size_t stay = status == GNEISS_OK ? find_stays(dem, place, order) : 0;
+    /* Some rows of nothing cost less than taking them out; one at least is there. */
+    if (status == GNEISS_OK && stay > 0 && n - stay > n / 16)
+        status = drop(ctx, dem, boundary, order, stay, place, error);
+    gn_free(place);
+    gn_free(order);
     return status;
 }

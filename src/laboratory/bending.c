@@ -1,11 +1,10 @@
-#include "laboratory/bending.h"
 
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
-#include "laboratory/geometry.h"
+#include "laboratory/laboratory.h"
 #include "particles/dem.h"
 #include "particles/observe.h"
 #include "particles/sets.h"

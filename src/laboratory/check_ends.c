@@ -1,12 +1,13 @@
 /* Whether the two ends of a test are what its kind asks for: one below, one above. */
 #include "base/error.h"
 #include "base/point.h"
+#include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "boundary/surface_lists.h"
+#include "boundary/surface.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
-#include "laboratory/bending.h"
 #include "laboratory/ends.h"
+#include "laboratory/laboratory.h"
 #include "particles/dem.h"
 #include "particles/observe.h"
 #include "particles/sets.h"
@@ -261,4 +262,207 @@ gneiss_status gn_ends_check(const gn_step_context *ctx, const gn_dem *dem,
     if (!lower.count || !upper.count) return GNEISS_OK;
     const char *what = wrong(ctx, dem, boundary, solids, way, &lower, &upper);
     return what ? fail(ctx, way, &lower, &upper, what, error) : GNEISS_OK;
+}
+
+/* How walls that are ends of a test stand to its specimen at the start. */
+
+/* A flat of a disc takes little of it: one of 30 degrees 1.7 % of the diameter. */
+static const double deep = 0.025, far = 0.1, tilted = 2.0; /* shares of the extent, degrees */
+
+static int way_of(const gn_step_context *ctx) {
+    return (int)ctx->scene.test.axis;
+}
+
+/* Walls of an end: their mean normal along the axis, over its length; 1: there are none. */
+static double cosine_of(const gn_step_context *ctx, const gn_test_end *end) {
+    double sum[3] = {0.0};
+    size_t walls = 0;
+    for (size_t k = 0; k < end->count; k++) {
+        const int wall = gn_scene_find_wall(&ctx->scene, end->name[k]);
+        for (int a = 0; wall >= 0 && a < 3; a++) sum[a] += ctx->scene.walls[wall].normal[a];
+        walls += wall >= 0;
+    }
+    const double length = sqrt(gn_dot3(sum, sum));
+    return walls && length > 0.0 ? fmin(1.0, fabs(sum[way_of(ctx)]) / length) : 1.0;
+}
+
+/* m by which a wall is inside the specimen, below 0 outside of it. */
+static double depth_of(const gn_step_context *ctx, const gn_wall_def *wall) {
+    const int way = way_of(ctx);
+    return wall->normal[way] > 0.0 ? wall->point[way] - ctx->lower[way]
+                                   : ctx->upper[way] - wall->point[way];
+}
+
+/* What falls, comes in, is set or is brought by a servo gets there by itself. */
+static bool may_come(const gn_step_context *ctx, const gn_wall_def *wall) {
+    const gn_scene *s = &ctx->scene;
+    return wall->servo.active || s->source_count || gn_dot3(s->gravity, s->gravity) > 0.0;
+}
+
+static bool doubt_of_wall(const gn_step_context *ctx, const gn_dem *dem, const gn_wall_def *wall,
+                          char *text, size_t size) {
+    const int way = way_of(ctx);
+    const double extent = ctx->upper[way] - ctx->lower[way], depth = depth_of(ctx, wall),
+                 radius = dem->particles.soa.count ? gn_dem_mean_radius(dem) : 0.0;
+    const bool inside = depth > fmax(deep * extent, radius),
+               outside = -depth > fmax(far * extent, radius) && !may_come(ctx, wall);
+    if (fabs(wall->normal[way]) <= 0.9 || (!inside && !outside)) return false;
+    snprintf(text, size,
+             "wall '%.60s', an end, begins %.4g m %s the specimen, which is %.4g m long along %c",
+             wall->name, fabs(depth), inside ? "inside" : "away from", extent, "xyz"[way]);
+    return true;
+}
+
+static bool doubt_of_end(const gn_step_context *ctx, const gn_dem *dem, const gn_test_end *end,
+                         char *text, size_t size) {
+    const double tilt = acos(cosine_of(ctx, end)) * 180.0 / M_PI;
+    for (size_t k = 0; k < end->count; k++) {
+        const int wall = gn_scene_find_wall(&ctx->scene, end->name[k]);
+        if (wall < 0) continue;
+        if (doubt_of_wall(ctx, dem, &ctx->scene.walls[wall], text, size)) return true;
+        if (tilt <= tilted) continue;
+        snprintf(text, size,
+                 "wall '%.60s', an end, is tilted by %.3g degrees against the axis of the test, %c",
+                 end->name[k], tilt, "xyz"[way_of(ctx)]);
+        return true;
+    }
+    return false;
+}
+
+bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                    char *text, size_t size) {
+    const gn_test *t = &ctx->scene.test;
+    const gn_test_end *ends[] = {&t->lower, &t->upper};
+    char doubt[240];
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    if (!d->ends || d->sign > 0 || d->beam) return false;
+    /* What begins loose is another specimen once stages have settled and bonded it. */
+    if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return false;
+    /* Of particles beside elements either may be what is tested. */
+    if (!dem->particles.soa.count == !solids->count) return false;
+    for (int e = 0; e < 2; e++) {
+        if (!doubt_of_end(ctx, dem, ends[e], doubt, sizeof doubt)) continue;
+        const gn_scene_place where = ends[e]->where.line ? ends[e]->where : t->where;
+        snprintf(text, size, "%s: %s",
+                 gn_scene_at(&ctx->scene, where, e ? "test.upper" : "test.lower").text, doubt);
+        return true;
+    }
+    return false;
+}
+
+/* Whether an oedometer holds its specimen at both sides, where the specimen is. */
+
+/* What is farther from the specimen than this share of its width, or a particle, holds nothing. */
+static const double near_by = 0.1;
+
+static double reach_beside(const gn_step_context *ctx, const gn_dem *dem, int a) {
+    const double share = near_by * (ctx->upper[a] - ctx->lower[a]);
+    return dem->particles.soa.count ? fmax(share, 2.0 * gn_dem_mean_radius(dem)) : share;
+}
+
+/* sense -1: the lower side, +1: the upper one. */
+static double face(const gn_step_context *ctx, int a, int sense) {
+    return sense < 0 ? ctx->lower[a] : ctx->upper[a];
+}
+
+static bool wall_beside(const gn_step_context *ctx, const gn_dem *dem, size_t wall, int a,
+                        int sense) {
+    const gn_wall_def *def = &ctx->scene.walls[wall];
+    const gn_particles *q = &dem->particles;
+    double gap = INFINITY;
+    if (!gn_scene_wall_is_fixed(&ctx->scene, wall, a) || -sense * def->normal[a] <= 0.1)
+        return false;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double d[3];
+        for (int b = 0; b < 3; b++) d[b] = q->pos[4 * p + b] - def->point[b];
+        gap = fmin(gap, gn_dot3(d, def->normal) - q->pos[4 * p + 3]);
+    }
+    if (!q->soa.count) gap = sense * (def->point[a] - face(ctx, a, sense));
+    return gap <= reach_beside(ctx, dem, a);
+}
+
+static bool body_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        size_t body, int a, int sense) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    size_t first = 0;
+    if (!gn_scene_body_is_fixed(&ctx->scene, body, a)) return false;
+    for (size_t k = 0; k < body; k++) first += (size_t)boundary->body_shape[k][0];
+    for (size_t n = first; n < first + (size_t)boundary->body_shape[body][0]; n++) {
+        double corner[3];
+        gn_rigid_place(&boundary->bodies[body], boundary->body_vertex + 4 * n, corner);
+        for (int b = 0; b < 3; b++) low[b] = fmin(low[b], corner[b]);
+        for (int b = 0; b < 3; b++) high[b] = fmax(high[b], corner[b]);
+    }
+    const double at = face(ctx, a, sense);
+    bool beside =
+        low[a] <= at + reach_beside(ctx, dem, a) && high[a] >= at - reach_beside(ctx, dem, a);
+    for (int b = 0; b < (int)ctx->scene.dimension; b++)
+        beside = beside && low[b] <= ctx->upper[b] + reach_beside(ctx, dem, b) &&
+                 high[b] >= ctx->lower[b] - reach_beside(ctx, dem, b);
+    return beside;
+}
+
+static bool at_face(const gn_step_context *ctx, const gn_dem *dem, double x, int a, int sense) {
+    return sense * (face(ctx, a, sense) - x) <= reach_beside(ctx, dem, a);
+}
+
+static bool set_beside(const gn_step_context *ctx, const gn_dem *dem, size_t set, int a,
+                       int sense) {
+    const gn_particles *q = &dem->particles;
+    bool beside = false;
+    if (!gn_scene_set_is_fixed(&ctx->scene, set, a)) return false;
+    for (size_t p = 0; p < q->soa.count; p++)
+        beside = beside || (gn_set_selected(ctx, dem, set, p) &&
+                            at_face(ctx, dem, q->start[4 * p + a], a, sense));
+    return beside;
+}
+
+static bool motion_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                          size_t motion, int a, int sense) {
+    const gn_particles *nodes;
+    const gn_fem_set *set = gn_elements_motion_set(solids, motion, &nodes);
+    bool beside = false;
+    if (!gn_scene_motion_is_fixed(&ctx->scene, motion, a)) return false;
+    for (size_t k = 0; k < set->count; k++)
+        beside = beside ||
+                 at_face(ctx, dem, nodes->start[4 * (size_t)set->node[k] + (size_t)a], a, sense);
+    return beside;
+}
+
+static bool held_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, int a, int sense) {
+    const gn_scene *s = &ctx->scene;
+    bool held = false;
+    for (size_t k = 0; !held && k < s->wall_count; k++) held = wall_beside(ctx, dem, k, a, sense);
+    for (size_t k = 0; !held && k < s->body_count; k++)
+        held = body_beside(ctx, dem, boundary, k, a, sense);
+    for (size_t k = 0; !held && k < s->set_count; k++) held = set_beside(ctx, dem, k, a, sense);
+    for (size_t k = 0; !held && k < s->elements.motion_count; k++)
+        held = motion_beside(ctx, dem, solids, k, a, sense);
+    return held;
+}
+
+gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids,
+                             gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
+    /* Stages may bring sides closer; elements beside particles may be what holds them. */
+    if (!gn_scene_test(s)->sides_stand || s->stage_count || s->source_count ||
+        (s->has_specimen && solids->count))
+        return GNEISS_OK;
+    for (int a = 0; a < (int)s->dimension; a++)
+        for (int sense = -1; sense <= 1; sense += 2) {
+            if (a == s->test.axis || gn_scene_periodic_along(s, a) ||
+                held_beside(ctx, dem, boundary, solids, a, sense))
+                continue;
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected something that stands beside the specimen of an %s "
+                           "test at its %s side along %c, %.4g m (a wall, a body, a set that is "
+                           "held there), found none within %.2g m",
+                           gn_scene_at(s, s->test.where, "test.kind").text, gn_scene_test(s)->name,
+                           sense < 0 ? "lower" : "upper", "xyz"[a],
+                           gn_point_out(s->origin[a], face(ctx, a, sense)),
+                           reach_beside(ctx, dem, a));
+        }
+    return GNEISS_OK;
 }

@@ -4,11 +4,12 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
+#include "frame/step_context.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* How the ends of a test come to its specimen (approach.c). */
+/* How the ends of a test come to its specimen (ends.c). */
 struct gn_approach {
     double
         away[2]; /* 1: the lower (upper) end began away, and has not yet borne when the other did */
@@ -68,5 +69,9 @@ void gn_ends_begin(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
 /* Once forces are known: notes where the ends have touched it. `still`: in an equilibrium, which
  * may be far beyond the first touch. */
 void gn_ends_look(gn_world *world, bool still);
+
+void gn_control_create(gn_step_context *ctx);
+/* Looks at the reading every so many steps; before the forces of a step. */
+void gn_control_look(gn_world *world);
 
 #endif

@@ -141,6 +141,13 @@ gneiss_status gn_springs_mode(const gn_springs *system, double tolerance, double
 gneiss_status gn_springs_limits(gn_springs *system, double tolerance, gn_step_limit *limit,
                                 gneiss_error *error);
 
+/* Computes what Lanczos on all particles would, to the same relative tolerance, and sets `found`;
+ * both are unchanged, false, if more than a quarter of the particles could determine the limit.
+ * `limit` has the rigorous bound, `first` is the particle that determines it. The result is the
+ * same for any number of threads. */
+gneiss_status gn_springs_local_limit(gn_springs *system, size_t first, double tolerance,
+                                     gn_step_limit *limit, bool *found, gneiss_error *error);
+
 /* splitmix64 (Steele, Lea & Flood 2014). */
 static inline uint64_t gn_hash_place(uint64_t place) {
     uint64_t z = (place + 1) * UINT64_C(0x9e3779b97f4a7c15);

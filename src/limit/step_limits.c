@@ -15,7 +15,6 @@
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "limit/damped.h"
-#include "limit/local.h"
 #include "limit/springs.h"
 
 #include <float.h>

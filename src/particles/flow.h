@@ -114,7 +114,7 @@ void gn_flow_row(const gn_step_context *ctx, gn_dem *dem);
 /* Particles that are there. */
 size_t gn_world_present(const gn_dem *dem);
 
-/* resize.c: room for those that come in, behind the others; the lists have to be made anew. */
+/* removal.c: room for those that come in, behind the others; the lists have to be made anew. */
 gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                           const gn_arrival *arrivals, size_t count, gneiss_error *error);
 /* Leaves out the rows of particles that are gone, once they are many, but for those that have

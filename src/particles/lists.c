@@ -5,7 +5,6 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
-#include "boundary/walls.h"
 #include "conversion/conversion.h"
 #include "frame/ledger.h"
 #include "frame/periodic_box.h"
@@ -25,7 +24,7 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "soa/single.h"
-#include "timestep/mass_scaling.h"
+#include "timestep/step_limit.h"
 #include "world/world.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "plan/propose.h"
 
 #include "plan/setting.h"
-#include "timestep/mass_scaling.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 #include "run/budget.h"
 
 #include "accuracy/covers.h"
-#include "laboratory/section.h"
+#include "laboratory/laboratory.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,7 +1,6 @@
 /* The part of a checkpoint for walls, bodies and the contacts with them. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"

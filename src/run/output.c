@@ -28,7 +28,6 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "timestep/mass_scaling.h"
 #include "timestep/step_limit.h"
 #include "world/space.h"
 #include "world/world.h"

@@ -1,9 +1,7 @@
 /* Rigid bodies as files: snapshots and their group in results.h5 (docs/results.md). */
 #include "base/error.h"
 #include "base/memory.h"
-#include "boundary/bodies.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
 #include "run/output_table.h"

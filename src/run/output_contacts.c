@@ -6,7 +6,6 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
 #include "particles/dem.h"

@@ -4,7 +4,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
-#include "timestep/mass_scaling.h"
+#include "timestep/step_limit.h"
 #include "world/space.h"
 #include "zones/zones.h"
 

@@ -1,7 +1,6 @@
 /* Readings of a run: of its whole history, or of the rows of one stage. */
 #include "accuracy/covers.h"
 #include "laboratory/laboratory.h"
-#include "laboratory/section.h"
 #include "particles/bursts.h"
 #include "particles/fragments.h"
 #include "run/budget.h"

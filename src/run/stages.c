@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/vec3.h"
-#include "boundary/walls.h"
+#include "boundary/boundary.h"
 #include "frame/balance.h"
 #include "particles/flow.h"
 #include "run/spacing.h"

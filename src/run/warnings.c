@@ -3,13 +3,13 @@
 #include "base/point.h"
 #include "conversion/conversion.h"
 #include "laboratory/ends.h"
-#include "laboratory/geometry.h"
+#include "laboratory/laboratory.h"
 #include "particles/bonds.h"
 #include "particles/specimen.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "scene/acts.h"
-#include "timestep/depth.h"
+#include "timestep/indentation.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>

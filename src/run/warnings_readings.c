@@ -1,5 +1,5 @@
 /* Warnings about the readings. */
-#include "laboratory/section.h"
+#include "laboratory/laboratory.h"
 #include "run/stages.h"
 #include "run/warnings.h"
 #include "scene/stops.h"

@@ -14,7 +14,7 @@
 #include "soa/records.h"
 #include "solids/element_bodies.h"
 #include "solids/elements.h"
-#include "surfaces/facet_tree.h"
+#include "surfaces/facet.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #ifndef GN_SURFACES_CONVEX_H
 #define GN_SURFACES_CONVEX_H
 
-#include "surfaces/facet_tree.h"
+#include "surfaces/facet.h"
 
 #include <stdbool.h>
 

@@ -3,17 +3,14 @@
  * that no dashpot calms get more. What was bonded keeps its step, but for four cases: half as many
  * steps where it meets a wall that is stiffer than its bonds, or where bonds that soften open and
  * close undamped, all of them once it has come apart, and of debris that is wedged (debris.c). */
-#include "timestep/collisions.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/dashpot.h"
@@ -24,7 +21,6 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "timestep/step_limit.h"
-#include "timestep/surface_limit.h"
 #include "timestep/timestep_private.h"
 #include "zones/zones.h"
 

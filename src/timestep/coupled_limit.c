@@ -17,7 +17,7 @@
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "timestep/particle_limit.h"
+#include "timestep/timestep_private.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"

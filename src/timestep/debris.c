@@ -14,7 +14,6 @@
  * asked first: only where it misses more than TOLD of what has gone through while such a particle
  * collides with energy that can be the reason its contacts are resolved as those of loose particles
  * are. */
-#include "timestep/debris.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -24,7 +23,7 @@
 #include "particles/dem.h"
 #include "particles/law.h"
 #include "soa/records.h"
-#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -111,7 +110,7 @@ gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some
     return GNEISS_OK;
 }
 
-bool gn_debris_told(const gn_ledger *ledger) {
+bool gn_debris_suspected(const gn_ledger *ledger) {
     const gn_energy *e = &ledger->reading;
     return fabs(gn_energy_residual(e)) * gn_energy_scale(e) > TOLD * gn_energy_throughput(e);
 }

@@ -3,7 +3,6 @@
  * before the lists are made again, collisions that have to be resolved. What is asked for by a
  * rigorous bound is more than the sharp limit needs, so the bound is asked at a smaller step, which
  * is looked for until the sharp limit is the wanted one. */
-#include "timestep/mass_scaling.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"

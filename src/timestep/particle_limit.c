@@ -1,6 +1,5 @@
 /* The step that the particles allow: of the springs that act, of what may act before the lists are
  * made again, of collisions. */
-#include "timestep/particle_limit.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"
@@ -14,7 +13,6 @@
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "timestep/collisions.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
 #include "world/world.h"

@@ -13,9 +13,6 @@
 #include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "timestep/body_paths.h"
-#include "timestep/collisions.h"
-#include "timestep/particle_limit.h"
 #include "timestep/timestep_private.h"
 #include "world/world.h"
 #include "zones/zone_state.h"
@@ -421,7 +418,7 @@ static gneiss_status look_again(gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
-    if (!gn_debris_told(&w->ledger)) return GNEISS_OK;
+    if (!gn_debris_suspected(&w->ledger)) return GNEISS_OK;
     w->dem.debris_suspected = true;
     gneiss_status status = look_again(w, error);
     w->dem.debris_suspected = false;

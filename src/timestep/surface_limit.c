@@ -1,16 +1,13 @@
 /* What surfaces mean for the stability limit. */
-#include "timestep/surface_limit.h"
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
@@ -20,7 +17,6 @@
 #include "scene/sides.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
-#include "surfaces/facet_tree.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
 
@@ -70,13 +66,8 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    for (size_t c = 0; c < rows;) {
-        size_t many = 0;
-        if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count) {
-            c++;
-            continue;
-        }
-        c = gn_surface_contacts_at(ctx, dem, boundary, c, reach, found, &many);
+    size_t row = 0, many;
+    while (gn_surface_contacts_next(ctx, dem, boundary, &row, reach, found, &many)) {
         /* Near several facets: they may yet be joined, into one contact. */
         for (size_t k = 0; k < many; k++)
             (*springs)[(*count)++] = spring_of(

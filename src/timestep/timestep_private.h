@@ -21,7 +21,7 @@ void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary);
 /* Marks in dem->loose the particles that were not bonded at the start (collisions.c). */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Tells whether the ledger of a measured step misses more than debris may (debris.c). */
-bool gn_debris_told(const gn_ledger *ledger);
+bool gn_debris_suspected(const gn_ledger *ledger);
 /* Adds up the intact bonds of each particle into left [particles], which holds zeros: 0, 1, or 2
  * for more. */
 void gn_bonds_left(const gn_dem *dem, uint8_t *left);
@@ -63,5 +63,13 @@ double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_b
                        const gn_solids *solids, const gn_zones *zones, double step);
 /* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
+
+/* Calls `use` with the linearised system of the particles: of the springs that act or, with
+ * `listed`, of all that the lists hold. */
+typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,
+                                       gneiss_error *error);
+gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
+                                   void *context, gneiss_error *error);
 
 #endif

@@ -16,7 +16,6 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "soa/single.h"
-#include "timestep/particle_limit.h"
 #include "timestep/step_limit.h"
 #include "world/particle_step.h"
 #include "world/world.h"

@@ -3,7 +3,6 @@
 #include "base/memory.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
-#include "boundary/walls.h"
 #include "conversion/conversion.h"
 #include "drive/box.h"
 #include "frame/periodic_box.h"

@@ -6,7 +6,7 @@
 #include "particles/dem.h"
 #include "particles/flow.h"
 #include "particles/invariants.h"
-#include "timestep/depth.h"
+#include "timestep/indentation.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"
 #include "world/particle_step.h"

@@ -13,7 +13,6 @@
 #include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 #include "world/origin.h"
 #include "world/particle_step.h"

@@ -11,7 +11,6 @@
 #include "particles/dem.h"
 #include "particles/sets.h"
 #include "solids/elements.h"
-#include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"
 #include "world/particle_step.h"
