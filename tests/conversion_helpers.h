@@ -119,18 +119,12 @@ static inline void convert(gn_world *w, double from, double to, double low, doub
     if (convert_box(w, a, b, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-static inline bool is_awake(const gn_world *w, size_t p) {
+static inline bool is_active(const gn_world *w, size_t p) {
     return w->dem.particles.vel[4 * p + 3] > 0.0;
 }
 
 static inline bool is_tied(const gn_world *w, size_t p) {
     return gn_coupled_has(w->zones.coupled, w->dem.particles.id[p]);
-}
-
-/* Those of zones with slaved spins have no inertia. */
-static inline bool spins_freely(const gn_world *w, size_t p) {
-    const gn_coupled *q = w->zones.coupled;
-    return !q->turn || !is_tied(w, p);
 }
 
 /* Mass, its first moment, momenta about the origin, moments of inertia about the axis z. */
@@ -152,7 +146,7 @@ static inline void add_points(const gn_world *w, const gn_particles *q, bool par
             s->momentum[a] += m * v[a];
             s->turning[a] += m * (x[c] * v[d] - x[d] * v[c]);
         }
-        if (!q->spin || !spins_freely(w, p)) continue;
+        if (!q->spin) continue;
         const double *o = q->spin + 4 * p;
         s->inertia += 1.0 / o[3];
         s->energy += 0.5 * gn_dot3(o, o) / o[3];

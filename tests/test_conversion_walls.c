@@ -13,10 +13,11 @@ static void sink(const double *x, const void *of, double u[3], double v[3]) {
     v[1] = -how[1];
 }
 
-static double lowest_awake(const gn_world *w) {
+static double lowest_active(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     double count = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) count += is_awake(w, p) && q->start[4 * p + 1] < 1e-3;
+    for (size_t p = 0; p < q->soa.count; p++)
+        count += is_active(w, p) && q->start[4 * p + 1] < 1e-3;
     return count;
 }
 
@@ -37,7 +38,7 @@ static void a_particle_activated_inside_a_wall_feels_added_loads_only(void **sta
         (void)measured_step(w);
         set_elements(w, sink, how);
         convert(w, 12e-3, 18e-3, 0.0, 4e-3);
-        const double pressed = lowest_awake(w);
+        const double pressed = lowest_active(w);
         assert_true(pressed > 6.0);
         assert_near(w->ledger.energy.conversion, 0.0, 1e-9 * 0.5 * 1e9 * 2e-5 * 2e-5 * pressed);
         gn_energy e = measured_step(w);

@@ -28,7 +28,7 @@ static void move(gn_world *w, const double f[9]) {
 
 static void press(gn_world *w) {
     gneiss_error error = {0};
-    if (gn_membrane_press(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_membrane_apply(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 /* Areas of the start, to be freed. */

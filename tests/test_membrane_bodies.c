@@ -9,7 +9,7 @@ static const double rotation[9] = {0.6, 0, 0.8, 0.64, 0.6, -0.48, -0.48, 0.8, 0.
 static void press_at(gn_world *w, int64_t step) {
     gneiss_error error = {0};
     w->ctx.step = step;
-    if (gn_membrane_press(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_membrane_apply(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 /* Two blocks of 4 x 4 x 4 that touch nothing of one another; the one is stretched, the other bent

@@ -3,7 +3,6 @@
 #include "world_helpers.h"
 
 #include "membrane/membrane.h"
-#include "membrane/support.h"
 
 static const double pitch = 2e-3;
 
@@ -17,14 +16,14 @@ static const double pitch = 2e-3;
 static void press_at(gn_world *w, int64_t step) {
     gneiss_error error = {0};
     w->ctx.step = step;
-    if (gn_membrane_press(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_membrane_apply(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 static bool *held_of(const gn_world *w) {
     gneiss_error error = {0};
     bool *held = calloc(w->dem.particles.soa.count + 1, sizeof *held);
     assert_non_null(held);
-    if (gn_membrane_held(&w->ctx, &w->dem, held, &error) != GNEISS_OK)
+    if (gn_membrane_find_supported(&w->ctx, &w->dem, held, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     return held;
 }

@@ -33,6 +33,7 @@ CLEAN = [
     "src/api",
     "src/base",
     "src/cli",
+    "src/conversion",
     "src/couple",
     "src/fem",
     "src/frame",
@@ -40,6 +41,7 @@ CLEAN = [
     "src/kernels",
     "src/limit",
     "src/measure",
+    "src/membrane",
     "src/mesh",
     "src/neigh",
     "src/pack",
@@ -49,11 +51,13 @@ CLEAN = [
     "src/scene",
     "src/sched",
     "src/soa",
+    "src/solids",
     "src/static",
     "src/surfaces",
     "src/world",
     "src/sweep",
     "src/test_kinds",
+    "src/zones",
 ]
 # Pages that are written by a program from texts elsewhere: their words and lines are those of the texts.
 GENERATED = {"docs/keys.md", "docs/quantities.md"}

@@ -2,6 +2,7 @@
  */
 #include "api/handles.h"
 #include "conversion/conversion.h"
+#include "particles/dormant.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>
@@ -328,7 +329,7 @@ gneiss_status gneiss_world_limits(const gneiss_world *world, gneiss_limits *limi
     const gn_world *w = &world->run.world;
     *limits = (gneiss_limits){
         w->ctx.dt, w->ctx.stable, gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
-        gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones),
+        gn_world_bound(&w->ctx, &w->dem, &w->solids),
         w->ctx.scene.has_specimen ? w->dem.limit.literature : (double)INFINITY};
     return GNEISS_OK;
 }
@@ -361,7 +362,7 @@ gneiss_status gneiss_world_element_counts(const gneiss_world *world, gneiss_elem
     const gn_world *w = &world->run.world;
     const gn_element_totals t = gn_elements_totals(&w->solids);
     *counts = (gneiss_element_counts){(int64_t)t.nodes, (int64_t)t.elements,
-                                      (int64_t)gn_conversion_asleep(&w->dem)};
+                                      (int64_t)gn_dormant_count(&w->dem)};
     return GNEISS_OK;
 }
 

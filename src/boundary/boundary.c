@@ -131,13 +131,12 @@ double gn_boundary_travel(const gn_step_context *ctx, gn_boundary *boundary, boo
 
 /* --- step --- */
 
-bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                      const gn_solids *solids, const gn_zones *zones, size_t block, size_t first,
-                      size_t last) {
+bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t block,
+                      size_t first, size_t last) {
     gn_boundary *b = boundary;
     size_t begin = (size_t)b->first[first], end = (size_t)b->first[last];
     b->sums[block] = (gn_contact_sums){0};
-    gn_wall_contacts_work(ctx, dem, boundary, solids, zones, begin, end, &b->sums[block]);
+    gn_wall_contacts_work(ctx, dem, boundary, begin, end, &b->sums[block]);
     return begin < end;
 }
 

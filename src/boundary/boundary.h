@@ -86,9 +86,8 @@ gneiss_status gn_boundary_renumber(gn_boundary *boundary, const int32_t *place,
 double gn_boundary_travel(const gn_step_context *ctx, gn_boundary *boundary, bool exact);
 
 /* Contacts of a block of particles, in the sweep; whether there are any. */
-bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                      const gn_solids *solids, const gn_zones *zones, size_t block, size_t first,
-                      size_t last);
+bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t block,
+                      size_t first, size_t last);
 /* Sums up what particles do to walls, bodies and vertices, after it. */
 void gn_boundary_forces(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 /* New velocities of bodies; new velocities of walls, and new places of both. */

@@ -21,12 +21,6 @@
  * is its weight alone; background damping is neglected. */
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, size_t row, const double n[3]);
-/* Acceleration, m/s2, with which the spring of a coupling zone opens the gap of a row along n. kn,
- * N/m, is the stiffness of the contact; the result is 0 if the step does not resolve both springs
- * together. */
-double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, double kn, size_t row, const double n[3]);
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);
@@ -35,8 +29,7 @@ gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
 void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                           const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
-                           gn_contact_sums *sums);
+                           size_t begin, size_t end, gn_contact_sums *sums);
 /* Adds to `force` the normal force of a wall contact by the linear law, as far as it follows from
  * positions and velocities alone. */
 void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -60,8 +53,7 @@ double gn_surfaces_travel(gn_boundary *boundary, bool exact);
 /* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
  * returns the first row behind them. */
 size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, size_t begin, size_t end,
+                                gn_boundary *boundary, size_t begin, size_t end,
                                 gn_contact_sums *sums);
 /* Adds to `force` the normal forces of the contacts that gn_surface_contacts_work computes, and
  * returns the first row behind them. Contacts that share their stiffness with one of the normal

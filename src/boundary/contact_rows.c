@@ -10,7 +10,6 @@
 #include "particles/dem.h"
 #include "scene/sides.h"
 #include "soa/records.h"
-#include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>
@@ -147,16 +146,4 @@ double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
         if (body && body->inverse_mass[a] > 0.0) sum += gravity[a] * n[a];
     }
     return sum;
-}
-
-/* Three steps to the half wave of both, as of a contact alone (law_linear.c): with fewer, what is
- * foretold of the next step grew until particles flew off. */
-double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, double kn, size_t row, const double n[3]) {
-    const size_t p = (size_t)boundary->contacts.i[row];
-    const double held = gn_penalty_stiffness(ctx, dem, zones, p),
-                 inverse = dem->particles.vel[4 * p + 3];
-    if (!(held > 0.0) || (kn + held) * inverse * ctx->dt_past * ctx->dt_past > 1.0) return 0.0;
-    return gn_penalty_opens(ctx, dem, solids, zones, p, n);
 }

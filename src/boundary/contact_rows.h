@@ -106,17 +106,13 @@ static inline gn_touch_step gn_touch_step_of(const gn_step_context *ctx, const g
 
 /* See gn_law.touch. `row`: of the contact. */
 static inline double gn_touch_force(const gn_step_context *ctx, const gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, const gn_touch_side *side, size_t row,
-                                    gn_touch *touch, double *fd, double *shear, size_t stride,
-                                    double t[3], gn_contact_sums *sums) {
+                                    const gn_boundary *boundary, const gn_touch_side *side,
+                                    size_t row, gn_touch *touch, double *fd, double *shear,
+                                    size_t stride, double t[3], gn_contact_sums *sums) {
     size_t particle = (size_t)boundary->contacts.i[row];
     const gn_touch_step step = gn_touch_step_of(ctx, dem);
     if (gn_touch_crosses(touch, touch->speed * ctx->dt_past) && !(ctx->effects & GN_FX_HERTZ))
-        touch->other_acceleration =
-            gn_other_acceleration(ctx, dem, boundary, row, touch->n) +
-            gn_held_acceleration(ctx, dem, boundary, solids, zones, side->part * side->stiffness,
-                                 row, touch->n);
+        touch->other_acceleration = gn_other_acceleration(ctx, dem, boundary, row, touch->n);
     if (ctx->effects & GN_FX_HERTZ) touch->checked_overlap = gn_pressed_touch(dem, particle);
     return gn_law_of(ctx->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);
 }

@@ -6,7 +6,7 @@
 #include "frame/step_context.h"
 #include "kernels/partials.h"
 #include "particles/dem.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"

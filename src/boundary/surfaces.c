@@ -35,8 +35,6 @@ typedef struct group {
     const gn_surface *s;
     const gn_rigid *body;
     size_t particle, begin, end;
-    const gn_solids *solids; /* for forces alone; else NULL */
-    const gn_zones *zones;
 } group;
 
 static int32_t facet_of(const group *g, size_t row) {
@@ -58,8 +56,7 @@ static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
     for (size_t c = 0; c < q->soa.count; c++) {
         if ((size_t)q->wall[c] < ctx->scene.wall_count) continue;
         const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
-        group g = {ctx, dem,   boundary, s,   body_of(boundary, s), (size_t)q->i[c],
-                   c,   c + 1, NULL,     NULL};
+        group g = {ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[c], c, c + 1};
         gn_facet_near near;
         double centre[3];
         gn_surface_centre(dem, boundary, s, g.particle, centre);
@@ -278,8 +275,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     s.inverse_mass /= k->part;
     s.body_inverse_mass /= mass_share(g, k);
     if (q->roll) take_roll(g, roll, couple, &s);
-    double total = gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, own, &s,
-                                  q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
+    double total = gn_touch_force(g->ctx, g->dem, g->boundary, &law, own, &s, q->fd ? &fd : NULL,
+                                  q->shear ? old : NULL, 1, t, sums);
     for (size_t a = 0; a < 3; a++) {
         force[a] = total * s.n[a] + t[a];
         q->row[8 * own + a] = force[a];
@@ -339,9 +336,8 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
     if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
     s.body_inverse_mass /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
-    double total =
-        gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, m->row, &s,
-                       q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL, 1, t, sums);
+    double total = gn_touch_force(g->ctx, g->dem, g->boundary, &law, m->row, &s,
+                                  q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL, 1, t, sums);
     if (total == 0.0) return;
     double *row = q->row + 8 * near.row;
     size_t stride = q->soa.capacity;
@@ -365,8 +361,7 @@ static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     int32_t last = (int32_t)ctx->scene.wall_count + s->first + (int32_t)s->facets.count;
     size_t past = begin + 1;
     while (past < end && q->i[past] == q->i[begin] && q->wall[past] < last) past++;
-    return (group){ctx,   dem,  boundary, s,   body_of(boundary, s), (size_t)q->i[begin],
-                   begin, past, NULL,     NULL};
+    return (group){ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[begin], begin, past};
 }
 
 /* Contacts of a particle that presses all that is within reach, each with its part of k, which add
@@ -455,13 +450,10 @@ static void work_on_patch(const group *g, gn_wall_contacts *rows, const gn_facet
 }
 
 size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, size_t begin, size_t end,
+                                gn_boundary *boundary, size_t begin, size_t end,
                                 gn_contact_sums *sums) {
     gn_wall_contacts *rows = &boundary->contacts;
     group g = group_at(ctx, dem, boundary, begin, end);
-    g.solids = solids;
-    g.zones = zones;
     gn_touch_memory old[GN_SURFACE_CONTACTS + 1];
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];

@@ -206,8 +206,7 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
     return true;
 }
 
-static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                         const gn_solids *solids, const gn_zones *zones, size_t c,
+static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t c,
                          gn_contact_sums *sums) {
     gn_wall_contacts *q = &boundary->contacts;
     double arm, v[3], t[3], *row = q->row + 8 * c, moment[3], couple[3] = {0, 0, 0};
@@ -226,9 +225,8 @@ static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *b
         const double *spin = dem->particles.spin + 4 * (int64_t)q->i[c];
         for (int a = 0; a < 3; a++) s.spin[a] = -spin[a];
     }
-    double total =
-        gn_touch_force(ctx, dem, boundary, solids, zones, &law, c, &s, q->fd ? q->fd + c : NULL,
-                       q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
+    double total = gn_touch_force(ctx, dem, boundary, &law, c, &s, q->fd ? q->fd + c : NULL,
+                                  q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
     for (int a = 0; a < 3; a++) {
         row[a] = total * s.n[a] + t[a];
@@ -250,13 +248,12 @@ void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
 }
 
 void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                           const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
-                           gn_contact_sums *sums) {
+                           size_t begin, size_t end, gn_contact_sums *sums) {
     for (size_t c = begin; c < end;) {
         if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count)
-            wall_contact(ctx, dem, boundary, solids, zones, c++, sums);
+            wall_contact(ctx, dem, boundary, c++, sums);
         else
-            c = gn_surface_contacts_work(ctx, dem, boundary, solids, zones, c, end, sums);
+            c = gn_surface_contacts_work(ctx, dem, boundary, c, end, sums);
     }
 }
 

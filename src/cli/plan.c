@@ -658,11 +658,11 @@ gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error
     *warnings = 0;
     char doubts[GNEISS_MESSAGE_SIZE];
     print_origin(world);
-    gn_conversion_turn_over(
+    gn_conversion_swap_dormant(
         &world->ctx, &world->dem); /* dormant particles are described in their released state */
     gneiss_status status =
         world->ctx.scene.has_specimen ? check_particles(world, warnings, error) : GNEISS_OK;
-    gn_conversion_turn_over(&world->ctx, &world->dem);
+    gn_conversion_swap_dormant(&world->ctx, &world->dem);
     GN_TRY(status);
     if (gn_scale_doubts(&world->ctx, &world->dem, &world->boundary, &world->solids, doubts,
                         sizeof doubts)) {

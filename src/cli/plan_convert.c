@@ -4,7 +4,9 @@
 #include "cli/plan_couple.h"
 #include "cli/plan_time.h"
 #include "cli/progress.h"
+#include "particles/dormant.h"
 #include "scene/stages.h"
+#include "solids/dormant_places.h"
 #include "timestep/step_limit.h"
 #include "zones/zone_state.h"
 
@@ -40,10 +42,10 @@ typedef struct trial {
 static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
     gn_resolution collision;
     GN_TRY(gn_conversion_limit(world, &t->all, error));
-    gn_conversion_turn_over(&world->ctx, &world->dem);
+    gn_conversion_swap_dormant(&world->ctx, &world->dem);
     gneiss_status status = gn_resolution_listed(&world->ctx, &world->dem, &world->boundary,
                                                 &world->solids, &world->zones, &collision, error);
-    gn_conversion_turn_over(&world->ctx, &world->dem);
+    gn_conversion_swap_dormant(&world->ctx, &world->dem);
     t->collision = collision.step;
     return status;
 }
@@ -96,7 +98,7 @@ static gneiss_status follow_stages(gn_world *world, trial *t, double settled, gn
 /* Runs up to the first conversion, or as long as the budget of element steps lasts. */
 static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error) {
     enum { WARM_UP = 20 };
-    const double budget = 2e8 / (double)gn_conversion_elements(&world->solids);
+    const double budget = 2e8 / (double)gn_elements_left_count(&world->solids);
     const double settled = 20.0 * wave_travel(world);
     double start = gn_now();
     while (!t->begun && t->steps < budget &&
@@ -107,7 +109,7 @@ static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error
         if (status != GNEISS_OK && status != GNEISS_ERROR_UNSTABLE) return status;
         snprintf(t->halt, sizeof t->halt, "%.400s",
                  status == GNEISS_OK ? world->outcome.halt : error->message);
-        t->begun = *t->halt || gn_conversion_begun(&world->solids);
+        t->begun = *t->halt || gn_elements_have_left(&world->solids);
     }
     t->seconds[0] = (gn_now() - start) / fmax(t->steps - WARM_UP - 1.0, 1.0);
     t->time = world->ctx.time;
@@ -127,13 +129,10 @@ static const char by_collisions[] = "collisions";
 /* Returns what sets the present step. */
 static const char *side_of(const gn_world *world) {
     const gn_dem *dem = &world->dem;
-    const double share = gn_world_nonviscous_share(&world->ctx),
-                 elements = gn_elements_stable(&world->solids);
+    const double elements = gn_elements_stable(&world->solids);
     const int32_t p = dem->limit.sharp_id;
     if (is_near(world->ctx.dt, dem->resolution.step)) return by_collisions;
     if (is_near(world->ctx.dt, 0.98 * dem->listed)) return "contacts that may close";
-    if (world->ctx.stable < 0.9 * share * fmin(elements, dem->stable))
-        return "slaved spins of the zone";
     if (elements <= dem->stable) return "elements that are left, by their rigorous bound";
     return p >= 0 && gn_coupled_has(world->zones.coupled, p) ? "particles of the zone"
                                                              : "particles";
@@ -190,7 +189,7 @@ static gneiss_status try_converting(gn_world *world, trial *t, gneiss_error *err
     t->later = t->first = world->ctx.dt;
     t->side[0] = t->side[1] = side_of(world);
     GN_TRY(try_fronts(world, t, load, 0.7, error));
-    t->elements = gn_conversion_elements(&world->solids);
+    t->elements = gn_elements_left_count(&world->solids);
     GN_TRY(gn_time_fixed_steps(world, &t->seconds[1], error));
     GN_TRY(try_fronts(world, t, load, t->begun ? t->time / t->end : 1.0, error));
     find_least(world, t);
@@ -223,7 +222,7 @@ static cost cost_of(const trial *t) {
 static void print_dormant(const gn_world *world, const trial *t) {
     printf("dormant particles\n  dormant          %zu, with %zu stored bonds; the step above is "
            "that of the elements alone\n",
-           gn_conversion_asleep(&world->dem), world->dem.prepared.soa.count);
+           gn_dormant_count(&world->dem), world->dem.prepared.soa.count);
     if (t->all.sharp < INFINITY)
         printf("  sharp limit      %.6g s of all of them without elements, rigorous bound %.6g s\n",
                t->all.sharp, t->all.bound);
@@ -247,14 +246,11 @@ static void print_first(const trial *t) {
                "transit times of waves\n");
 }
 
-static void print_dt(const gn_world *world, const trial *t) {
+static void print_dt(const trial *t) {
     printf("  dt               %.6g s then, set by the %s\n", t->first, t->side[0]);
     printf("                   %.6g", t->least);
     if (t->least < equal_ratio * t->later) printf(" to %.6g", t->later);
     printf(" s after further conversions, set by the %s\n", t->side[1]);
-    if (world->ctx.scene.couple.spins == GN_COUPLE_SLAVED)
-        printf("                   roughly: the effect of slaved spins depends on single elements "
-               "of fronts; runs had 0.4 to 2 times that\n");
     if (*t->stop && t->begun)
         printf("  warning: at about %.3g times that load conversion would end the run (roughly: "
                "where elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
@@ -304,7 +300,7 @@ gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds,
     if (*t.halt)
         printf("  warning: the first would end the run: %s\n", t.halt);
     else if (t.least > 0.0)
-        print_dt(world, &t);
+        print_dt(&t);
     print_cost(world, &t);
     return GNEISS_OK;
 }
@@ -321,9 +317,9 @@ static void warn_of_looks(const gn_world *world, int *warnings) {
 }
 
 static void print_places(gn_world *world, int *warnings) {
-    gn_conversion_places_seen seen;
-    if (gn_conversion_begun(&world->solids) ||
-        gn_conversion_see_places(world, &seen, NULL) != GNEISS_OK)
+    gn_conversion_places_checked seen;
+    if (gn_elements_have_left(&world->solids) ||
+        gn_conversion_check_places(world, &seen, NULL) != GNEISS_OK)
         return;
     printf("  places           %zu checked", seen.looked);
     if (seen.along)
@@ -350,7 +346,7 @@ void gn_print_conversion(gn_world *world, int *warnings) {
            "particles\n",
            width, width / f.element, width / f.smallest, width / f.diameter);
     printf("  in the box       %zu of %zu elements, %zu of %zu particles\n", f.elements,
-           gn_conversion_elements(&world->solids), f.particles, world->dem.particles.soa.count);
+           gn_elements_left_count(&world->solids), f.particles, world->dem.particles.soa.count);
     printf("  excluded         %zu elements there, with motions and loads\n", f.held);
     char watched[GNEISS_MESSAGE_SIZE];
     if (*gn_conversion_watches(&world->ctx, &world->solids, watched, sizeof watched)) {

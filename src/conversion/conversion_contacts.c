@@ -1,10 +1,9 @@
-/* Contacts while elements convert. Those that there are have a larger part of their stiffness from
- * now on, and with it of the forces that they carry along. Bonds of who has woken get the force
- * that the strain of the elements makes: the normal one is that of the distance, whatever has
- * turned; the tangential one is k_t times the way that the second centre has come from where the
- * turns of both ends take it, which is eps l less its part along the normal in a uniform strain
- * eps, and nothing in a rigid motion, however large. (With displacements alone each turn would
- * shear all bonds.) */
+/* Contacts during a conversion. Present contacts get a larger weight, and their forces with it.
+ * Bonds of activated particles get the force that the strain of the elements causes: the normal
+ * force is that of the distance, for any rotation; the tangential one is k_t times the displacement
+ * of the second centre from where the rotations of both ends take it, which is eps l less its part
+ * along the normal in a uniform strain eps, and zero in any rigid motion. (With displacements alone
+ * each rotation would shear all bonds.) */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -76,8 +75,8 @@ static void find_turn(const gn_conversion *c, int32_t p, double turn[3][3]) {
         for (int k = 0; k < 3; k++) turn[r][k] /= (double)count;
 }
 
-/* Of the elements that a particle is in, or was the last; one that moves by itself has none that
- * is known. */
+/* Uses the element that contains the particle, or the last one that did; a free particle has no
+ * known rotation. */
 static bool turn_of(const gn_conversion *c, turns *known, int32_t p, double turn[3][3]) {
     const int32_t at = p % TURNS;
     if (gn_home_of(c, (size_t)p) < 0) return false;
@@ -188,7 +187,7 @@ static void fill(const gn_conversion *c, gn_contacts *now) {
     fill_part(c, &turned, now, &q);
 }
 
-gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error) {
+gneiss_status gn_conversion_activate_bonds(const gn_conversion *c, gneiss_error *error) {
     gn_dem *d = &c->world->dem;
     gn_contacts now = {0};
     grow(c, &d->bonds.contacts);

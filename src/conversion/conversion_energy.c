@@ -1,22 +1,26 @@
-/* What springs and elements hold before and after a conversion, of those alone which it changes:
- * the rest would only add the rounding of large sums.
+/* Energy of springs and elements before and after a conversion, of those alone that it changes: the
+ * rest would only add the rounding of large sums.
  *
- * What leap-frog conserves is 1/2 v(-) M v(+) and what springs hold at the instant: 1/2 v(-) M v(-)
+ * Leap-frog conserves 1/2 v(-) M v(+) plus the energy of springs at the instant: 1/2 v(-) M v(-)
  * and half a step of the power of their forces at v(-). Tangential forces between two steps are
- * those of the instant before; the step to come adds what the last interval did. That power at
- * nodes that are driven is no part of what is conserved, but the work of their reactions, of which
- * the interval that led here has the mean of its two ends, takes the one after the conversion for
- * that end: what it misses is half a step of the power of what the reactions jump by. */
+ * those of the instant before; the coming step adds the increment of the last interval. The power
+ * at driven nodes is no part of the conserved sum, but of the work of their reactions. The interval
+ * before the conversion has the mean of the reactions at its two ends, and takes the one after the
+ * conversion for the later end: it misses half a step of the power of the jump of the reactions. */
+#include "base/ball.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "conversion/conversion_private.h"
 #include "fem/solid.h"
+#include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/dem.h"
 #include "particles/lists.h"
+#include "particles/observe.h"
 #include "soa/records.h"
 #include "world/world.h"
+#include "zones/zone_state.h"
 #include "zones/zones_private.h"
 
 #include <math.h>
@@ -31,7 +35,7 @@ static void advance_shear(const gn_step_context *ctx, const gn_dem *dem, const g
     for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * ctx->dt_past * (rate[a] - along * n[a]);
 }
 
-/* What does not act has no force of its springs, and what slides none beyond its limit. */
+/* Open contacts have no force, and sliding ones none beyond their limit. */
 double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                        size_t c, double n[3], double *length, double force[3]) {
     const gn_law *law = gn_law_of(list->soa.effects);
@@ -66,7 +70,7 @@ static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_
     sum->step -= 0.5 * ctx->dt_past * power;
 }
 
-/* Whether it has, weighs or does something else than before. */
+/* Tells whether the weights of a particle change, or whether it is released. */
 static bool is_other(const gn_conversion *c, int32_t p) {
     const size_t k = 2 * (size_t)p;
     const double *part = c->world->dem.particles.blend;
@@ -87,7 +91,7 @@ static void add_contacts(const gn_conversion *c, const gn_contacts *list, bool o
     }
 }
 
-/* Of who changes place as it is brought into balance. */
+/* Adds the walls touched by particles that relaxation moves. */
 static void add_walls(const gn_conversion *c, bool other, gn_held *sum) {
     const gn_wall_contacts *q = &c->world->boundary.contacts;
     for (size_t k = 0; c->world->ctx.scene.wall_count && k < q->soa.count; k++)
@@ -133,4 +137,110 @@ double gn_conversion_held_in_contacts(const gn_conversion *c) {
     add_contacts(c, &c->world->dem.pairs.contacts, true, &sum);
     add_walls(c, true, &sum);
     return sum.contacts;
+}
+
+/* --- parts of the booked energy --- */
+
+/* Energy that a conversion books, by cause. Between the elements that lose weight and the springs
+ * that gain it is the energy that both would have in an even strain. Parts are differences of
+ * successive states, so that their sum is the booked energy whatever their names.
+ *
+ * With dw_p the weight that particle p gains, V_p its part of the specimen's volume, W_e the energy
+ * density of its element and w_b(F) the energy of bond b if both ends move with the gradient F of
+ * the element of p:
+ *     sampled    loss of elements                   - sum_p dw_p V_p W_e
+ *     stiffness  sum_p dw_p V_p W_e                 - sum_p dw_p sum_b 1/2 w_b(F_p)
+ *     uneven     sum_p dw_p sum_b 1/2 w_b(F_p)      - gain of contacts
+ *     balance    loss of contacts by the relaxation of released particles
+ * The other parts are kinetic energy, and half a step of the power of springs (above), with the
+ * effect of new velocities on forces across contacts, which are half a step behind.
+ */
+/* Returns the increase of the weight of a particle; 0 outside of elements. */
+static double taken_by(const gn_conversion *c, size_t p) {
+    return gn_home_of(c, p) < 0 ? 0.0 : c->world->dem.particles.blend[2 * p] - c->part[2 * p];
+}
+
+/* F and R of elements that were asked for last; bonds of a particle lie together. */
+typedef struct gradients {
+    int32_t element;
+    double f[3][3], turn[3][3];
+} gradients;
+
+static void gradient_at(const gn_conversion *c, size_t p, gradients *g) {
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const int32_t e = gn_home_of(c, p);
+    if (g->element == e) return;
+    g->element = e;
+    gn_fem_gradient_of(b, (size_t)e, g->f);
+    gn_fem_rotation(b, (size_t)e, g->turn);
+}
+
+/* J, of a whole bond of which both ends go with an element (as conversion_contacts.c has it). */
+static double bond_energy(const gn_conversion *c, size_t k, const gradients *g) {
+    const gn_contacts *all = &c->world->dem.prepared;
+    const double *start = c->world->dem.particles.start;
+    double l[3], d[3] = {0.0}, slip[3], along = 0.0;
+    const double rest = sqrt(
+        gn_branch(&c->world->ctx, start + 4 * (size_t)all->i[k], start + 4 * (size_t)all->j[k], l));
+    for (int r = 0; r < 3; r++) {
+        slip[r] = 0.0;
+        for (int m = 0; m < 3; m++) {
+            d[r] += g->f[r][m] * l[m];
+            slip[r] += (g->f[r][m] - g->turn[r][m]) * l[m];
+        }
+    }
+    const double length = sqrt(gn_dot3(d, d)), stretch = length - rest;
+    for (int r = 0; r < 3; r++) along += slip[r] * d[r] / length;
+    const double across2 = fmax(gn_dot3(slip, slip) - along * along, 0.0);
+    return 0.5 * (all->kn[k] * stretch * stretch + (all->kt ? all->kt[k] * across2 : 0.0));
+}
+
+static double springs_alike(const gn_conversion *c) {
+    const gn_contacts *all = &c->world->dem.prepared;
+    gradients g[2] = {{.element = -1}, {.element = -1}};
+    double sum = 0.0;
+    for (size_t k = 0; k < all->soa.count; k++)
+        for (int end = 0; end < 2; end++) {
+            const size_t p = (size_t)(end ? all->j[k] : all->i[k]);
+            const double taken = taken_by(c, p);
+            if (taken == 0.0) continue;
+            gradient_at(c, p, &g[end]);
+            sum += 0.5 * taken * bond_energy(c, k, &g[end]);
+        }
+    return sum;
+}
+
+static double elements_alike(const gn_conversion *c) {
+    const gn_world *w = c->world;
+    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
+    const double solid = 1.0 - gn_dem_porosity(&w->ctx, &w->dem);
+    double sum = 0.0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double taken = taken_by(c, p);
+        if (taken == 0.0) continue;
+        sum += taken * gn_ball_volume(b->dimension, w->dem.particles.pos[4 * p + 3]) / solid *
+               gn_fem_energy_density(b, (size_t)gn_home_of(c, p));
+    }
+    return sum;
+}
+
+void gn_conversion_find_alike(const gn_conversion *c, double alike[2]) {
+    alike[0] = elements_alike(c);
+    alike[1] = springs_alike(c);
+}
+
+void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+                        double kinetic) {
+    gn_conversion_parts *parts = &zones->state.parts;
+    const double *alike = held->alike;
+    parts->sampled += held->before.elements - held->after.elements - alike[0];
+    parts->stiffness += alike[0] - alike[1];
+    parts->uneven += alike[1] - (held->released[0] - held->before.contacts);
+    parts->balance += held->released[0] - held->released[1];
+    parts->motion += kinetic;
+    parts->step += held->released[1] - held->after.contacts + held->before.step - held->after.step;
+    parts->alike[0] += alike[0];
+    parts->alike[1] += alike[1];
+    zones->state.corrected.energy += kinetic;
+    ledger->energy.conversion += kinetic + gn_held_sum(&held->before) - gn_held_sum(&held->after);
 }

@@ -9,8 +9,10 @@
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "scene/couple_def.h"
 #include "soa/records.h"
+#include "solids/dormant_places.h"
 #include "solids/elements.h"
 #include "world/world.h"
 #include "zones/zones_private.h"
@@ -24,19 +26,19 @@ static const char watched[] = "which is only watched";
 static const char too_light[] = "too much to be made up for by the";
 static const char bare[] = "conversion would leave ";
 
-bool gn_conversion_left_box(const gn_ending *outcome) {
+bool gn_conversion_ended_at_box(const gn_ending *outcome) {
     return strstr(outcome->halt, outside);
 }
 
-bool gn_conversion_met_watched(const gn_ending *outcome) {
+bool gn_conversion_reached_watched(const gn_ending *outcome) {
     return strstr(outcome->halt, watched);
 }
 
-bool gn_conversion_was_thin(const gn_ending *outcome) {
+bool gn_conversion_lacked_mass(const gn_ending *outcome) {
     return strstr(outcome->halt, too_light);
 }
 
-bool gn_conversion_left_bare(const gn_ending *outcome) {
+bool gn_conversion_left_light_nodes(const gn_ending *outcome) {
     return strstr(outcome->halt, bare);
 }
 
@@ -64,7 +66,7 @@ void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]) {
                          (b->dimension + 1);
 }
 
-/* Of a motion that only watches: whether it does a node of an element. */
+/* Tells whether a recording motion has a node of an element. */
 static bool watches(const gn_element_model *q, size_t motion, size_t e) {
     const gn_fem_set *set = &q->motion_set[motion];
     bool any = false;
@@ -84,7 +86,8 @@ static gn_node_use use_of(const gn_fem_solid *b, const uint8_t *use, size_t e) {
     return (gn_node_use)most;
 }
 
-/* What holds an element: a motion that does more than watch, or a load, where there is one. */
+/* Names what holds an element: a driving motion or a load if there is one, else a recording motion.
+ */
 static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t size) {
     const gn_element_model *q = solids->elements[0];
     uint8_t *use = gn_alloc(q->solid.nodes.soa.count + 1);
@@ -109,14 +112,16 @@ void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
     double centre[3];
     char at[GN_POINT_SIZE], side[16], by[128];
     gn_conversion_centre(b, (size_t)e, centre);
-    const int told = snprintf(w->outcome.halt, sizeof w->outcome.halt,
-                              "conversion would have to go on to element %d at %.80s m, which ",
-                              b->elements.id[e], gn_point_text(b->origin, centre, at));
-    const size_t left = sizeof w->outcome.halt - (size_t)told;
+    const int length_used =
+        snprintf(w->outcome.halt, sizeof w->outcome.halt,
+                 "conversion would have to go on to element %d at %.80s m, which ",
+                 b->elements.id[e], gn_point_text(b->origin, centre, at));
+    const size_t left = sizeof w->outcome.halt - (size_t)length_used;
     if (c->kind[e] != GN_FRONT_FIXED)
-        snprintf(w->outcome.halt + told, left, "%s", held_by(&w->solids, (size_t)e, by, sizeof by));
+        snprintf(w->outcome.halt + length_used, left, "%s",
+                 held_by(&w->solids, (size_t)e, by, sizeof by));
     else
-        snprintf(w->outcome.halt + told, left,
+        snprintf(w->outcome.halt + length_used, left,
                  "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
                  side_beyond(c, e, side, sizeof side));
 }
@@ -145,8 +150,8 @@ static double particle_mass(const gn_conversion *c, size_t p) {
                         : 1.0 / gn_dormant_of(&c->world->dem, p)->inverse_mass;
 }
 
-/* The same of a particle, and what of it can make up for more: kg of who has another weight, and of
- * who is in a zone (conversion_masses.c). */
+/* Returns the change of the mass of a particle, kg, and adds the masses that can compensate for
+ * missing mass: of particles whose weight changes, and of those in a zone (conversion_masses.c). */
 static double particle_change(const gn_conversion *c, size_t p, double takes[2]) {
     const gn_particles *q = &c->world->dem.particles;
     const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
@@ -161,7 +166,7 @@ static double particle_change(const gn_conversion *c, size_t p, double takes[2])
 bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
     const gn_world *w = c->world;
     double whole = 0.0, change = 0.0, takes[2] = {0.0};
-    for (size_t e = 0; e < gn_conversion_elements(&w->solids); e++)
+    for (size_t e = 0; e < gn_elements_left_count(&w->solids); e++)
         change += element_change(c, e, &whole);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) change += particle_change(c, p, takes);
     missing[0] = -change;
@@ -169,7 +174,7 @@ bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
     return fabs(change) <= fmax(GN_MASS_SCALED_MOST * missing[1], 1e-12 * whole);
 }
 
-bool gn_conversion_take_along(const gn_conversion *c) {
+bool gn_conversion_add_ring(const gn_conversion *c) {
     const gn_elements *q = &gn_coupled_solid(&c->world->solids)->elements;
     const int corners = gn_coupled_solid(&c->world->solids)->dimension + 1;
     uint8_t *at = c->reached;
@@ -188,7 +193,7 @@ bool gn_conversion_take_along(const gn_conversion *c) {
     return any;
 }
 
-void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]) {
+void gn_conversion_halt_without_mass(const gn_conversion *c, const double missing[2]) {
     const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     size_t e = 0;
     double centre[3];
@@ -251,7 +256,7 @@ static bool holds_shared(const gn_conversion *c) {
     return false;
 }
 
-static void halt_bare(const gn_conversion *c, size_t e, double share) {
+static void halt_at_light_node(const gn_conversion *c, size_t e, double share) {
     const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     double centre[3];
     char at[GN_POINT_SIZE], by[128];
@@ -262,8 +267,8 @@ static void halt_bare(const gn_conversion *c, size_t e, double share) {
              held_by(&c->world->solids, e, by, sizeof by));
 }
 
-gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found,
-                                          gneiss_error *error) {
+gneiss_status gn_conversion_find_light_nodes(const gn_conversion *c, bool *found,
+                                             gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     *found = false;
     if (!holds_shared(c)) return GNEISS_OK;
@@ -281,7 +286,7 @@ gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found,
         }
     gn_free(mass);
     *found = share < least;
-    if (*found) halt_bare(c, at, share);
+    if (*found) halt_at_light_node(c, at, share);
     return GNEISS_OK;
 }
 
@@ -300,8 +305,8 @@ static void find_watching(const gn_element_model *q, const uint8_t *kind, const 
             found[k] = found[k] || node[q->motion_set[k].node[n]];
 }
 
-static void say_who_watches(const gn_element_model *q, const uint8_t *found, char *text,
-                            size_t size) {
+static void describe_watching(const gn_element_model *q, const uint8_t *found, char *text,
+                              size_t size) {
     enum { NAMED = 3 };
     char names[3 * 80] = "";
     size_t count = 0, used = 0;
@@ -321,7 +326,7 @@ static void say_who_watches(const gn_element_model *q, const uint8_t *found, cha
 
 const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *solids, char *text,
                                   size_t size) {
-    const size_t elements = gn_converts(ctx) ? gn_conversion_elements(solids) : 0;
+    const size_t elements = gn_converts(ctx) ? gn_elements_left_count(solids) : 0;
     *text = '\0';
     if (!elements) return text;
     const gn_element_model *q = solids->elements[0];
@@ -331,7 +336,7 @@ const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *s
     if (kind && use && found && gn_conversion_kinds(ctx, solids, kind, NULL) == GNEISS_OK) {
         gn_elements_driven(q, use);
         find_watching(q, kind, use, use + nodes, found);
-        say_who_watches(q, found, text, size);
+        describe_watching(q, found, text, size);
     }
     gn_free(kind);
     gn_free(use);

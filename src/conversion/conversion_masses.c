@@ -1,8 +1,8 @@
-/* What a conversion keeps. The particles of an element do not weigh quite what it does, nor have
- * they its centre of mass and its inertia, which lumped masses at the nodes have more of: masses of
- * who has another weight than before are scaled by a polynomial of the place, so that these are
- * kept; a rigid motion then keeps its momenta and its energy by itself. What is left of any other
- * is made up by velocities (conversion_momentum.c). */
+/* Invariants of a conversion. The particles of an element differ from it in mass, centre of mass
+ * and inertia (lumped masses at the nodes have more of it). Therefore the masses of particles whose
+ * weight changes are scaled by a polynomial of position that restores these; a rigid motion then
+ * keeps its momenta and its energy by itself. Velocities restore the rest of any other motion
+ * (conversion_momentum.c). */
 #include "base/error.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
@@ -64,7 +64,7 @@ static const gn_coupled *coupled_of(const gn_conversion *c) {
     return c->world->zones.coupled;
 }
 
-/* Who does not move by itself. */
+/* Marks the particles that follow nodes. */
 static void mark_tied(const gn_conversion *c) {
     const gn_dem *d = &c->world->dem;
     const gn_ties *ties = &coupled_of(c)->ties;
@@ -73,10 +73,10 @@ static void mark_tied(const gn_conversion *c) {
         if (d->index_of_id[ties->tie[k].id] >= 0) c->tied[d->index_of_id[ties->tie[k].id]] = 1;
 }
 
-/* kg m2, of a particle that turns by itself; slaved spins have none. */
+/* Returns the moment of inertia of a particle, kg m2; 0: particles do not turn. */
 static double inertia_of(const gn_conversion *c, size_t p) {
     const gn_particles *q = &c->world->dem.particles;
-    return q->spin && (!c->tied[p] || !coupled_of(c)->turn) ? 1.0 / q->spin[4 * p + 3] : 0.0;
+    return q->spin ? 1.0 / q->spin[4 * p + 3] : 0.0;
 }
 
 gn_tally gn_conversion_tally(const gn_conversion *c) {
@@ -151,7 +151,7 @@ bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t p) {
     return who == GN_SCALED_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
 }
 
-/* Of those who take. */
+/* Mass, centre and size of the particles whose masses are scaled. */
 typedef struct spread {
     double mass, centre[3], size; /* kg, m; m, of the mean square from the centre */
 } spread;
@@ -204,7 +204,7 @@ static void basis_at(const gn_conversion *c, const spread *s, size_t p, double b
     }
 }
 
-/* The same of what is missing. */
+/* Expresses the missing mass and moments in the same basis. */
 static void missing_about(const gn_conversion *c, const spread *s, const gn_tally *missing,
                           double b[BASIS_MOST]) {
     const size_t d = (size_t)c->world->ctx.scene.dimension;
@@ -243,8 +243,8 @@ static bool polynomial(const gn_conversion *c, gn_scaled who, const spread *s,
     return largest <= GN_MASS_SCALED_MOST;
 }
 
-/* Whether those could take it: mass, its centre and inertia; or without the last, or the last two.
- */
+/* Scales masses so that mass, centre and inertia are restored, or mass and centre, or mass alone;
+ * false if none is possible. */
 static bool scale_masses(const gn_conversion *c, gn_scaled who, const gn_tally *missing) {
     gn_particles *q = &c->world->dem.particles;
     const size_t d = (size_t)c->world->ctx.scene.dimension;
@@ -283,8 +283,8 @@ static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
         before->mass, now - before->mass);
 }
 
-gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
-                                 gneiss_error *error) {
+gneiss_status gn_conversion_keep_invariants(const gn_conversion *c, const gn_tally *before,
+                                            gneiss_error *error) {
     const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
     gn_scaled who = GN_SCALED_CHANGED;
     bool taken = scale_masses(c, who, &missing);

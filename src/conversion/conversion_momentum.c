@@ -1,15 +1,14 @@
-/* What is left of momentum and angular momentum once masses are scaled (conversion_masses.c) is
- * made up by a rigid motion, v + w x r: of all that could be added to those who take it that is
- * what has the least kinetic energy. It goes to who moves by itself from now on and to the nodes
- * that have another part than before (an element smaller than a particle frees none), as long as
- * that is small beside how the body moves; a few nodes in a line can take hardly any angular
- * momentum. Else all nodes of the zones take it, and else all that is free to move.
+/* Momentum and angular momentum that scaled masses (conversion_masses.c) do not restore are
+ * restored by a rigid motion v + w x r, the addition with the least kinetic energy. It is given to
+ * released particles and to nodes whose weight changes (an element smaller than a particle releases
+ * none), as long as it is small relative to the motion of the body; a few nodes in a line can take
+ * hardly any angular momentum. Otherwise all nodes of the zones receive it, or else everything that
+ * is free to move.
  *
- * A rigid motion is to go on as one, in whichever frame. Where masses could not keep the centre of
- * mass and the inertia, the angular momentum of those whose masses changed is
- * another one by d x v + J w, with the mean velocity v and spin w of these, and d and J what is
- * missing of moment and inertia about their centre: that jumps, and is not made up for. So does
- * what none can take with small changes. */
+ * A rigid motion continues as one, in any frame. Where masses could not restore the centre of mass
+ * and the inertia, the angular momentum of the scaled particles differs by d x v + J w, with their
+ * mean velocity v and spin w, and d and J the missing moment and inertia about their centre: this
+ * jump is not compensated. Neither is a part that no set can receive with small changes. */
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
 #include "fem/solid.h"
@@ -23,15 +22,15 @@
 #include <math.h>
 #include <string.h>
 
-/* Of how the body moves, its rigid motion apart: most that a velocity changes by. */
+/* Largest change of a velocity, as a fraction of the mean velocity of deformation. */
 static const double most_changed = 0.1;
-/* Of all velocities: below is rounding. */
+/* Changes below this fraction of all velocities are rounding. */
 static const double least_changed = 1e-10;
 
 typedef enum takers { TAKERS_CHANGED, TAKERS_ZONE, TAKERS_ALL, TAKERS } takers;
 
-/* A rigid motion of those who take: velocity of the centre and spin times the size, as many as the
- * dimension has. */
+/* A rigid motion of the receiving set: velocity of its centre and spin times its size, with as many
+ * components as the dimension has. */
 typedef struct rigid {
     const gn_conversion *c;
     takers who;
@@ -40,10 +39,10 @@ typedef struct rigid {
     double motion[6];       /* m/s */
 } rigid;
 
-/* --- who takes it --- */
+/* --- receivers --- */
 
-/* Whether a component of a node is free to have another velocity. All elements at a node with
- * another part than before are touched, so that the ledger sees what this does to them. */
+/* Tells whether a velocity component of a node may change. All elements at a node whose weight
+ * changes are marked, so that the ledger contains the effect. */
 static bool node_takes(const rigid *r, size_t n, size_t a) {
     const gn_conversion *c = r->c;
     const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
@@ -62,7 +61,7 @@ static bool particle_takes(const rigid *r, size_t p) {
            !(d->prescribed.count && d->particles.slot[p] >= 0);
 }
 
-/* About where most of those are who take, whatever holds them. */
+/* The centre is that of the mass of all receivers, held ones included. */
 static rigid rigid_of(const gn_conversion *c, takers who) {
     const gn_particles *q = &c->world->dem.particles,
                        *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
@@ -89,7 +88,7 @@ static rigid rigid_of(const gn_conversion *c, takers who) {
 
 /* --- what it does --- */
 
-/* What each part of the motion is at a place, of a component. */
+/* Evaluates the components of the rigid motion at a position, for one axis. */
 static void share_of(const rigid *r, const double *x, size_t a, double b[6]) {
     const size_t d = r->dimension, next = (a + 1) % 3, last = (a + 2) % 3;
     double from[3];
@@ -119,7 +118,8 @@ static void add_mass(const rigid *r, const double *x, size_t a, double mass,
         for (size_t l = 0; l < r->count; l++) m[k][l] += mass * b[k] * b[l];
 }
 
-/* What those who take have of mass and inertia, by the motion. */
+/* Computes the mass matrix of the receiving particles and nodes in the components of the rigid
+ * motion. */
 static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) {
     const gn_particles *q = &r->c->world->dem.particles,
                        *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
@@ -165,8 +165,8 @@ static void change(const rigid *r) {
 
 /* --- what is missing --- */
 
-/* What is to be made up. Of angular momentum, about the origin, only what is beside the rigid
- * motion of those whose masses were scaled; so that it goes with this part of the momentum alone.
+/* Missing momentum. Of the angular momentum about the origin only the part beside the rigid motion
+ * of the particles with scaled masses is restored, together with this part of the momentum alone.
  */
 typedef struct lack {
     double momentum[3], beside[3], turning[3]; /* kg m/s, kg m2/s */
@@ -262,8 +262,8 @@ static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled wh
 
 /* --- making up for it --- */
 
-/* The motion that has the momentum and this part of the angular momentum; false: who takes it is
- * too few, or in a line, or held. */
+/* Finds the rigid motion with the missing momentum and this part of the angular momentum; false if
+ * the receivers are too few, in a line, or held. */
 static bool find_motion(rigid *r, const lack *l, double part) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, lever[3];
     if (r->count > r->dimension && (!(r->size > 0.0) || !r->c->world->dem.particles.spin))
@@ -278,7 +278,7 @@ static bool find_motion(rigid *r, const lack *l, double part) {
     return gn_solve_positive(r->count, m, r->motion);
 }
 
-/* The first who can take it, with small changes. */
+/* Finds the first set of receivers that needs small changes only. */
 static bool find_takers(const gn_conversion *c, const lack *l, bool turn, rigid *r) {
     for (int k = 0; k < TAKERS; k++) {
         *r = rigid_of(c, (takers)k);

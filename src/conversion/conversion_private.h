@@ -1,4 +1,4 @@
-/* What the files of the conversion share. */
+/* Declarations that the files of the conversion share. */
 #ifndef GN_CONVERSION_CONVERSION_PRIVATE_H
 #define GN_CONVERSION_CONVERSION_PRIVATE_H
 
@@ -7,6 +7,7 @@
 #include "couple/ties.h"
 #include "fem/solid.h"
 #include "frame/parts.h"
+#include "particles/dormant.h"
 #include "soa/records.h"
 #include "world/world.h"
 #include "zones/zones_private.h"
@@ -15,24 +16,24 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What is kept of the state while elements convert. */
+/* State before a conversion, and scratch. */
 typedef struct gn_conversion {
     gn_world *world;
-    uint8_t *kind;     /* [elements before] gn_front_kind */
-    int32_t *place;    /* [elements of the mesh] before; -1: gone already */
-    double *part;      /* [particles][2] weights before, 0 of who slept */
-    double *node_part; /* [nodes][2] parts and distances before (couple/front.h) */
-    uint8_t *freed;    /* [particles] moves by itself from now on */
-    uint8_t *touched;  /* [elements before] leaves, or has another part of the body */
-    int32_t *some;     /* [elements before] scratch */
-    uint8_t *active;   /* [prepared bonds] acts from now on */
-    size_t acting;     /* how many do */
-    uint8_t *tied;     /* [particles] who followed nodes at the last tally */
-    uint8_t *reached;  /* [nodes] scratch */
-    bool rehearsed;    /* only whether it could be: all is put back */
-    int rings;         /* of elements that those that go take along */
-    double *rate;      /* [particles][3] m/s2, of `freed`: with which their elements took them */
-    double woken[2];   /* J: of contacts that are other, before and after who is free is balanced */
+    uint8_t *kind;      /* [elements before] gn_front_kind */
+    int32_t *place;     /* [elements of the mesh] before; -1: gone already */
+    double *part;       /* [particles][2] weights before, 0 if it was dormant */
+    double *node_part;  /* [nodes][2] parts and distances before (couple/front.h) */
+    uint8_t *freed;     /* [particles] moves by itself from now on */
+    uint8_t *touched;   /* [elements before] leaves, or has another part of the body */
+    int32_t *some;      /* [elements before] scratch */
+    uint8_t *active;    /* [prepared bonds] acts from now on */
+    size_t acting;      /* how many do */
+    uint8_t *tied;      /* [particles] followed nodes at the last tally */
+    uint8_t *reached;   /* [nodes] scratch */
+    bool dry_run;       /* only whether it could be: all is put back */
+    int rings;          /* of elements that those that go take along */
+    double *rate;       /* [particles][3] m/s2, of `freed`: with which their elements took them */
+    double released[2]; /* J: of changed contacts, before and after relaxation */
 } gn_conversion;
 
 /* The element, by place before, that a particle is in; -1: gone already. */
@@ -42,18 +43,19 @@ static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
 
 /* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
  * both are the caller's whatever happens. */
-gneiss_status gn_conversion_look_around(const gn_step_context *ctx, const gn_solids *solids,
-                                        const gn_most_loaded *most_loaded, uint8_t **kind,
-                                        double **excess, gneiss_error *error);
+gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
+                                            const gn_most_loaded *most_loaded, uint8_t **kind,
+                                            double **excess, gneiss_error *error);
 
-/* That nothing would push who wakes apart but what the body's strain does (conversion_check.c), of
- * the bonds that all have. */
+/* Checks that released particles are only loaded by the strain of the body (conversion_setup.c),
+ * from the bonds of all particles. */
 gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
                                              gneiss_error *error);
 
-/* Contacts (conversion_contacts.c): those that there are get their new part; bonds of who has woken
- * are added, with the forces that the strain of the elements makes. Before elements go. */
-gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error);
+/* Scales present contacts to their new weight and adds the bonds of activated particles, with the
+ * forces of the strain of the elements (conversion_contacts.c). Must precede the removal of
+ * elements. */
+gneiss_status gn_conversion_activate_bonds(const gn_conversion *c, gneiss_error *error);
 
 /* m/s: at which the ends of a contact part where they meet, along and across n. */
 void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
@@ -65,7 +67,7 @@ double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_c
                        size_t c, double n[3], double *length, double force[3]);
 
 /* The accelerations of those that will be freed, before anything changes
- * (conversion_accelerations.c). */
+ * (conversion_relaxation.c). */
 gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *error);
 /* Brings them into balance, with lists made anew (conversion_relaxation.c). */
 gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error);
@@ -86,12 +88,12 @@ double gn_conversion_held_in_contacts(const gn_conversion *c);
 double gn_conversion_held_beside(const gn_conversion *c);
 
 /* J: what elements, and springs instead of them, would hold of the part that particles take if
- * these went with the strains of their elements (conversion_energy_parts.c). With parts found,
+ * these went with the strains of their elements (conversion_energy.c). With parts found,
  * before elements go. */
 void gn_conversion_find_alike(const gn_conversion *c, double alike[2]);
 /* Books a conversion, by what made it. */
 typedef struct gn_held_stages {
-    double alike[2], woken[2];
+    double alike[2], released[2];
     gn_held before, after;
 } gn_held_stages;
 void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
@@ -100,11 +102,12 @@ void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages
 /* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
  * have to go, or be of a zone, and may not; where particles cannot have the mass. */
 void gn_conversion_halt_at(const gn_conversion *c, int64_t element);
-void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]);
+void gn_conversion_halt_without_mass(const gn_conversion *c, const double missing[2]);
 /* With parts found: whether a node of elements that may not go would weigh less than r/width of
  * what these do as whole ones, as where they are smaller than particles and hold none: hardly
  * anything would hold it any more. Halts at the one that would weigh least. */
-gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found, gneiss_error *error);
+gneiss_status gn_conversion_find_light_nodes(const gn_conversion *c, bool *found,
+                                             gneiss_error *error);
 /* m, of an element at the start. */
 void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]);
 
@@ -114,7 +117,7 @@ void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]);
  * `missing`, kg: that, and what they weigh. */
 bool gn_conversion_fits(const gn_conversion *c, double missing[2]);
 /* Marks the elements beside those that go, which may, as well; false: there are none. */
-bool gn_conversion_take_along(const gn_conversion *c);
+bool gn_conversion_add_ring(const gn_conversion *c);
 
 /* Masses (conversion_masses.c). What the model has, nodes and free particles. */
 typedef struct gn_tally {
@@ -129,14 +132,14 @@ gn_tally gn_tally_less(const gn_tally *a, const gn_tally *b);
 /* With moments, second moments and angular momentum about another place; m. */
 gn_tally gn_tally_about(const gn_tally *of, size_t dimension, const double x[3]);
 
-/* Scales the masses of who has another weight than before, by a function of the place, so that
- * mass, centre of mass and inertia are those of `before`; then changes velocities so that momentum
- * and angular momentum are. */
-gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
-                                 gneiss_error *error);
+/* Scales the masses of particles whose weight changes, by a function of position, so that mass,
+ * centre of mass and inertia are those of `before`; then changes velocities so that momentum and
+ * angular momentum are. */
+gneiss_status gn_conversion_keep_invariants(const gn_conversion *c, const gn_tally *before,
+                                            gneiss_error *error);
 
-/* Whose masses are scaled: who has another weight than before; who is in a zone where these are
- * too few, as of an element at the edge that holds no particle. */
+/* Particles with scaled masses: those whose weight changes, or those of a zone if the former are
+ * too few, as for an element at the edge that holds no particle. */
 typedef enum gn_scaled { GN_SCALED_CHANGED, GN_SCALED_TIED } gn_scaled;
 bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t particle);
 

@@ -1,24 +1,26 @@
-/* Who becomes free comes from its element with the displacement of that, which is affine: in a
- * disordered packing no state in which forces are in balance particle by particle. Within the
- * instant of the conversion these particles are moved to where they are (Labra 2012, 5.3, by pseudo
- * steps), all else held: a linear equilibrium of the springs that hold them, solved again as long
- * as contacts close and open or distances turn.
+/* Released particles inherit the affine displacement of their element, which in a disordered
+ * packing is no state of equilibrium of each particle. Within the instant of the conversion they
+ * are moved into equilibrium, all others held (Labra 2012, 5.3, by pseudo steps): a linear
+ * equilibrium of the springs that hold them, solved again while contacts close and open or rotate.
  *
- * Balance is not no force: what moves is accelerated. Just before, each followed its element, with
- * an acceleration a (conversion_accelerations.c); it has to go on with that, F_i = m_i a. So a wave
- * that runs through what converts stays a wave, and weight and drag hold for both sides alike. What
- * is taken out is what elements do not know of.
+ * Equilibrium includes inertia. Just before, each particle followed its element with an
+ * acceleration a (first section below); it continues with F_i = m_i a. A wave that passes the
+ * converted region therefore stays a wave, and weight and drag act on both sides alike. Only the
+ * forces that elements do not have are removed.
  *
- * No bond comes to its strength by it: both ends of one that would stay where they are. So does who
- * would go farther than a spring that holds it would let it. Contacts close and open on the way,
- * which no linear system knows of: of its solution as much is taken as brings the energy down, of
- * the springs as they are then, less the work of m a; nothing where none does. Velocities stay, and
- * with them momentum; what springs hold less is booked with the conversion. */
+ * No bond reaches its strength by it: both ends of such a bond are held, and so is a particle that
+ * would move farther than a spring that holds it would allow. Contacts close and open on the way,
+ * which no linear system contains: only the part of the solution that lowers the energy, of the
+ * springs as they are then less the work of m a, is applied, or none. Velocities and hence momentum
+ * are unchanged; the energy that springs lose is booked with the conversion. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
+#include "couple/front.h"
 #include "couple/held_springs.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/active_pairs.h"
@@ -28,19 +30,111 @@
 #include "soa/records.h"
 #include "world/world.h"
 #include "zones/zone_state.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>
+
+/* --- accelerations before the conversion --- */
+
+/* With what acceleration elements take the particles along that a conversion frees, just before: a
+ * = sum_a N_a f_a/m_a of the forces at their nodes, those of elements and of the particles that the
+ * nodes carry, without weight and drag, which are proportional to masses. */
+typedef struct pull {
+    uint8_t *node, *element; /* corners of what leaves; elements there */
+    double *force;           /* [nodes][3] N */
+} pull;
+
+static void find_nodes(const gn_conversion *c, pull *q) {
+    const gn_elements *elements = &gn_coupled_solid(&c->world->solids)->elements;
+    const int corners = gn_coupled_solid(&c->world->solids)->dimension + 1;
+    for (size_t e = 0; e < elements->soa.count; e++)
+        for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
+            q->node[gn_elements_node(elements, a)[e]] = 1;
+    for (size_t e = 0; e < elements->soa.count; e++)
+        for (int a = 0; a < corners; a++)
+            q->element[e] |= q->node[gn_elements_node(elements, a)[e]];
+}
+
+static void add_element_forces(const gn_conversion *c, const pull *q) {
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    double force[4][3];
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        if (!q->element[e]) continue;
+        gn_fem_force_of(b, e, force);
+        for (int a = 0; a <= b->dimension; a++)
+            for (int k = 0; k < 3; k++)
+                q->force[3 * gn_elements_node(&b->elements, a)[e] + k] += force[a][k];
+    }
+}
+
+static void add_force_to_nodes(const gn_conversion *c, const pull *q, int32_t p, double side,
+                               const double force[3]) {
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_tie tie =
+        gn_tie_at(b, gn_home_of(c, (size_t)p), c->world->dem.particles.start + 4 * (size_t)p);
+    for (int a = 0; a <= b->dimension; a++)
+        for (int k = 0; k < 3; k++) q->force[3 * tie.node[a] + k] += side * tie.shape[a] * force[k];
+}
+
+/* Adds the forces of contacts of the particles of zones. */
+static void add_contact_forces(const gn_conversion *c, const pull *q, const gn_contacts *list) {
+    for (size_t k = 0; k < list->soa.count; k++) {
+        const int32_t end[2] = {list->i[k], list->j[k]};
+        bool in[2];
+        double n[3], force[3], length;
+        for (int m = 0; m < 2; m++)
+            in[m] = c->tied[end[m]] && q->element[gn_home_of(c, (size_t)end[m])];
+        if (!in[0] && !in[1]) continue;
+        gn_contact_held(&c->world->ctx, &c->world->dem, list, k, n, &length, force);
+        for (int m = 0; m < 2; m++)
+            if (in[m]) add_force_to_nodes(c, q, end[m], m ? -1.0 : 1.0, force);
+    }
+}
+
+static void take_rates(const gn_conversion *c, const pull *q) {
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_particles *p = &c->world->dem.particles;
+    for (size_t k = 0; k < p->soa.count; k++) {
+        if (!c->freed[k]) continue;
+        const gn_tie tie = gn_tie_at(b, gn_home_of(c, k), p->start + 4 * k);
+        memset(c->rate + 3 * k, 0, 3 * sizeof *c->rate);
+        for (int a = 0; a <= b->dimension; a++)
+            for (int m = 0; m < 3; m++)
+                c->rate[3 * k + (size_t)m] += tie.shape[a] * q->force[3 * tie.node[a] + m] *
+                                              b->nodes.vel[4 * (size_t)tie.node[a] + 3];
+    }
+}
+
+gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    if (!(c->world->ctx.scene.couple.convert.relax > 0.0)) return GNEISS_OK;
+    pull q = {.node = gn_alloc(b->nodes.soa.count + 1),
+              .element = gn_alloc(b->elements.soa.count + 1),
+              .force = gn_alloc_array(b->nodes.soa.count + 1, 3 * sizeof *q.force)};
+    const bool held = q.node && q.element && q.force;
+    if (held) {
+        find_nodes(c, &q);
+        add_element_forces(c, &q);
+        add_contact_forces(c, &q, &c->world->dem.bonds.contacts);
+        add_contact_forces(c, &q, &c->world->dem.pairs.contacts);
+        take_rates(c, &q);
+    }
+    gn_free(q.node);
+    gn_free(q.element);
+    gn_free(q.force);
+    return held ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
+}
 
 enum { N = GN_HELD_DOFS, PASSES = 20 };
 
 /* A linear system is solved to this part of what may be left. */
 static const double solved = 0.3;
-/* Of radii: nobody goes farther than that in a pass, who is held. */
+/* Largest displacement of a held particle in a pass, in radii. */
 static const double farthest = 0.02;
 /* Halvings of a step that brings no energy down. */
 enum { HALVINGS = 8 };
-/* Of all energies' sizes: below is rounding. */
+/* Energy changes below this fraction of the sum of magnitudes are rounding. */
 static const double least_energy = 1e-13;
 /* Forces of contacts that are below so many roundings of places are none. */
 static const double roundings = 64.0;
@@ -73,10 +167,11 @@ typedef struct relaxation {
     double rounding;      /* N */
     double energy, size;  /* J: of the links, less the work of m a; sum of sizes */
     int iterations;
-    bool broke, loose; /* somebody stays, as a bond would break; as nothing holds it */
+    bool stopped_by_bond_failure,
+        unsupported; /* a particle is held, as a bond would break; as nothing supports it */
 } relaxation;
 
-/* --- who, and what holds them --- */
+/* --- particles and their contacts --- */
 
 static bool allocate(relaxation *r, size_t links) {
     const size_t n = r->count + 1;
@@ -157,7 +252,7 @@ static double stored_in(const relaxation *r, size_t k, double length, double res
            (kt > 0.0 ? (gn_dot3(across, across) - gn_dot3(h.shear, h.shear)) / (2.0 * kt) : 0.0);
 }
 
-/* What contact k does now, and how stiff it is. */
+/* Computes the force and the stiffness of contact k. */
 static void look_at(relaxation *r, size_t k) {
     link *l = &r->link[k];
     gn_held_spring *s = &r->spring[k];
@@ -196,7 +291,7 @@ static void add_load(relaxation *r, int32_t p, double side, double arm, const do
     }
 }
 
-/* What is left of the forces on a particle, N; moments over its radius. */
+/* Returns the residual force on a particle, N, with moments divided by its radius. */
 static double left_on(const relaxation *r, size_t k) {
     const double radius = r->dem->particles.pos[4 * (size_t)r->particle[k] + 3];
     double square = 0.0;
@@ -269,7 +364,7 @@ static void parting(const relaxation *r, size_t k, double e[3]) {
 }
 
 /* Bonds that would come to their strength keep their ends; false: none does. */
-static bool keep_bonds(relaxation *r) {
+static bool hold_at_bonds(relaxation *r) {
     bool any = false;
     for (size_t k = 0; k < r->links; k++) {
         const link *l = &r->link[k];
@@ -289,14 +384,14 @@ static bool keep_bonds(relaxation *r) {
             if (p < 0 || r->kept[p]) continue;
             r->kept[p] = 1;
             r->moves[p] = 0;
-            r->broke = any = true;
+            r->stopped_by_bond_failure = any = true;
         }
     }
     return any;
 }
 
-/* Who goes where no spring that held it would let it stays; false: nobody does. */
-static bool keep_loose(relaxation *r) {
+/* Holds particles that move farther than a holding spring would allow; false if there are none. */
+static bool hold_unsupported(relaxation *r) {
     bool any = false;
     for (size_t k = 0; k < r->count; k++) {
         const double *u = r->u + N * k,
@@ -306,7 +401,7 @@ static bool keep_loose(relaxation *r) {
             continue;
         r->kept[k] = 1;
         r->moves[k] = 0;
-        r->loose = any = true;
+        r->unsupported = any = true;
     }
     return any;
 }
@@ -400,9 +495,9 @@ static bool descend(relaxation *r) {
     return false;
 }
 
-/* Solves until nobody goes too far and no bond would break by what comes out; false: iterations are
- * used up. */
-static bool find_ways(relaxation *r, double wanted, int most) {
+/* Solves until no particle moves too far and no bond would break; false if the iterations are used
+ * up. */
+static bool solve_displacements(relaxation *r, double wanted, int most) {
     const gn_held_system system = {.particles = r->count,
                                    .springs = r->links,
                                    .spring = r->spring,
@@ -411,8 +506,8 @@ static bool find_ways(relaxation *r, double wanted, int most) {
     const double tolerance = fmin(solved * wanted / r->moving, 0.5);
     while (r->iterations < most) {
         r->iterations += gn_held_solve(&system, r->load, tolerance, most - r->iterations, r->u);
-        if (keep_loose(r)) continue;
-        if (!keep_bonds(r)) return true;
+        if (hold_unsupported(r)) continue;
+        if (!hold_at_bonds(r)) return true;
     }
     return false;
 }
@@ -423,7 +518,7 @@ static double relax(relaxation *r) {
     evaluate(r);
     const double before = r->ratio;
     for (int k = 0; k < PASSES && r->moving > def->relax; k++) {
-        if (!find_ways(r, def->relax, (int)def->relax_iterations) || !descend(r)) break;
+        if (!solve_displacements(r, def->relax, (int)def->relax_iterations) || !descend(r)) break;
     }
     return before;
 }
@@ -436,21 +531,21 @@ static void note(const relaxation *r, double before) {
     all->iterations += r->iterations;
     for (size_t k = 0; k < r->count; k++) all->kept += r->kept[k];
     if (!(r->ratio > wanted)) return;
-    const bool tired = r->iterations >= (int)r->ctx->scene.couple.convert.relax_iterations;
+    const bool hit_limit = r->iterations >= (int)r->ctx->scene.couple.convert.relax_iterations;
     all->missed += 1.0;
-    if (r->broke)
-        all->broke += 1.0;
-    else if (r->loose)
-        all->loose += 1.0;
-    else if (tired)
-        all->tired += 1.0;
+    if (r->stopped_by_bond_failure)
+        all->stopped_by_bond_failure += 1.0;
+    else if (r->unsupported)
+        all->unsupported += 1.0;
+    else if (hit_limit)
+        all->hit_iteration_limit += 1.0;
     if (!(r->ratio > all->worst)) return;
     all->worst = r->ratio;
     all->time = r->ctx->time;
 }
 
 /* Lists know of where they are. */
-static void tell_lists(relaxation *r) {
+static void update_drift(relaxation *r) {
     gn_verlet *v = &r->dem->verlet;
     const gn_particles *q = &r->dem->particles;
     double most = 0.0;
@@ -477,7 +572,7 @@ gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error) {
     gneiss_status status = begin(&r, error);
     if (status == GNEISS_OK && r.count) {
         note(&r, relax(&r));
-        tell_lists(&r);
+        update_drift(&r);
         gn_near_forget(&w->ctx, &w->dem);
     }
     release(&r);

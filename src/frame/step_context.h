@@ -56,6 +56,11 @@ struct gn_step_context {
     double test_length, test_area;  /* m, m2 (2D: m x 1 m) */
 };
 
+/* Tells whether elements turn into particles in the scene. */
+static inline bool gn_converts(const gn_step_context *ctx) {
+    return ctx->scene.has_couple && ctx->scene.couple.has_convert;
+}
+
 /* The end of a run by the model itself. */
 struct gn_ending {
     bool bad;       /* the run failed: its state is written as it is, for inspection */

@@ -216,7 +216,7 @@ static void release_contacts(const gn_step_context *ctx, gn_contacts *b, const i
 
 static gneiss_status remove_gone(gn_world *w, const int32_t *gone, gneiss_error *error) {
     book_contacts(&w->ctx, &w->dem, &w->boundary, &w->ledger, gone);
-    gn_coupled_leave(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, gone);
+    gn_coupled_remove(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, gone);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (gone[p]) GN_TRY(take_out(&w->ctx, &w->dem, &w->ledger, p, gone[p], error));
     for (int l = 0; l < GN_LIST_COUNT; l++)

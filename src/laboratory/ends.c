@@ -3,6 +3,7 @@
  * parts.
  */
 #include "laboratory/ends.h"
+#include "base/memory.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
 #include "conversion/conversion.h"
@@ -16,6 +17,7 @@
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/records.h"
+#include "solids/dormant_places.h"
 #include "solids/elements.h"
 #include "world/world.h"
 
@@ -315,7 +317,7 @@ static double lateral_strain(const gn_step_context *ctx, const gn_dem *dem, cons
                              const gn_gauge *gauge) {
     double gradient[9], g[9], sum = 0.0;
     int dimension = (int)ctx->scene.dimension;
-    gn_conversion_gradient(ctx, dem, solids, gauge, gradient);
+    gn_gauge_gradient(ctx, dem, solids, gauge, gradient);
     gn_strain_of(gradient, g);
     for (int a = 0; a < dimension; a++)
         if (a != (int)ctx->scene.test.axis) sum += g[4 * a];
@@ -351,4 +353,33 @@ void gn_control_look(gn_world *w) {
     m->wanted = fmin(m->wanted + rate(c) * (w->ctx.time - m->looked), now + most);
     m->looked = w->ctx.time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));
+}
+
+/* Tells whether a particle counts for the travel of a set: if the set prescribes the velocity,
+ * those whose velocity it is, otherwise all that were selected at the start. */
+static bool travels(const gn_step_context *ctx, const gn_dem *dem, size_t set, int axis, size_t p) {
+    const gn_particles *q = &dem->particles;
+    const gn_set_def *s = &ctx->scene.sets[set];
+    if (s->motion.velocity[axis].count == 0) return gn_set_selected(ctx, dem, set, p);
+    int32_t slot = q->slot[p];
+    return slot >= 0 && dem->channel_set[6 * slot + axis] == (int32_t)set;
+}
+
+double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     size_t set, int axis) {
+    const gn_set_def *s = &ctx->scene.sets[set];
+    int32_t *places = gn_element_places(ctx, solids);
+    double sum = 0.0;
+    size_t count = 0, all = s->id_count ? s->id_count : (size_t)dem->made;
+    for (size_t k = 0; k < all; k++) {
+        int32_t place = dem->index_of_id[s->id_count ? (size_t)s->ids[k] : k];
+        size_t p = (size_t)place;
+        if (place < 0 || !travels(ctx, dem, set, axis, p)) continue;
+        double u[3];
+        gn_particle_travel(dem, solids, places, p, u);
+        sum += u[axis];
+        count++;
+    }
+    gn_free(places);
+    return count ? sum / (double)count : 0.0;
 }

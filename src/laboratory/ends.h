@@ -74,4 +74,8 @@ void gn_control_create(gn_step_context *ctx);
 /* Looks at the reading every so many steps; before the forces of a step. */
 void gn_control_look(gn_world *world);
 
+/* Mean displacement of a set from the start along an axis, m. */
+double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     size_t set, int axis);
+
 #endif

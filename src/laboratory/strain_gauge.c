@@ -11,9 +11,11 @@
 #include "frame/step_context.h"
 #include "measure/measure.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/fragments.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
+#include "solids/dormant_places.h"
 
 #include <string.h>
 
@@ -84,7 +86,7 @@ static void mark_off(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
 }
 
 static bool is_there(const gn_dem *dem, size_t p) {
-    return gn_particle_is_active(&dem->particles, p) || gn_particle_is_dormant(dem, p);
+    return gn_particle_is_active(&dem->particles, p) || gn_is_dormant(dem, p);
 }
 
 static void mark_removed(gn_dem *dem, gn_gauge *gauge) {
@@ -147,4 +149,20 @@ gneiss_status gn_gauge_leave(const gn_step_context *ctx, gn_dem *dem, gn_gauge *
     if (!gauge->weights.count) return GNEISS_OK;
     mark_removed(dem, gauge);
     return renew(ctx, dem, gauge, error);
+}
+
+void gn_gauge_gradient(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       const gn_gauge *gauge, double gradient[9]) {
+    gn_strain_gauge_read(&gauge->weights, &dem->particles, dem->index_of_id, gradient);
+    int32_t *places = gn_element_places(ctx, solids);
+    for (size_t k = 0; gn_converts(ctx) && k < gauge->weights.count; k++) {
+        const int32_t p = dem->index_of_id[gauge->weights.id[k]];
+        double u[3];
+        if (p < 0 || !gn_is_dormant(dem, (size_t)p)) continue;
+        gn_particle_travel(dem, solids, places, (size_t)p, u);
+        for (int a = 0; a < 3; a++)
+            for (int c = 0; c < 3; c++)
+                gradient[3 * a + c] += u[a] * gauge->weights.weight[3 * k + c];
+    }
+    gn_free(places);
 }

@@ -36,4 +36,9 @@ gneiss_status gn_gauge_look(const gn_step_context *ctx, gn_dem *dem, gn_gauge *g
 gneiss_status gn_gauge_leave(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                              gneiss_error *error);
 
+/* The mean displacement gradient of the particles (gn_strain_gauge_read), those that sleep being
+ * where the elements have them. In any world. */
+void gn_gauge_gradient(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       const gn_gauge *gauge, double gradient[9]);
+
 #endif

@@ -1,7 +1,7 @@
-/* What came off gives its part of the surface to what it lay on. Of a particle that has gone the
- * faces of its cell to those that are left are surface now: as vectors they add up to what it bore,
- * so that the surface stays closed, encloses what is left, and follows it. All of it where things
- * were at the start. */
+/* Transfers the surface of detached particles to those beneath. The faces of the cell of a detached
+ * particle towards those that remain become surface: their vector sum is the area that it carried,
+ * so that the surface stays closed, encloses what remains, and follows it. All of it refers to the
+ * positions at the start. */
 #include "membrane/membrane.h"
 
 #include "base/error.h"
@@ -9,7 +9,6 @@
 #include "base/vec3.h"
 #include "frame/step_context.h"
 #include "membrane/cells.h"
-#include "membrane/grid.h"
 #include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
@@ -31,7 +30,7 @@ static const double inside = -1.0, bare = -2.0, going = -3.0;
 enum { NONE = -1, PLANES = 8 };
 
 /* Patches while they change hands: as lists of those of each particle. */
-typedef struct hands {
+typedef struct transfer {
     const gn_step_context *ctx;
     gn_dem *dem;
     gn_start_grid left, all;
@@ -40,11 +39,11 @@ typedef struct hands {
     gn_patch *patch;
     int32_t *next, *head; /* [capacity], [particles] */
     size_t count, capacity;
-} hands;
+} transfer;
 
-/* Whether a particle is farther than its radius from where it lay on the skin as a whole: what was
- * never held has come off then, and not where the packing left a gap. */
-static bool has_gone(const gn_dem *dem, const double mean[3], size_t p) {
+/* Tells whether a particle is farther than its radius from its place on the skin as a whole: a
+ * particle that was never held is detached then, and not where the packing left a gap. */
+static bool has_left(const gn_dem *dem, const double mean[3], size_t p) {
     const gn_particles *q = &dem->particles;
     double way[3];
     for (int a = 0; a < 3; a++) way[a] = q->pos[4 * p + a] - q->start[4 * p + a] - mean[a];
@@ -56,15 +55,16 @@ static void mean_way(const gn_particles *q, double mean[3]) {
     double count = 0.0;
     for (int a = 0; a < 3; a++) mean[a] = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_loaded(q, p)) continue;
         for (int a = 0; a < 3; a++) mean[a] += q->pos[4 * p + a] - q->start[4 * p + a];
         count += 1.0;
     }
     for (int a = 0; a < 3 && count > 0.0; a++) mean[a] /= count;
 }
 
-/* For good: what comes back is not pressed again. Whether there is any that was not known. */
-static bool mark_off(const gn_step_context *ctx, gn_dem *dem) {
+/* Permanent: a detached particle is never loaded again. Returns whether there are newly detached
+ * ones. */
+static bool mark_detached(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
     const int32_t *members = gn_world_bodies(ctx, dem);
     const bool loosened = gn_world_has_loosened(dem);
@@ -76,8 +76,8 @@ static bool mark_off(const gn_step_context *ctx, gn_dem *dem) {
         largest = members[p] > largest ? members[p] : largest;
     for (size_t p = 0; p < q->soa.count; p++) {
         bool off = !gn_particle_is_active(q, p) || (members && GN_CHIP * members[p] < largest &&
-                                                    (loosened || has_gone(dem, mean, p)));
-        if (!off || gn_came_off(q, p)) continue;
+                                                    (loosened || has_left(dem, mean, p)));
+        if (!off || gn_is_detached(q, p)) continue;
         memset(q->skin + 4 * p, 0, 3 * sizeof *q->skin);
         q->skin[4 * p + 3] = going;
         memcpy(q->applied + 4 * p, q->load + 4 * p, 4 * sizeof *q->load);
@@ -88,7 +88,7 @@ static bool mark_off(const gn_step_context *ctx, gn_dem *dem) {
 
 /* --- hands --- */
 
-static void free_hands(hands *h) {
+static void free_transfer(transfer *h) {
     gn_start_grid_free(&h->left);
     gn_start_grid_free(&h->all);
     gn_cell_free(&h->cell);
@@ -98,7 +98,7 @@ static void free_hands(hands *h) {
     gn_free(h->of);
 }
 
-static gneiss_status make_room(hands *h, size_t capacity, gneiss_error *error) {
+static gneiss_status make_room(transfer *h, size_t capacity, gneiss_error *error) {
     gn_patch *patch = gn_alloc_array(capacity, sizeof *patch);
     int32_t *next = gn_alloc_array(capacity, sizeof *next);
     if (patch && next && h->count) {
@@ -118,13 +118,13 @@ static double length(const double a[3]) {
     return sqrt(gn_dot3(a, a));
 }
 
-static void put_in(hands *h, int32_t p, size_t k) {
+static void put_in(transfer *h, int32_t p, size_t k) {
     h->next[k] = h->head[p];
     h->head[p] = (int32_t)k;
 }
 
-/* Who bears something is of the skin from now on. */
-static gneiss_status add_patch(hands *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
+/* A particle that receives a patch belongs to the skin. */
+static gneiss_status add_patch(transfer *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
     double *size = &h->dem->particles.skin[4 * (size_t)p + 3];
     if (*size == 0.0) *size = length(patch->area);
     if (h->count == h->capacity) GN_TRY(make_room(h, 2 * h->capacity + 64, error));
@@ -133,15 +133,15 @@ static gneiss_status add_patch(hands *h, int32_t p, const gn_patch *patch, gneis
     return GNEISS_OK;
 }
 
-static gneiss_status take_up(const gn_step_context *ctx, gn_dem *dem, hands *h,
-                             gneiss_error *error) {
+static gneiss_status collect_patches(const gn_step_context *ctx, gn_dem *dem, transfer *h,
+                                     gneiss_error *error) {
     const gn_dem *d = dem;
     const size_t n = d->particles.soa.count;
     const double radius = gn_dem_mean_radius(dem);
     h->of = gn_alloc_array(n + 1, sizeof *h->of);
     if (!h->of)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
-    for (size_t p = 0; p < n; p++) h->of[p] = !gn_came_off(&d->particles, p);
+    for (size_t p = 0; p < n; p++) h->of[p] = !gn_is_detached(&d->particles, p);
     GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, h->of, &h->left, error));
     GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, NULL, &h->all, error));
     h->cell = (gn_cell){.all = &h->all, .around = around * radius, .width = voxel * radius};
@@ -158,7 +158,7 @@ static gneiss_status take_up(const gn_step_context *ctx, gn_dem *dem, hands *h,
 }
 
 /* Back into the world, those of one particle one after the other. */
-static gneiss_status put_down(const hands *h, gneiss_error *error) {
+static gneiss_status store_patches(const transfer *h, gneiss_error *error) {
     gn_dem *d = h->dem;
     gn_patch *patches = gn_alloc_array(h->count + 1, sizeof *patches);
     if (!patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
@@ -173,16 +173,16 @@ static gneiss_status put_down(const hands *h, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- who bears what now --- */
+/* --- new bearers --- */
 
-static gneiss_status give(hands *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
+static gneiss_status give(transfer *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
     if (h->dem->particles.skin[4 * (size_t)p + 3] == inside)
         p = gn_start_grid_nearest(&h->left, patch->point, patch->area);
     return p < 0 ? GNEISS_OK : add_patch(h, p, patch, error);
 }
 
 /* Planes of the surface at a particle: of its patches of the start. */
-static size_t planes_at(const hands *h, size_t p, double (*plane)[4]) {
+static size_t planes_at(const transfer *h, size_t p, double (*plane)[4]) {
     size_t count = 0;
     for (int32_t k = h->head[p]; k != NONE && count < PLANES; k = h->next[k]) {
         const gn_patch *patch = &h->patch[k];
@@ -202,9 +202,9 @@ static void add_sums(const gn_patch *patch, double sign, double area[3], double 
         arms[k] += sign * (patch->area[k / 3] * patch->point[k % 3] + patch->rest[k]);
 }
 
-/* Faces but those to who has bared its own, which are none any more; `area` and `arms` lose theirs.
- */
-static gneiss_status give_faces(hands *h, double area[3], double arms[9], gneiss_error *error) {
+/* Gives the faces to the neighbours, except to those whose own cell is exposed; `area` and `arms`
+ * are reduced by them. */
+static gneiss_status give_faces(transfer *h, double area[3], double arms[9], gneiss_error *error) {
     const double *skin = h->dem->particles.skin;
     for (size_t f = 0; f < h->cell.count; f++) {
         const gn_cell_face *face = &h->cell.face[f];
@@ -229,7 +229,7 @@ static void keep_sums(gn_membrane *m, const double area[3], const double arms[9]
     for (int k = 0; k < 9; k++) m->rest[k] += 0.5 * (arms[k] - arms[k % 3 * 3 + k / 3]);
 }
 
-static gneiss_status bare_faces(hands *h, size_t p, gneiss_error *error) {
+static gneiss_status expose_faces(transfer *h, size_t p, gneiss_error *error) {
     double plane[PLANES][4], area[3] = {0}, arms[9] = {0};
     const size_t planes = planes_at(h, p, plane);
     for (int32_t k = h->head[p]; k != NONE; k = h->next[k]) add_sums(&h->patch[k], 1.0, area, arms);
@@ -242,7 +242,7 @@ static gneiss_status bare_faces(hands *h, size_t p, gneiss_error *error) {
 }
 
 /* By their numbers, again and again while one that goes was given something. */
-static gneiss_status change_hands(hands *h, gneiss_error *error) {
+static gneiss_status transfer_patches(transfer *h, gneiss_error *error) {
     gn_dem *d = h->dem;
     double *skin = d->particles.skin;
     for (bool more = true; more;) {
@@ -250,7 +250,7 @@ static gneiss_status change_hands(hands *h, gneiss_error *error) {
         for (int64_t id = 0; id < d->ids; id++) {
             const int32_t p = d->index_of_id[id];
             if (p < 0 || skin[4 * (size_t)p + 3] != going || h->head[p] == NONE) continue;
-            GN_TRY(bare_faces(h, (size_t)p, error));
+            GN_TRY(expose_faces(h, (size_t)p, error));
             more = true;
         }
     }
@@ -259,14 +259,14 @@ static gneiss_status change_hands(hands *h, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_drop(const gn_step_context *ctx, gn_dem *dem, bool *dropped,
-                               gneiss_error *error) {
-    hands h = {.ctx = ctx, .dem = dem};
-    *dropped = mark_off(ctx, dem);
+gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, bool *dropped,
+                                 gneiss_error *error) {
+    transfer h = {.ctx = ctx, .dem = dem};
+    *dropped = mark_detached(ctx, dem);
     if (!*dropped) return GNEISS_OK;
-    gneiss_status status = take_up(ctx, dem, &h, error);
-    if (status == GNEISS_OK) status = change_hands(&h, error);
-    if (status == GNEISS_OK) status = put_down(&h, error);
-    free_hands(&h);
+    gneiss_status status = collect_patches(ctx, dem, &h, error);
+    if (status == GNEISS_OK) status = transfer_patches(&h, error);
+    if (status == GNEISS_OK) status = store_patches(&h, error);
+    free_transfer(&h);
     return status;
 }

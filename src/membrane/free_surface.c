@@ -109,20 +109,21 @@ static gneiss_status look(const gn_step_context *ctx, const gn_dem *dem, view *v
     return status;
 }
 
-/* What rounding leaves where the ball is held by more than three. */
+/* Removes the rounding where the ball is held by more than three particles. */
 static void close_surface(gn_particles *q, gn_skin_body body) {
     double left[3] = {0}, size = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_of(body, p)) continue;
+        if (!gn_is_in_body(body, p)) continue;
         size += q->skin[4 * p + 3];
         for (int a = 0; a < 3; a++) left[a] += q->skin[4 * p + a];
     }
     for (size_t p = 0; p < q->soa.count && size > 0.0; p++)
-        for (int a = 0; a < 3 && gn_is_of(body, p); a++)
+        for (int a = 0; a < 3 && gn_is_in_body(body, p); a++)
             q->skin[4 * p + a] -= q->skin[4 * p + 3] / size * left[a];
 }
 
-/* What layers weigh in the surface at a distance of so many of the ball's radii from its centre. */
+/* Computes the weights of the layers in the surface at a distance from the centre of the ball, in
+ * radii of the ball. */
 static void weigh_layers(double at, double weight[GN_ROLLED_LAYERS]) {
     for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
         weight[k] = 1.0;
@@ -144,7 +145,7 @@ static volumes volumes_of(const gn_step_context *ctx, const gn_dem *dem, const v
     volumes sums = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
         double way[3];
-        if (!gn_is_of(body, p)) continue;
+        if (!gn_is_in_body(body, p)) continue;
         if (!base) base = q->start + 4 * p;
         for (int a = 0; a < 3; a++) way[a] = q->start[4 * p + a] - base[a];
         for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
@@ -187,7 +188,7 @@ static body_space space_of(const gn_step_context *ctx, const gn_dem *dem, const 
     double borne[2] = {0}, solid[2] = {0}, space = 0.0;
     int count = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_of(body, p)) continue;
+        if (!gn_is_in_body(body, p)) continue;
         const double ball = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         const bool inside = v->rolled.cell[p] > 0.0;
         for (int k = 0; k <= (int)inside; k++) borne[k] += v->borne[p], solid[k] += ball;
@@ -215,7 +216,7 @@ static void set_surface(gn_dem *dem, const view *v, gn_skin_body body, double at
     weigh_layers(at, weight);
     for (size_t p = 0; p < q->soa.count; p++) {
         double *skin = q->skin + 4 * p;
-        if (!gn_is_of(body, p)) continue;
+        if (!gn_is_in_body(body, p)) continue;
         for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
             for (int a = 0; a < 3; a++) skin[a] += weight[k] * v->rolled.area[k][p][a];
             arms[p] += weight[k] * v->rolled.arms[k][p];
@@ -239,29 +240,29 @@ static void finish(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *b
     close_surface(q, body);
     gn_membrane_balance(ctx, dem, body, q->start, none, q->skin);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_of(body, p)) continue;
+        if (!gn_is_in_body(body, p)) continue;
         at_centres += gn_dot3(q->skin + 4 * p, q->start + 4 * p) / d;
         ways += arms[p] / d;
     }
     const double volume =
         given > 0.0 || !(space.filled > at_centres) ? at_centres + ways : space.filled;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (gn_is_of(body, p)) arms[p] *= (volume - at_centres) / ways;
+        if (gn_is_in_body(body, p)) arms[p] *= (volume - at_centres) / ways;
     dem->membrane->enclosed += volume;
 }
 
-/* Whether the places of a body lie in more than a row (2D) or a layer (3D). */
+/* Tells whether a body is more than a row (2D) or a layer (3D). */
 static bool spans(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body) {
     const gn_particles *q = &dem->particles;
     const int d = (int)ctx->scene.dimension;
     double count = 0.0, mean[3] = {0}, second[9] = {0}, values[3], vectors[9];
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_of(body, p)) continue;
+        if (!gn_is_in_body(body, p)) continue;
         for (int a = 0; a < d; a++) mean[a] += q->start[4 * p + a];
         count += 1.0;
     }
     for (size_t p = 0; p < q->soa.count; p++)
-        for (int k = 0; k < d * d && gn_is_of(body, p); k++)
+        for (int k = 0; k < d * d && gn_is_in_body(body, p); k++)
             second[k] += (q->start[4 * p + k / d] - mean[k / d] / count) *
                          (q->start[4 * p + k % d] - mean[k % d] / count);
     gn_eigen_symmetric(d, second, values, vectors);

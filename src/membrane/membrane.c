@@ -20,7 +20,7 @@
 /* Steps between looks for what came off, and for how the skin has moved from place to place. */
 enum { LOOK_INTERVAL = 100, ALL = -1 };
 
-double gn_membrane_due(const gn_step_context *ctx, const gn_dem *dem) {
+double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_membrane *m = dem->membrane;
     const double ramp = ctx->scene.membrane.ramp;
     if (!(ctx->effects & GN_FX_MEMBRANE)) return 0.0;
@@ -47,7 +47,7 @@ double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body) {
     const gn_particles *q = &dem->particles;
     double sum = 0.0;
     for (size_t p = 0; q->skin && p < q->soa.count; p++)
-        if (gn_is_pressed_of(q, body, p)) sum += q->skin[4 * p + 3];
+        if (gn_is_loaded_of(q, body, p)) sum += q->skin[4 * p + 3];
     return sum;
 }
 
@@ -142,7 +142,8 @@ bool gn_gradient_of(const gn_gradient_fit *f, double gradient[9]) {
     return true;
 }
 
-/* Of a body, or of all. From one of the skin on, so that nothing is lost to where the origin is. */
+/* Fits the deformation of a body, or of all, relative to one particle of the skin, so that a
+ * distant origin costs no digits. */
 static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, int32_t body,
                      double gradient[9]) {
     const gn_particles *q = &dem->particles;
@@ -150,7 +151,7 @@ static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, int32_t body
     const double *base = NULL, *start = NULL;
     for (size_t p = 0; p < q->soa.count; p++) {
         double from[3], to[3];
-        if (!gn_is_pressed(q, p) || (body != ALL && dem->skin_body[p] != body)) continue;
+        if (!gn_is_loaded(q, p) || (body != ALL && dem->skin_body[p] != body)) continue;
         if (!base) base = q->pos + 4 * p, start = q->start + 4 * p;
         for (int a = 0; a < 3; a++) {
             from[a] = q->start[4 * p + a] - start[a];
@@ -161,8 +162,9 @@ static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, int32_t body
     gn_gradient_of(&fit, gradient);
 }
 
-/* Whose body is what: bodies are kept with the patches, as those have no order to lose. */
-static gneiss_status tell_bodies(gn_dem *dem, size_t bodies, gneiss_error *error) {
+/* Finds the body of each particle: bodies are stored with the patches, whose order does not change.
+ */
+static gneiss_status list_bodies(gn_dem *dem, size_t bodies, gneiss_error *error) {
     gn_dem *d = dem;
     gn_free(d->skin_gradient);
     gn_free(d->skin_body);
@@ -177,10 +179,10 @@ static gneiss_status tell_bodies(gn_dem *dem, size_t bodies, gneiss_error *error
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_turn(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const size_t bodies = (size_t)dem->membrane->bodies;
     if (bodies < 2 || !ctx->scene.membrane.follow) return GNEISS_OK;
-    GN_TRY(tell_bodies(dem, bodies, error));
+    GN_TRY(list_bodies(dem, bodies, error));
     for (size_t b = 0; b < bodies; b++) fit_skin(ctx, dem, (int32_t)b, dem->skin_gradient[b]);
     return GNEISS_OK;
 }
@@ -193,30 +195,30 @@ const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_dem *
 
 /* --- forces --- */
 
-gneiss_status gn_membrane_press(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_particles *q = &dem->particles;
     const gn_membrane_def *m = &ctx->scene.membrane;
     double turn[9];
     if (!(ctx->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    const double pressure = gn_membrane_due(ctx, dem);
+    const double pressure = gn_membrane_pressure_now(ctx, dem);
     dem->membrane->pressure = pressure;
     const bool look = ctx->step % LOOK_INTERVAL == 0;
     bool dropped = false;
-    if (look) GN_TRY(gn_membrane_drop(ctx, dem, &dropped, error));
-    /* Of several bodies no deformation is that of all. */
+    if (look) GN_TRY(gn_membrane_detach(ctx, dem, &dropped, error));
+    /* Several bodies have no common deformation. */
     if (m->follow && (look || dem->membrane->bodies == 1))
         fit_skin(ctx, dem, ALL, dem->membrane->gradient);
-    if (look) GN_TRY(gn_membrane_lay(ctx, dem, dropped, error));
-    if (!look) GN_TRY(gn_membrane_turn(ctx, dem, error));
+    if (look) GN_TRY(gn_membrane_update_areas(ctx, dem, dropped, error));
+    if (!look) GN_TRY(gn_membrane_fit_bodies(ctx, dem, error));
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_loaded(q, p)) continue;
         gn_cofactor3(gn_membrane_gradient_at(ctx, dem, p), turn);
         for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
     /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
     if (m->follow && dem->membrane->bodies == 1) gn_membrane_rebalance(ctx, dem, q->applied);
     for (size_t p = 0; p < q->soa.count; p++)
-        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+        for (int a = 0; a < 3 && gn_is_loaded(q, p); a++)
             q->applied[4 * p + a] = q->load[4 * p + a] - pressure * q->applied[4 * p + a];
     return GNEISS_OK;
 }

@@ -18,10 +18,16 @@ gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem,
                                  const gn_boundary *boundary, const gn_solids *solids,
                                  gneiss_error *error);
 
-/* Shares the surface out again among those that the contacts of now hold (support.h), if
+/* Shares the surface out again among those that the contacts of now hold (skin.c), if
  * others bear some of it; once something has come off it stays as it is. Call with bonds formed. */
-gneiss_status gn_membrane_bear(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                               const gn_solids *solids, gneiss_error *error);
+gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids,
+                                         gneiss_error *error);
+
+/* [particles] those that contacts hold against being pushed any way, of what has not come off;
+ * without bonds, and where none is, all of that. */
+gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_dem *dem, bool *held,
+                                         gneiss_error *error);
 
 /* The skin of particles without a shape, over which a ball of the radius `ball` rolls
  * (free_surface.c). Areas go to q->skin; `arms` [particles] are the trace of areas times ways from
@@ -30,12 +36,12 @@ gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     double ball, double *arms, gneiss_error *error);
 
-/* What came off gives its part of the surface to what it lay on (detachment.c); whether there is
- * any. */
-gneiss_status gn_membrane_drop(const gn_step_context *ctx, gn_dem *dem, bool *dropped,
-                               gneiss_error *error);
+/* Transfers the surface of detached particles to those beneath (detachment.c). *dropped: some were
+ * detached. */
+gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, bool *dropped,
+                                 gneiss_error *error);
 
-/* Whether what faces like `area` is covered. */
+/* Tells whether the membrane covers a surface with this area vector. */
 bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]);
 
 /* The particle that bears a patch; -1: none is left. */
@@ -44,12 +50,12 @@ int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 /* Areas of the skin from its patches, each as what is around it has moved, in balance as those of
  * the surface are (patches.c). At the start and at every look: then a part of the way, but
  * for those that are laid anew. */
-gneiss_status gn_membrane_lay(const gn_step_context *ctx, gn_dem *dem, bool anew,
-                              gneiss_error *error);
+gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem, bool anew,
+                                       gneiss_error *error);
 
 /* Finds how each of several bodies of the skin has moved as a whole; what that of a particle of the
  * skin has. */
-gneiss_status gn_membrane_turn(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_dem *dem, size_t p);
 
 /* A body of those that the skin is of. */
@@ -62,17 +68,17 @@ typedef struct gn_skin_body {
  * with particles at `place` (rows of 4), is `moment`, m3. */
 void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body,
                          const double *place, const double moment[3], double *area);
-/* Of the areas of all, as the skin has moved as a whole and particles are now, to the moment that
- * the surface has. */
+/* Balances the areas of all particles at present positions to the moment of the surface, which
+ * follows the skin as a whole. */
 void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem, double *area);
 
 /* Pa, of the instant: from what there was when it was given, over the ramp, to what is given. */
-double gn_membrane_due(const gn_step_context *ctx, const gn_dem *dem);
+double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_dem *dem);
 /* The scene is that of the stage that begins; `pressure`, what was due before. */
 void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages, double pressure);
 
 /* Applied forces of the instant; before the forces of a step. */
-gneiss_status gn_membrane_press(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
 /* m3: that the mean stress of the specimen refers to; of particles without a shape what the
  * membrane encloses at the start. */
@@ -88,19 +94,19 @@ void gn_membrane_stress(const gn_world *world, double stress[9]);
 double gn_membrane_area(const gn_dem *dem);
 double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body);
 
-/* Whether it presses on a particle, and whether a particle came off the body. */
-static inline bool gn_is_pressed(const gn_particles *particles, size_t p) {
+/* Tells whether the membrane loads a particle, and whether a particle is detached from the body. */
+static inline bool gn_is_loaded(const gn_particles *particles, size_t p) {
     return particles->skin[4 * p + 3] > 0.0;
 }
-static inline bool gn_came_off(const gn_particles *particles, size_t p) {
+static inline bool gn_is_detached(const gn_particles *particles, size_t p) {
     return particles->skin[4 * p + 3] < 0.0;
 }
 
-static inline bool gn_is_of(gn_skin_body body, size_t p) {
+static inline bool gn_is_in_body(gn_skin_body body, size_t p) {
     return !body.group || body.group[p] == body.is;
 }
-static inline bool gn_is_pressed_of(const gn_particles *particles, gn_skin_body body, size_t p) {
-    return gn_is_pressed(particles, p) && gn_is_of(body, p);
+static inline bool gn_is_loaded_of(const gn_particles *particles, gn_skin_body body, size_t p) {
+    return gn_is_loaded(particles, p) && gn_is_in_body(body, p);
 }
 
 /* x = F X by least squares of places that were at X and are at x, both from their means on. */

@@ -8,8 +8,7 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "frame/step_context.h"
-#include "membrane/grid.h"
-#include "membrane/support.h"
+#include "membrane/cells.h"
 #include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
@@ -22,8 +21,8 @@
 /* In mean radii: what is around a particle; cells of the grid. */
 static const double around = 5.0, cell_size = 2.5;
 
-/* Of the way to the areas of now, at a look: those that followed waves of some hundred steps would
- * come too late for them, and drive them. */
+/* Share of the change to the present areas that an update applies: areas that followed waves of
+ * some hundred steps would be late and drive them. */
 static const double pace = 1.0 / 8.0;
 
 /* Surroundings are widened so often, each time by so much, where they say too little. */
@@ -56,10 +55,9 @@ static void see(void *context, int32_t particle) {
     gn_gradient_add(&v->fit, weight, from, to);
 }
 
-/* Whether what is around says how it has moved, and does so along all axes: places that hardly
- * spread along one leave a grain that has shifted by itself to turn and stretch what is beside it
- * by much. */
-static bool says_how(const view *v, double radius, double gradient[9]) {
+/* Tells whether the surroundings determine a deformation along all axes: with a small extent along
+ * one, a particle that has shifted alone would turn and stretch what is beside it. */
+static bool determines_gradient(const view *v, double radius, double gradient[9]) {
     const double enough = 1.5;
     double cofactor[9];
     if (!(gn_gradient_spread(&v->fit) >= enough * radius * radius)) return false;
@@ -68,13 +66,13 @@ static bool says_how(const view *v, double radius, double gradient[9]) {
     return gn_dot3(gradient, cofactor) > 0.0;
 }
 
-/* What a look knows before it: bodies, the grid of who says how they have moved, and how the skin
- * of each has as a whole. */
+/* State of an update: bodies, the grid of particles that determine the deformation, and the
+ * deformation of the skin of each body. */
 typedef struct look {
     const int32_t *group;        /* NULL: all are one */
     const gn_start_grid *around; /* NULL: as at the start */
     double radius;
-    double (*whole)[9]; /* [particles] of who stands for a body, with several bodies */
+    double (*whole)[9]; /* [particles] by the leading particle of a body, with several bodies */
 } look;
 
 static const double *whole_of(const gn_dem *dem, const look *l, size_t p) {
@@ -92,12 +90,12 @@ static void gradient_around(const gn_step_context *ctx, const gn_dem *dem, const
                   .reach = around * l->radius * pow(wider, k),
                   .fit = {.dimension = (int)ctx->scene.dimension}};
         gn_start_grid_visit(l->around, dem->particles.start + 4 * p, v.reach, see, &v);
-        if (says_how(&v, l->radius, gradient)) return;
+        if (determines_gradient(&v, l->radius, gradient)) return;
     }
     memcpy(gradient, whole_of(dem, l, p), 9 * sizeof *gradient);
 }
 
-/* Of the skin of each of several bodies, from who stands for it on. */
+/* Fits the skin of each of several bodies, relative to its leading particle. */
 static gneiss_status fit_bodies(const gn_step_context *ctx, const gn_dem *dem, look *l,
                                 gneiss_error *error) {
     const gn_particles *q = &dem->particles;
@@ -107,7 +105,7 @@ static gneiss_status fit_bodies(const gn_step_context *ctx, const gn_dem *dem, l
     for (size_t p = 0; fit && l->whole && p < n; p++) {
         const size_t lead = (size_t)l->group[p];
         double from[3], to[3];
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_loaded(q, p)) continue;
         for (int a = 0; a < 3; a++) {
             from[a] = q->start[4 * p + a] - q->start[4 * lead + a];
             to[a] = q->pos[4 * p + a] - q->pos[4 * lead + a];
@@ -161,10 +159,11 @@ static double stretch_of(const gn_patch *patch, const double turn[9], const doub
     return all > 0.0 ? sqrt(here / all) : 1.0;
 }
 
-/* What is around the bearer of patches from the k-th on cannot have stretched one of them so much
- * more or less than the skin of its body has been, for all that the shape of a body changes: then
- * it is taken to have moved as that. Returns the size of these patches, otherwise 0. */
-static double hold_to(const double as_whole[9], const gn_dem *d, size_t k, double gradient[9]) {
+/* Surroundings that would stretch a patch so much more or less than the skin of its body are not
+ * trusted: the patch then moves as that skin. Returns the size of the patches from the k-th on that
+ * this concerns, otherwise 0. */
+static double limit_stretch(const double as_whole[9], const gn_dem *d, size_t k,
+                            double gradient[9]) {
     const int32_t owner = d->patches[k].owner;
     double turn[9], whole[9], size = 0.0;
     bool holds = true;
@@ -186,7 +185,7 @@ static void add_patches(const gn_step_context *ctx, gn_dem *dem, const look *l, 
     gn_dem *d = dem;
     double gradient[9], unlike = 0.0;
     for (size_t p = 0; p < d->particles.soa.count; p++)
-        if (!gn_came_off(&d->particles, p))
+        if (!gn_is_detached(&d->particles, p))
             memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
     for (size_t k = 0; k < d->patch_count;) {
         const int32_t owner = d->patches[k].owner;
@@ -195,7 +194,7 @@ static void add_patches(const gn_step_context *ctx, gn_dem *dem, const look *l, 
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
         if (l->around && at >= 0) {
             gradient_around(ctx, dem, l, (size_t)at, gradient);
-            unlike += hold_to(whole_of(dem, l, (size_t)at), d, k, gradient);
+            unlike += limit_stretch(whole_of(dem, l, (size_t)at), d, k, gradient);
         }
         for (; k < d->patch_count && d->patches[k].owner == owner; k++)
             if (at >= 0) add_patch(dem, &d->patches[k], (size_t)at, gradient, bared, arms);
@@ -245,15 +244,15 @@ void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem, double
     const gn_skin_body all = {0};
     double sum[3], tensor[9], moment[3];
     size_t base = 0;
-    while (base < q->soa.count && !gn_is_pressed(q, base)) base++;
+    while (base < q->soa.count && !gn_is_loaded(q, base)) base++;
     if (base == q->soa.count) return;
     surface_sums(dem, all, base, sum, tensor);
     moment_of(q->pos + 4 * base, sum, tensor, moment);
     gn_membrane_balance(ctx, dem, all, q->pos, moment, area);
 }
 
-/* What the areas of a body miss of the force of its surface goes to all by their sizes; then the
- * moment is restored. Of a closed surface both are nothing. */
+/* Distributes the difference to the force of the surface over all areas by size; then restores the
+ * moment. Both vanish for a closed surface. */
 static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_skin_body body,
                                const double *place) {
     gn_particles *q = &dem->particles;
@@ -261,7 +260,7 @@ static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_skin_
     const double sum = gn_membrane_area_of(dem, body);
     size_t base = 0;
     if (!(sum > 0.0)) return;
-    while (!gn_is_pressed_of(q, body, base)) base++;
+    while (!gn_is_loaded_of(q, body, base)) base++;
     surface_sums(dem, body, base, area, tensor);
     if (body.group && body.is != OPEN) {
         memset(area, 0, sizeof area);
@@ -270,15 +269,15 @@ static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_skin_
     moment_of(place + 4 * base, area, tensor, moment);
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
-            if (gn_is_pressed_of(q, body, p)) area[a] -= q->skin[4 * p + a];
+            if (gn_is_loaded_of(q, body, p)) area[a] -= q->skin[4 * p + a];
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
-            if (gn_is_pressed_of(q, body, p))
+            if (gn_is_loaded_of(q, body, p))
                 q->skin[4 * p + a] += q->skin[4 * p + 3] / sum * area[a];
     gn_membrane_balance(ctx, dem, body, place, moment, q->skin);
 }
 
-/* Bodies whose surface is not closed get OPEN in the place of who stands for them. */
+/* Sets the group of bodies whose surface is not closed to OPEN. */
 static void find_open(const gn_dem *dem, int32_t *group, double (*sums)[4]) {
     const gn_dem *d = dem;
     const double nearly = 0.03;
@@ -344,8 +343,8 @@ static void back_of(const double gradient[9], double back[9]) {
 
 /* Areas as they would be had their body not moved as a whole, and ways had the skin not: steps turn
  * and stretch them. */
-static gneiss_status turn_back(const gn_step_context *ctx, gn_dem *dem, double arms[9],
-                               gneiss_error *error) {
+static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, double arms[9],
+                                     gneiss_error *error) {
     gn_particles *q = &dem->particles;
     gn_membrane *m = dem->membrane;
     double cofactor[9], inverse[9], back[9], half[9];
@@ -355,10 +354,10 @@ static gneiss_status turn_back(const gn_step_context *ctx, gn_dem *dem, double a
     for (int k = 0; k < 9; k++) inverse[k] = cofactor[k % 3 * 3 + k / 3] / det;
     gn_product3(back, arms, half);
     gn_product3_bt(half, inverse, m->arms);
-    GN_TRY(gn_membrane_turn(ctx, dem, error));
+    GN_TRY(gn_membrane_fit_bodies(ctx, dem, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_loaded(q, p)) continue;
         const double now[3] = {s[0], s[1], s[2]};
         back_of(gn_membrane_gradient_at(ctx, dem, p), back);
         for (int a = 0; a < 3; a++) s[a] = gn_dot3(back + 3 * a, now);
@@ -368,7 +367,8 @@ static gneiss_status turn_back(const gn_step_context *ctx, gn_dem *dem, double a
 
 /* The areas and ways of the last look as bodies have moved as a whole since, [4 particles] and 9.
  */
-static void carry_on(const gn_step_context *ctx, const gn_dem *dem, double *area, double arms[9]) {
+static void advance_areas(const gn_step_context *ctx, const gn_dem *dem, double *area,
+                          double arms[9]) {
     const gn_particles *q = &dem->particles;
     const gn_membrane *m = dem->membrane;
     double turn[9], half[9];
@@ -376,7 +376,7 @@ static void carry_on(const gn_step_context *ctx, const gn_dem *dem, double *area
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_loaded(q, p)) continue;
         gn_cofactor3(gn_membrane_gradient_at(ctx, dem, p), turn);
         for (int a = 0; a < 3; a++) area[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
@@ -386,7 +386,7 @@ static void carry_on(const gn_step_context *ctx, const gn_dem *dem, double *area
 static void blend(gn_dem *dem, const double *was, const double had[9], double arms[9]) {
     gn_particles *q = &dem->particles;
     for (size_t p = 0; p < q->soa.count; p++)
-        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+        for (int a = 0; a < 3 && gn_is_loaded(q, p); a++)
             q->skin[4 * p + a] = was[4 * p + a] + pace * (q->skin[4 * p + a] - was[4 * p + a]);
     for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
 }
@@ -396,7 +396,7 @@ static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem,
                                   gn_start_grid *grid, gneiss_error *error) {
     bool *held = gn_alloc_array(dem->particles.soa.count + 1, sizeof *held);
     if (!held) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of a specimen");
-    gneiss_status status = gn_membrane_held(ctx, dem, held, error);
+    gneiss_status status = gn_membrane_find_supported(ctx, dem, held, error);
     if (status == GNEISS_OK) status = gn_start_grid_make(ctx, dem, cell, held, grid, error);
     gn_free(held);
     return status;
@@ -423,7 +423,7 @@ static gneiss_status lay(const gn_step_context *ctx, gn_dem *dem, int32_t *group
     const gn_membrane *m = dem->membrane;
     const bool follow = ctx->scene.membrane.follow && ctx->step > 0;
     double arms[9], had[9], turn[9], half[9];
-    if (was) carry_on(ctx, dem, was, had);
+    if (was) advance_areas(ctx, dem, was, had);
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->rest, half);
     gn_product3_bt(half, m->gradient, arms);
@@ -433,18 +433,18 @@ static gneiss_status lay(const gn_step_context *ctx, gn_dem *dem, int32_t *group
     GN_TRY(balance_bodies(ctx, dem, group,
                           ctx->scene.membrane.follow ? dem->particles.pos : dem->particles.start,
                           error));
-    return turn_back(ctx, dem, arms, error);
+    return reference_areas(ctx, dem, arms, error);
 }
 
-gneiss_status gn_membrane_lay(const gn_step_context *ctx, gn_dem *dem, bool anew,
-                              gneiss_error *error) {
+gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem, bool anew,
+                                       gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
     const bool carries = !anew && ctx->scene.membrane.follow && ctx->step > 0;
     int32_t *group = gn_alloc_array(n + 1, sizeof *group);
     double *was = carries ? gn_alloc_array(4 * n + 1, sizeof *was) : NULL;
     gneiss_status status =
         group && (was || !carries)
-            ? gn_membrane_turn(ctx, dem, error)
+            ? gn_membrane_fit_bodies(ctx, dem, error)
             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     if (status == GNEISS_OK) {
         const size_t bodies = gn_world_body_groups(ctx, dem, GN_CHIP, group);

@@ -231,9 +231,9 @@ static void add_sector(const double a[3], const double b[3], double area[3]) {
     for (int k = 0; k < 3; k++) area[k] += 0.5 * (sine > 1e-12 ? angle / sine : 1.0) * across[k];
 }
 
-/* Of the cap at an end of an arc what lies between its middle and the arc, to each of the two what
- * is nearest. Its area as a vector is that of the sectors between its edge and the ball's centre;
- * those from its middle to what the ball touches cancel with the next arc's. */
+/* Adds the part of the cap at an end of an arc between its middle and the arc, to the nearer of
+ * both particles. Its area vector is that of the sectors between its edge and the ball's centre;
+ * those from its middle to the touched particles cancel with the next arc's. */
 static void add_cap(roll *v, const circle *c, double angle, bool begins) {
     double n[2][3], middle[3], between[3], size = 0.0;
     for (int side = 0; side < 2; side++) to_ball(c, side, angle, n[side]);
@@ -272,7 +272,7 @@ static void meridian(const circle *c, int side, double t, double angle, double s
         (r * r * y - r * h * x - r * t * angle + 0.5 * t * h * x * x - r * t * square + t * t * y);
 }
 
-/* What an arc adds to one of its two, of what the ball touches and of the ring. */
+/* Adds the contribution of an arc to one of its particles: touched surface and ring. */
 static void add_side(roll *v, const circle *c, const arc *free, int side) {
     const size_t p = c->member[side];
     const double width = free->to - free->from, r = c->radius;
@@ -319,7 +319,7 @@ static void roll_in_space(roll *v, size_t i) {
     }
 }
 
-/* Whether one that is larger encloses its sphere. */
+/* Tells whether a larger neighbour encloses its sphere. */
 static bool is_enclosed(const roll *v, size_t p) {
     for (size_t n = v->start[p]; n < v->start[p + 1]; n++) {
         const size_t k = (size_t)v->neighbour[n];
@@ -417,8 +417,8 @@ static double extent(const roll *v, size_t i, const double u[3]) {
     return fmax(least, 0.0);
 }
 
-/* Whether none that is next to it is touched either: the cells of those beneath the skin reach up
- * to where the ball sinks in. */
+/* Tells whether neither a particle nor its neighbours are touched: the cells of those beneath the
+ * skin reach up to the ball. */
 static bool is_deep(const roll *v, size_t p) {
     const double next = 1.05;
     bool deep = !v->touched[p];

@@ -11,11 +11,11 @@
 enum { GN_ROLLED_LAYERS = 4 };
 static const double gn_rolled_layer[GN_ROLLED_LAYERS] = {0.25, 0.75, 1.25, 1.75};
 
-/* What a ball that rolls about particles cannot get into is bounded by what it touches of them, by
- * the rings that it turns out where it touches two, and by caps of its own where it is held by
- * three (Connolly 1983, J. Appl. Cryst. 16, 548-558; in 2D by arcs): a closed surface. Each
- * particle gets what is nearest to it. Of surfaces parallel to it areas and arms are polynomials in
- * the distance, of the second and third degree. */
+/* A ball that rolls about particles is bounded by the touched parts of their surfaces, by rings
+ * where it touches two, and by caps of its own where it is held by three (Connolly 1983, J. Appl.
+ * Cryst. 16, 548-558; in 2D by arcs): together a closed surface. Each particle gets the part that
+ * is nearest to it. For parallel surfaces areas and arms are polynomials of second and third degree
+ * in the distance. */
 typedef struct gn_rolled {
     const gn_particles *particles;
     int dimension;

@@ -1,13 +1,12 @@
 /* The skin of a packed specimen: its surface is cut into pieces, and every piece goes to the
  * particle whose surface is nearest (a Voronoi share), so that the areas add up to the surface. */
-#include "membrane/membrane.h"
-
+#include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "frame/step_context.h"
-#include "membrane/grid.h"
-#include "membrane/support.h"
+#include "membrane/cells.h"
+#include "membrane/membrane.h"
 #include "pack/boundary.h"
 #include "particles/dem.h"
 #include "particles/fragments.h"
@@ -21,7 +20,130 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a mean radius: shares are then of some fifty pieces. */
+/* --- particles that bear the membrane --- */
+
+/* Which particles bear a membrane. Bonds without moments hold what they join at a point: a grain on
+ * one of them (2D), on one or two (3D), pivots about its neighbours under a force that does not go
+ * through them, and so do those that hang on it. Such grains, on edges and at corners, bear
+ * nothing; what of the surface is nearest to them goes to what is nearest of those that are held.
+ */
+/* Sums over the contacts of a particle with supported ones, for a normal stiffness of 1. */
+typedef struct footing {
+    double normal[3];   /* n */
+    double straight[9]; /* n n^T */
+    double count;
+} footing;
+
+/* Tangential over normal stiffness; least stiffness of a supported particle over that of one
+ * contact. One contact has 0 across it, two in space across their plane; the corner of a hexagonal
+ * lattice has 0.50, of a face-centred one 0.54, of a square 1.0, of a cubic one 1.2. Narrow tripods
+ * have less. */
+static const double slant = 0.4, least = 0.45;
+
+static void add_contact(footing *f, const double n[3], double sign) {
+    for (int a = 0; a < 3; a++) f->normal[a] += sign * n[a];
+    for (int k = 0; k < 9; k++) f->straight[k] += n[k / 3] * n[k % 3];
+    f->count += 1.0;
+}
+
+static void add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                     const bool *held, footing *all) {
+    const double *pos = dem->particles.pos;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const size_t i = (size_t)list->i[c], j = (size_t)list->j[c];
+        double d[3];
+        if (!held[i] && !held[j]) continue;
+        const double far = sqrt(gn_branch(ctx, pos + 4 * i, pos + 4 * j, d));
+        const double free = list->length0 ? list->length0[c] : pos[4 * i + 3] + pos[4 * j + 3];
+        if (!gn_contact_bonded(list, c) && !(far < free)) continue;
+        for (int a = 0; a < 3; a++) d[a] /= far;
+        if (held[j]) add_contact(&all[i], d, 1.0);
+        if (held[i]) add_contact(&all[j], d, -1.0);
+    }
+}
+
+/* Resistance to rotation over the square of the radius: t (count I - n n^T). Resistance to a push
+ * with free rotation: straight + t across - t^2 N^T turn^-1 N, with N the cross product with the
+ * sum of the normals. */
+static void push_of(const footing *f, int dimension, double t, double push[9]) {
+    double turn[9], inverse[9], half[9], cross[9] = {0};
+    for (int k = 0; k < 9; k++) {
+        const double across = (k % 4 == 0 ? f->count : 0.0) - f->straight[k];
+        push[k] = f->straight[k] + t * across;
+        turn[k] = across;
+    }
+    if (!(t > 0.0)) return;
+    for (int a = 0; a < 3; a++) {
+        cross[3 * a + (a + 1) % 3] = -f->normal[(a + 2) % 3];
+        cross[3 * a + (a + 2) % 3] = f->normal[(a + 1) % 3];
+    }
+    if (dimension == 2) {
+        for (int k = 0; k < 9; k++) inverse[k] = k == 8 ? 1.0 / f->count : 0.0;
+    } else {
+        /* A pivot about the axis through all contacts: none of it, but for rounding. */
+        for (int a = 0; a < 3; a++) turn[4 * a] += 1e-9 * f->count;
+        gn_cofactor3(turn, inverse);
+        const double det = gn_dot3(turn, inverse);
+        for (int k = 0; k < 9; k++) inverse[k] /= det;
+    }
+    gn_product3_at(cross, inverse, half);
+    gn_product3(half, cross, inverse);
+    for (int k = 0; k < 9; k++) push[k] -= t * inverse[k];
+}
+
+static bool is_supported(const gn_step_context *ctx, const footing *f) {
+    const int d = (int)ctx->scene.dimension;
+    double push[9], small[9], values[3], vectors[9];
+    if (!(f->count > 0.0)) return false;
+    const bool shear = ctx->effects & GN_FX_SHEAR, turns = ctx->effects & GN_FX_ROTATION;
+    if (ctx->effects & GN_FX_BOND_MOMENTS || (shear && !turns)) return true;
+    push_of(f, d, shear ? slant : 0.0, push);
+    for (int k = 0; k < d * d; k++) small[k] = push[k / d * 3 + k % d];
+    gn_eigen_symmetric(d, small, values, vectors);
+    return values[d - 1] > least;
+}
+
+/* Tells whether a particle belongs to a body whose particles may pivot. */
+static bool can_pivot(const gn_dem *dem, size_t p) {
+    return dem->particles.group[p] != 0;
+}
+
+/* Removes unsupported particles until none is left: each takes support from others. The result does
+ * not depend on the order. */
+static void remove_unsupported(const gn_step_context *ctx, const gn_dem *dem, footing *all,
+                               bool *held) {
+    const size_t n = dem->particles.soa.count;
+    for (bool more = true; more;) {
+        more = false;
+        memset(all, 0, n * sizeof *all);
+        for (int l = 0; l < GN_LIST_COUNT; l++)
+            add_list(ctx, dem, &dem->list[l].contacts, held, all);
+        for (size_t p = 0; p < n; p++) {
+            if (!held[p] || !can_pivot(dem, p) || is_supported(ctx, &all[p])) continue;
+            held[p] = false;
+            more = true;
+        }
+    }
+}
+
+gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_dem *dem, bool *held,
+                                         gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
+    const size_t n = q->soa.count;
+    bool any = false;
+    for (size_t p = 0; p < n; p++) held[p] = !gn_is_detached(q, p);
+    if (!(ctx->effects & GN_FX_BONDS) || !dem->bonds.contacts.soa.count) return GNEISS_OK;
+    footing *all = gn_alloc_array(n + 1, sizeof *all);
+    if (!all)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    remove_unsupported(ctx, dem, all, held);
+    gn_free(all);
+    for (size_t p = 0; p < n; p++) any = any || held[p];
+    for (size_t p = 0; p < n && !any; p++) held[p] = !gn_is_detached(q, p);
+    return GNEISS_OK;
+}
+
+/* Size of pieces of the surface in mean radii: a share has some fifty pieces. */
 static const double piece_size = 0.25;
 
 /* Patches that a particle may have: three in the corner of a box. */
@@ -37,8 +159,7 @@ bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]) {
     return along * along < 0.5 * size;
 }
 
-/* Of the patches of a particle the one that a piece joins: of the side of the body that it is of.
- */
+/* Returns the patch of a particle that a piece joins: that of the same side of the body. */
 static gn_patch *side_of(gn_patch *patches, const double area[3], double size) {
     const double same = 0.7;
     for (int k = 0; k < SIDES - 1; k++) {
@@ -50,8 +171,9 @@ static gn_patch *side_of(gn_patch *patches, const double area[3], double size) {
 }
 
 /* A piece of the surface goes to a patch of a particle. Ways are from its centre as yet. */
-static void share_out(const gn_step_context *ctx, const gn_dem *dem,
-                      const gn_boundary_pieces *pieces, const gn_start_grid *g, gn_patch *patches) {
+static void distribute(const gn_step_context *ctx, const gn_dem *dem,
+                       const gn_boundary_pieces *pieces, const gn_start_grid *g,
+                       gn_patch *patches) {
     for (size_t k = 0; k < pieces->count; k++) {
         const gn_piece_of_boundary *piece = &pieces->piece[k];
         if (!gn_membrane_covers(ctx, piece->area)) continue;
@@ -89,7 +211,7 @@ void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_
     double mean[3] = {0}, sum = 0.0, missing[3], k[9] = {0}, b[3], turn[3];
     memcpy(missing, moment, sizeof missing);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_pressed_of(q, body, p)) continue;
+        if (!gn_is_loaded_of(q, body, p)) continue;
         sum += q->skin[4 * p + 3];
         for (int a = 0; a < 3; a++) mean[a] += q->skin[4 * p + 3] * place[4 * p + a];
         gn_cross3(place + 4 * p, area + 4 * p, turn);
@@ -98,7 +220,7 @@ void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_
     for (int a = 0; a < 3; a++) mean[a] /= sum;
     for (size_t p = 0; p < q->soa.count; p++) {
         double d[3] = {0}, weight = q->skin[4 * p + 3];
-        if (!gn_is_pressed_of(q, body, p)) continue;
+        if (!gn_is_loaded_of(q, body, p)) continue;
         for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         for (int a = 0; a < 9; a++)
             k[a] += weight * ((a % 4 == 0 ? gn_dot3(d, d) : 0.0) - d[a / 3] * d[a % 3]);
@@ -107,7 +229,7 @@ void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_
     solve3(k, missing, b);
     for (size_t p = 0; p < q->soa.count; p++) {
         double d[3] = {0}, change[3];
-        if (!gn_is_pressed_of(q, body, p)) continue;
+        if (!gn_is_loaded_of(q, body, p)) continue;
         for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         gn_cross3(b, d, change);
         for (int a = 0; a < 3; a++) area[4 * p + a] += q->skin[4 * p + 3] * change[a];
@@ -148,7 +270,7 @@ static gneiss_status skin_of_shape(const gn_step_context *ctx, gn_dem *dem, doub
     GN_TRY(gn_boundary_pieces_make(&ctx->scene, piece_size * radius, &pieces, error));
     gneiss_status status = gn_start_grid_make(ctx, dem, 3.0 * radius, held, &g, error);
     if (status == GNEISS_OK) {
-        share_out(ctx, dem, &pieces, &g, all);
+        distribute(ctx, dem, &pieces, &g, all);
         gn_start_grid_free(&g);
     }
     gn_boundary_pieces_free(&pieces);
@@ -161,8 +283,8 @@ static gneiss_status skin_of_shape(const gn_step_context *ctx, gn_dem *dem, doub
     return status;
 }
 
-/* Of a patch the middle is along its area, on the particle at most; what areas times ways are
- * beside that are the same along all axes. */
+/* The middle of a patch is along its area, on the particle at most; the remaining product of area
+ * and distance is the same along all axes. */
 static void set_patch(gn_patch *patch, const double area[3], double size, const double *at,
                       double radius, int dimension, double arms) {
     const double along = size > 0.0 ? fmin(fmax(arms / size, 0.0), radius) : 0.0;
@@ -237,19 +359,19 @@ gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem,
     memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
     GN_TRY(make_patches(ctx, dem, boundary, solids, NULL, error));
     for (size_t p = 0; p < q->soa.count; p++) dem->index_of_id[q->id[p]] = (int32_t)p;
-    GN_TRY(gn_membrane_lay(ctx, dem, true, error));
+    GN_TRY(gn_membrane_update_areas(ctx, dem, true, error));
     if (gn_membrane_area(dem) > 0.0) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT, "%s: expected a surface that faces across %c, found none",
         gn_scene_at(s, s->membrane.where, "membrane").text, "xyz"[gn_scene_membrane_axis(s)]);
 }
 
-/* --- who bears them --- */
+/* --- bearers --- */
 
 /* Without a shape: patches of those that are not held, where any of their body is, go to what is
- * nearest of it. `body` [particles]: who stands for that of each. */
-static gneiss_status hand_over(const gn_step_context *ctx, gn_dem *dem, const bool *held,
-                               const int32_t *body, gneiss_error *error) {
+ * nearest of it. `body` [particles]: the leading particle of the body of each. */
+static gneiss_status reassign_patches(const gn_step_context *ctx, gn_dem *dem, const bool *held,
+                                      const int32_t *body, gneiss_error *error) {
     gn_dem *d = dem;
     gn_start_grid g;
     GN_TRY(gn_start_grid_make(ctx, dem, 3.0 * gn_dem_mean_radius(dem), held, &g, error));
@@ -271,13 +393,13 @@ static int by_owner(const void *a, const void *b) {
     return 0;
 }
 
-static gneiss_status share_again(const gn_step_context *ctx, gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 const bool *held, int32_t *body, gneiss_error *error) {
+static gneiss_status redistribute(const gn_step_context *ctx, gn_dem *dem,
+                                  const gn_boundary *boundary, const gn_solids *solids,
+                                  const bool *held, int32_t *body, gneiss_error *error) {
     gn_dem *d = dem;
     if (!gn_scene_membrane_on_shape(&ctx->scene)) {
         gn_world_body_groups(ctx, dem, INT32_MAX, body);
-        GN_TRY(hand_over(ctx, dem, held, body, error));
+        GN_TRY(reassign_patches(ctx, dem, held, body, error));
         qsort(d->patches, d->patch_count, sizeof *d->patches, by_owner);
     } else {
         gn_free(d->patches);
@@ -285,21 +407,21 @@ static gneiss_status share_again(const gn_step_context *ctx, gn_dem *dem,
         d->patch_count = 0;
         GN_TRY(make_patches(ctx, dem, boundary, solids, held, error));
     }
-    GN_TRY(gn_membrane_lay(ctx, dem, true, error));
+    GN_TRY(gn_membrane_update_areas(ctx, dem, true, error));
     for (size_t p = 0; p < d->particles.soa.count; p++)
-        if (!gn_is_pressed(&d->particles, p))
+        if (!gn_is_loaded(&d->particles, p))
             memcpy(d->particles.applied + 4 * p, d->particles.load + 4 * p,
                    4 * sizeof *d->particles.load);
     return GNEISS_OK;
 }
 
-/* Whether all that bear are held, or something has come off, so that patches are no longer those of
- * the start. */
-static bool may_stay(const gn_dem *dem, const bool *held) {
+/* Tells whether all bearers are supported, or a particle has been detached, so that patches are no
+ * longer those of the start. */
+static bool is_unchanged(const gn_dem *dem, const bool *held) {
     const gn_dem *d = dem;
     bool all = true;
     for (size_t p = 0; p < d->particles.soa.count; p++)
-        if (gn_came_off(&d->particles, p)) return true;
+        if (gn_is_detached(&d->particles, p)) return true;
     for (size_t k = 0; k < d->patch_count; k++) {
         const int32_t at = gn_patch_bearer(d, &d->patches[k]);
         all = all && (at < 0 || held[at]);
@@ -307,17 +429,18 @@ static bool may_stay(const gn_dem *dem, const bool *held) {
     return all;
 }
 
-gneiss_status gn_membrane_bear(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                               const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids,
+                                         gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
     if (!(ctx->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
     bool *held = gn_alloc_array(n + 1, sizeof *held);
     int32_t *body = gn_alloc_array(n + 1, sizeof *body);
     gneiss_status status = held && body
-                               ? gn_membrane_held(ctx, dem, held, error)
+                               ? gn_membrane_find_supported(ctx, dem, held, error)
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    if (status == GNEISS_OK && !may_stay(dem, held))
-        status = share_again(ctx, dem, boundary, solids, held, body, error);
+    if (status == GNEISS_OK && !is_unchanged(dem, held))
+        status = redistribute(ctx, dem, boundary, solids, held, body, error);
     gn_free(held);
     gn_free(body);
     return status;

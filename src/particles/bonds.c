@@ -15,7 +15,7 @@
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/lists.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "soa/bond_causes.h"
 #include "soa/field.h"

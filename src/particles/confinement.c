@@ -8,7 +8,7 @@
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/dem.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "soa/records.h"
 
 static double pressure_of(const double around[2]) {

@@ -8,7 +8,7 @@
 #include "neigh/pairs.h"
 #include "particles/dem.h"
 #include "particles/lists.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "sched/deal.h"
 
 #include <stddef.h>

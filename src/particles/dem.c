@@ -21,7 +21,7 @@
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/observe.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
 #include "sched/hold.h"

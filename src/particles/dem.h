@@ -135,8 +135,7 @@ struct gn_dem {
     };
     gn_contacts prepared;         /* bonds of all particles, whole, with couple.convert */
     gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
-    uint8_t
-        *still; /* [motion_blocks] no particle of it is active, with couple.convert; else NULL */
+    uint8_t *still; /* [motion_blocks] it has no active particle, with couple.convert; else NULL */
     int32_t *index_of_id; /* [ids] -1: gone, its row as well */
     int64_t ids, made;    /* given so far; of them those of the specimen come first */
     gn_derived derived;
@@ -220,18 +219,6 @@ void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem);
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);
 size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem);
-
-static inline gn_dormant_particle *gn_dormant_of(const gn_dem *dem, size_t p) {
-    return &dem->dormant[dem->particles.id[p]];
-}
-/* Tells whether a particle waits to be released by a conversion. */
-static inline bool gn_particle_is_dormant(const gn_dem *dem, size_t p) {
-    return dem->dormant && gn_dormant_of(dem, p)->inverse_mass > 0.0;
-}
-/* Returns the element that contains a particle of a converting body at the start. */
-static inline size_t gn_dormant_element(const gn_dem *dem, size_t p) {
-    return (size_t)gn_dormant_of(dem, p)->element;
-}
 
 /* From x to the nearest image of y, m; returns the square of its length. */
 static inline double gn_branch(const gn_step_context *ctx, const double *x, const double *y,

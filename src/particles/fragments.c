@@ -7,6 +7,7 @@
 #include "conversion/conversion.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "soa/bond_causes.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
@@ -39,7 +40,7 @@ static gn_fragments measure(const gn_step_context *ctx, const gn_dem *dem, int32
     gn_fragments found = {0, 0};
     double all = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (gn_particle_is_dormant(dem, p)) continue; /* no part of the body as yet */
+        if (gn_is_dormant(dem, p)) continue; /* no part of the body as yet */
         size_t root = (size_t)gn_set_root(parent, (int32_t)p);
         double own = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         volume[root] += own;
@@ -125,7 +126,7 @@ gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem) {
 /* --- as a list --- */
 
 static bool is_there(const gn_dem *dem, size_t p) {
-    return gn_particle_is_active(&dem->particles, p) && !gn_particle_is_dormant(dem, p);
+    return gn_particle_is_active(&dem->particles, p) && !gn_is_dormant(dem, p);
 }
 
 /* `at`: the first particle of the piece by its id, for images. */

@@ -10,7 +10,7 @@
 #include "particles/dem.h"
 #include "particles/expected_overlap.h"
 #include "particles/law.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "soa/field.h"

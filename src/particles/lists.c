@@ -15,9 +15,10 @@
 #include "neigh/pairs.h"
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/flow.h"
 #include "particles/fragments.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "sched/hold.h"
 #include "soa/field.h"
@@ -67,8 +68,7 @@ static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_l
     size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (walk_to(&dem->bonds.contacts, &at, i, j) || gn_conversion_hides(ctx, dem, i, j))
-            continue;
+        if (walk_to(&dem->bonds.contacts, &at, i, j) || gn_is_hidden_pair(ctx, dem, i, j)) continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }

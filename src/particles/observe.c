@@ -9,7 +9,7 @@
 #include "kernels/partials.h"
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "soa/single.h"

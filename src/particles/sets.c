@@ -7,7 +7,7 @@
 #include "frame/step_context.h"
 #include "kernels/motion.h"
 #include "particles/dem.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/particle_state.h"
@@ -225,35 +225,6 @@ void gn_reactions_sum(const gn_step_context *ctx, gn_dem *dem) {
             int32_t s = dem->channel_set[6 * slot + k]; /* of several sets the one that drives it */
             if (s >= 0) dem->set_reaction[6 * s + k] += dem->prescribed.load[6 * slot + k];
         }
-}
-
-/* Tells whether a particle counts for the travel of a set: if the set prescribes the velocity,
- * those whose velocity it is, otherwise all that were selected at the start. */
-static bool travels(const gn_step_context *ctx, const gn_dem *dem, size_t set, int axis, size_t p) {
-    const gn_particles *q = &dem->particles;
-    const gn_set_def *s = &ctx->scene.sets[set];
-    if (s->motion.velocity[axis].count == 0) return gn_set_selected(ctx, dem, set, p);
-    int32_t slot = q->slot[p];
-    return slot >= 0 && dem->channel_set[6 * slot + axis] == (int32_t)set;
-}
-
-double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                     size_t set, int axis) {
-    const gn_set_def *s = &ctx->scene.sets[set];
-    int32_t *places = gn_conversion_places(ctx, solids);
-    double sum = 0.0;
-    size_t count = 0, all = s->id_count ? s->id_count : (size_t)dem->made;
-    for (size_t k = 0; k < all; k++) {
-        int32_t place = dem->index_of_id[s->id_count ? (size_t)s->ids[k] : k];
-        size_t p = (size_t)place;
-        if (place < 0 || !travels(ctx, dem, set, axis, p)) continue;
-        double u[3];
-        gn_conversion_travel(dem, solids, places, p, u);
-        sum += u[axis];
-        count++;
-    }
-    gn_free(places);
-    return count ? sum / (double)count : 0.0;
 }
 
 /* Prescribed components start with their prescribed value, not with a jump. */

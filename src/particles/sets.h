@@ -9,8 +9,5 @@
 
 /* Tells whether a set contains a particle, by its position at the start. */
 bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t particle);
-/* Mean displacement of a set from the start along an axis, m. */
-double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                     size_t set, int axis);
 
 #endif

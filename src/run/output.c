@@ -14,6 +14,7 @@
 #include "measure/energy.h"
 #include "membrane/membrane.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/flow.h"
 #include "particles/observe.h"
 #include "run/budget.h"
@@ -217,9 +218,9 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
     gn_json_integer(j, "count", (int64_t)r->count);
     gn_json_integer(j, "iterations", (int64_t)r->iterations);
     gn_json_integer(j, "missed", (int64_t)r->missed);
-    gn_json_integer(j, "broke", (int64_t)r->broke);
-    gn_json_integer(j, "loose", (int64_t)r->loose);
-    gn_json_integer(j, "tired", (int64_t)r->tired);
+    gn_json_integer(j, "broke", (int64_t)r->stopped_by_bond_failure);
+    gn_json_integer(j, "loose", (int64_t)r->unsupported);
+    gn_json_integer(j, "tired", (int64_t)r->hit_iteration_limit);
     gn_json_integer(j, "kept", (int64_t)r->kept);
     gn_json_number(j, "worst", r->worst);
     gn_json_end(j);
@@ -482,7 +483,7 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     bool flows = gn_scene_has_flow(&w->ctx.scene);
     gn_json_integer(j, "particles",
                     (int64_t)(flows ? gn_world_present(&w->dem) : w->dem.particles.soa.count));
-    if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_conversion_asleep(&w->dem));
+    if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_dormant_count(&w->dem));
     gn_json_integer(j, "contacts", (int64_t)contacts);
     gn_json_integer(j, "bonds", w->dem.bonds_at_start);
     gn_json_integer(j, "broken_tension", w->dem.broken_tension);
@@ -508,7 +509,7 @@ static void summary_step(const gn_world *w, gn_json *j) {
     gn_json_number(j, "dt_limit", w->ctx.stable);
     gn_json_number(j, "dt_limit_sharp",
                    gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones));
-    gn_json_number(j, "dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones));
+    gn_json_number(j, "dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids));
     gn_json_number(j, "dt_resolution", w->dem.resolution.step);
 }
 

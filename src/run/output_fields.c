@@ -9,12 +9,14 @@
 #include "conversion/conversion.h"
 #include "measure/measure.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
 #include "soa/bond_causes.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
+#include "solids/dormant_places.h"
 #include "world/space.h"
 #include "world/world.h"
 #include "zones/zones.h"
@@ -43,8 +45,8 @@ READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
 READ(mass,
      gn_particle_is_active(&w->dem.particles, k) ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
-READ(removed, !gn_particle_is_active(&w->dem.particles, k) && !gn_particle_is_dormant(&w->dem, k))
-READ(asleep, gn_particle_is_dormant(&w->dem, k))
+READ(removed, !gn_particle_is_active(&w->dem.particles, k) && !gn_is_dormant(&w->dem, k))
+READ(dormant, gn_is_dormant(&w->dem, k))
 READ(membrane_area, fmax(w->dem.particles.skin[4 * k + 3], 0.0))
 
 static const gn_world *world_of(const void *view) {
@@ -54,14 +56,14 @@ static const gn_world *world_of(const void *view) {
 /* The displacement of a dormant particle is that of its element. */
 static void read_displacement(const void *view, size_t k, double *value) {
     const gn_output_view *v = view;
-    gn_conversion_travel(&v->world->dem, &v->world->solids, v->places, k, value);
+    gn_particle_travel(&v->world->dem, &v->world->solids, v->places, k, value);
 }
 void gn_output_place(const gn_output_view *v, size_t p, double place[3]) {
     const gn_particles *q = &v->world->dem.particles;
     double now[3], travel[3];
     memcpy(now, q->pos + 4 * p, sizeof now);
-    if (gn_particle_is_dormant(&v->world->dem, p)) {
-        gn_conversion_travel(&v->world->dem, &v->world->solids, v->places, p, travel);
+    if (gn_is_dormant(&v->world->dem, p)) {
+        gn_particle_travel(&v->world->dem, &v->world->solids, v->places, p, travel);
         for (size_t a = 0; a < 3; a++) now[a] = q->start[4 * p + a] + travel[a];
     }
     gn_world_point_out(&v->world->ctx, now, place);
@@ -71,7 +73,7 @@ static void read_position(const void *view, size_t k, double *value) {
 }
 static void read_velocity(const void *view, size_t k, double *value) {
     const gn_output_view *v = view;
-    gn_conversion_velocity(&v->world->dem, &v->world->solids, v->places, k, value);
+    gn_particle_velocity(&v->world->dem, &v->world->solids, v->places, k, value);
 }
 static void read_spin(const void *view, size_t k, double *value) {
     const double *spin = world_of(view)->dem.particles.spin;
@@ -132,7 +134,7 @@ static const gn_output_field of_particles[] = {
     {"removed", "1", "1: removed by the domain or a sink; its position is that of its removal",
      BOTH, GN_U8, false, 1, read_removed, 0},
     {"asleep", "1", "1: dormant, moving with its element; in bodies that convert", BOTH, GN_U8,
-     false, 1, read_asleep, GN_FX_OVERLAP},
+     false, 1, read_dormant, GN_FX_OVERLAP},
     {"applied_force", "N",
      "force of sets and of the membrane on it in the last step; with `sets.force` or `membrane`",
      BOTH, GN_F64, false, 3, read_applied, GN_FX_APPLIED},
@@ -363,7 +365,7 @@ static void count_contacts(const gn_contacts *list, const gn_contacts *seen, dou
 }
 
 /* Bonds of dormant particles are stored separately and not broken; they do not count as damage. */
-static void damage_of_the_awake(const gn_world *w, double *damage) {
+static void damage_of_active(const gn_world *w, double *damage) {
     const gn_contacts *b = &w->dem.bonds.contacts;
     const int32_t *bonds0 = w->dem.particles.bonds0;
     memset(damage, 0, w->dem.particles.soa.count * sizeof *damage);
@@ -403,7 +405,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
                           .normal = calloc(bonds + 1, sizeof(double)),
                           .shear = calloc(bonds + 1, sizeof(double)),
                           .row = calloc(n + 1, sizeof(int32_t)),
-                          .places = gn_conversion_places(&w->ctx, &w->solids)};
+                          .places = gn_element_places(&w->ctx, &w->solids)};
     if ((gn_converts(&w->ctx) && !v->places) || !v->row || !v->damage || !v->stress ||
         !v->coordination || !v->normal || !v->shear) {
         gn_output_view_free(v);
@@ -427,7 +429,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     }
     if (w->ctx.effects & GN_FX_BONDS)
         gn_damage_particles(&w->dem.particles, &w->dem.bonds.contacts, v->damage);
-    if (gn_converts(&w->ctx)) damage_of_the_awake(w, v->damage);
+    if (gn_converts(&w->ctx)) damage_of_active(w, v->damage);
     for (int l = 0; l < GN_LIST_COUNT; l++)
         count_contacts(&w->dem.list[l].contacts, &seen->list[l], v->coordination);
     split_forces(v);

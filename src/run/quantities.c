@@ -4,6 +4,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
+#include "solids/dormant_places.h"
 #include "timestep/step_limit.h"
 #include "world/space.h"
 #include "zones/zones.h"
@@ -117,7 +118,7 @@ static void mean_strain(const gn_world *w, double strain[9]) {
         return;
     }
     if (!(w->ctx.effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&w->ctx.scene)) {
-        gn_conversion_gradient(&w->ctx, &w->dem, &w->solids, &w->gauge, gradient);
+        gn_gauge_gradient(&w->ctx, &w->dem, &w->solids, &w->gauge, gradient);
         gn_strain_of(gradient, strain);
         return;
     }
@@ -272,7 +273,7 @@ static void read_returned_energy(const gn_world *w, size_t k, double *value) {
     *value = isnan(share) ? 0.0 : share;
 }
 
-READ(elements, (double)gn_conversion_elements(&w->solids))
+READ(elements, (double)gn_elements_left_count(&w->solids))
 
 #define SCALAR_UNLESS(absent, when, instant, name, unit, read, text)                               \
     { name, unit, text, GN_SCALAR, instant, &when, read, absent }

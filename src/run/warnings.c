@@ -241,7 +241,7 @@ static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
 static void warn_of_halt(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || !w->outcome.halt[0]) return;
-    const bool box = gn_conversion_left_box(&w->outcome);
+    const bool box = gn_conversion_ended_at_box(&w->outcome);
     gn_warning *to = add(list, "conversion_halted");
     int told =
         snprintf(to->text, sizeof to->text,
@@ -253,23 +253,23 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
             "couple.convert.box and the packing in it must extend beyond the converted elements on "
             "that side by the width of the zone, %g m (couple.convert.width), or more",
             w->ctx.scene.couple.convert.width);
-    else if (gn_conversion_was_thin(&w->outcome))
+    else if (gn_conversion_lacked_mass(&w->outcome))
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "the zone must be wider than %g m (couple.convert.width), three elements and six "
                  "particles, or the elements larger there",
                  w->ctx.scene.couple.convert.width);
-    else if (gn_conversion_met_watched(&w->outcome))
+    else if (gn_conversion_reached_watched(&w->outcome))
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "sets of particles, which may be dormant, can record there instead (sets: select "
                  "without motion)%s",
-                 gn_conversion_left_bare(&w->outcome)
+                 gn_conversion_left_light_nodes(&w->outcome)
                      ? ", or elements must be no smaller than particles"
                      : "");
     else
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "driven or loaded elements must be farther from the converted ones, or "
                  "couple.convert.stress or .mohr_coulomb higher there%s",
-                 gn_conversion_left_bare(&w->outcome)
+                 gn_conversion_left_light_nodes(&w->outcome)
                      ? ", or elements there must be no smaller than particles"
                      : "");
 }

@@ -2,6 +2,7 @@
 #include "base/point.h"
 #include "conversion/conversion.h"
 #include "run/warnings.h"
+#include "solids/dormant_places.h"
 #include "solids/element_walls.h"
 #include "zones/zones.h"
 
@@ -9,7 +10,7 @@
 #include <string.h>
 
 static void warn_of_lost(const gn_run *run, gn_warnings *list) {
-    size_t count = gn_coupled_lost(&run->world.ctx, &run->world.zones);
+    size_t count = gn_coupled_removed_count(&run->world.ctx, &run->world.zones);
     if (!count) return;
     gn_warning *to = gn_warnings_add(list, "zones_lost");
     snprintf(to->text, sizeof to->text,
@@ -162,8 +163,9 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
         "some particles had no support and were not moved",
         "couple.convert.relax_iterations were used up",
         "contacts close and open, and no step reduces the energy further"};
-    const double times[] = {r->broke, r->loose, r->tired,
-                            r->missed - r->broke - r->loose - r->tired};
+    const double times[] = {r->stopped_by_bond_failure, r->unsupported, r->hit_iteration_limit,
+                            r->missed - r->stopped_by_bond_failure - r->unsupported -
+                                r->hit_iteration_limit};
     if (!(r->missed > 0.0)) return;
     gn_warning *to = gn_warnings_add(list, "relaxation");
     int used = snprintf(to->text, sizeof to->text,
@@ -183,7 +185,7 @@ static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_e
     char at[GN_POINT_SIZE];
     gn_most_loaded n;
     if (!gn_converts(&w->ctx) || !run->finished || w->outcome.halt[0] ||
-        gn_conversion_begun(&w->solids))
+        gn_elements_have_left(&w->solids))
         return GNEISS_OK;
     GN_TRY(gn_conversion_most_loaded(&w->ctx, &w->solids, &w->most_loaded, &n, error));
     gn_warning *to = gn_warnings_add(list, "nothing_converted");

@@ -418,7 +418,7 @@ static gneiss_status check_kept(const check *section, const gn_scene *before, co
 }
 
 /* Dormant particles have no contacts; their bonds are stored separately. */
-gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root, size_t stage) {
+gneiss_status gn_check_stage_dormant(const gn_reader *reader, const gn_node *root, size_t stage) {
     static const char *const keys[] = {"bonds", "materials", "contacts", "damping.contact"};
     const check c = gn_check_element(reader, root, "stages", stage);
     const gn_scene *base = reader->scene;

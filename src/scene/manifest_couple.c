@@ -1,12 +1,8 @@
 /* Keys of coupling zones and of conversion. */
 #include "scene/manifest_keys.h"
 
-static const gn_choice constraints[] = {{"lumped", GN_COUPLE_LUMPED},
-                                        {"consistent", GN_COUPLE_CONSISTENT},
-                                        {"penalty", GN_COUPLE_PENALTY},
-                                        {NULL, 0}};
-static const gn_choice spins[] = {
-    {"free", GN_COUPLE_FREE}, {"slaved", GN_COUPLE_SLAVED}, {NULL, 0}};
+static const gn_choice constraints[] = {
+    {"lumped", GN_COUPLE_LUMPED}, {"consistent", GN_COUPLE_CONSISTENT}, {NULL, 0}};
 
 static const gn_key edge_keys[] = {
     KEY("from", VECTOR, gn_couple_edge, from, .unit = "m", .range = GN_PLACES, .required = true,
@@ -90,16 +86,7 @@ static const gn_key couple_keys[] = {
     KEY("constraint", CHOICE, gn_scene, couple.constraint, .choices = constraints,
         .fallback = "lumped",
         .text = "particles of a zone follow the nodes, which take their mass lumped or "
-                "consistently; or springs connect both"),
-    KEY("spins", CHOICE, gn_scene, couple.spins, .choices = spins, .fallback = "free",
-        .text = "spins of particles of a zone: free, or half the curl of the nodes' velocity"),
-    KEY("penalty", REAL, gn_scene, couple.penalty, .unit = "1", .range = "[1e-3, 1e3]",
-        .fallback = "1",
-        .text = "stiffness of the springs over its automatic value, from the stiffest particles "
-                "and their masses"),
-    KEY("penalty_damping", REAL, gn_scene, couple.penalty_damping, .unit = "1", .range = "[0, 1]",
-        .fallback = "0",
-        .text = "dashpots in parallel with the springs, as a fraction of critical damping"),
+                "consistently"),
 };
 const gn_section gn_couple_section = {couple_keys, sizeof couple_keys / sizeof(gn_key), 0,
                                       offsetof(gn_scene, couple.where)};

@@ -405,7 +405,7 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     mark_stage(node, stage + 1);
     GN_TRY(merge_stage(&l, root, node));
     memset(now, 0, sizeof *now);
-    GN_TRY(gn_check_stage_asleep(&own, root, stage));
+    GN_TRY(gn_check_stage_dormant(&own, root, stage));
     if (own.problems->count) return GNEISS_OK;
     GN_TRY(read_whole(reader, root, now));
     now->bonds_stage = last_stage_in(gn_node_child(root, "bonds"));

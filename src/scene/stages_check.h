@@ -9,7 +9,7 @@ gneiss_status gn_check_stages(const gn_reader *reader, const gn_node *root);
 
 /* Checks the keys for dormant particles before the stage is read as a scene, so that messages name
  * the stage's own keys. */
-gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root, size_t stage);
+gneiss_status gn_check_stage_dormant(const gn_reader *reader, const gn_node *root, size_t stage);
 
 /* Checks a stage as a whole, after the previous one (NULL: none): that it can end, and that it
  * changes only what a world can change. */

@@ -60,7 +60,7 @@ static void add_moments(const gn_fem_solid *b, const int32_t *body, body_sums *s
     }
 }
 
-/* Of the inertia tr(S) 1 - S; in the plane about z alone. */
+/* Inverts the inertia tr(S) 1 - S; in the plane that about z alone. */
 static void invert_inertia(const double s[9], int dimension, double inverse[9]) {
     const double trace = s[0] + s[4] + s[8];
     double m[9], cofactor[9], determinant = 0.0;

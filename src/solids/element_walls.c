@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the longest side of the body: nearer is on the wall. */
+/* Distance of nodes on a wall over the longest side of the body. */
 static const double on_wall = 1e-6;
 
 /* A plane that nodes are held against. */
@@ -35,7 +35,7 @@ static double gap_of(const gn_fem_solid *b, const plane *p, size_t n) {
     return gap;
 }
 
-/* Whether a motion holds a node along a wall's normal. */
+/* Tells whether a motion holds a node along a wall's normal. */
 static bool is_held(const gn_fem_solid *b, const plane *p, size_t n) {
     const int32_t slot = b->prescribed.count ? b->nodes.slot[n] : -1;
     for (int a = 0; slot >= 0 && a < b->dimension; a++)
@@ -51,7 +51,7 @@ static uint8_t *find_nodes(const gn_fem_solid *b) {
     return used;
 }
 
-/* Who is on it and behind it; *least: m, the smallest gap. */
+/* Counts nodes on and behind the plane. *least: the smallest gap, m. */
 static gn_wall_passed look(const gn_fem_solid *b, const uint8_t *used, const plane *p,
                            double *least) {
     gn_wall_passed found = {0};

@@ -16,7 +16,7 @@ typedef struct gn_wall_passed {
     double time;     /* s, from when on; 0: from the start */
 } gn_wall_passed;
 
-/* Of a wall now; time: that of now. */
+/* Counts for the present position of a wall, at the present time. */
 gn_wall_passed gn_wall_passed_now(const gn_step_context *ctx, const gn_boundary *boundary,
                                   const gn_solids *solids, size_t wall);
 /* Predicts for each of passed[walls] of a run that has not begun which nodes come behind it: all

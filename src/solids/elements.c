@@ -24,6 +24,7 @@
 #include "scene/table.h"
 #include "soa/field.h"
 #include "soa/records.h"
+#include "solids/dormant_places.h"
 #include "world/world.h"
 #include "zones/zones.h"
 
@@ -236,7 +237,7 @@ static bool varies(const gn_table tables[3]) {
     return tables[0].count > 1 || tables[1].count > 1 || tables[2].count > 1;
 }
 
-/* Of constant ones with `all`, once, unless the test is controlled. */
+/* Sets constant ones with `all`, once, unless the test is controlled. */
 static void set_velocities(const gn_step_context *ctx, gn_element_model *q, double time, bool all) {
     const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->motion_count; k++) {
@@ -531,7 +532,7 @@ size_t gn_elements_motions(const gn_world *w) {
     return count;
 }
 
-/* Whose motion it is; *motion is then its place among those of the solid. */
+/* Finds the solid of a motion; *motion becomes its place in that solid. */
 static const gn_element_model *owner_of(const gn_solids *solids, size_t *motion) {
     size_t k = 0;
     for (; *motion >= solids->elements[k]->def->motion_count; k++)
@@ -587,7 +588,7 @@ static gneiss_status full_limit(const gn_step_context *ctx, gn_element_model *q,
     return GNEISS_OK;
 }
 
-/* What the bound is made of, so that the first conversion need not look at all elements. */
+/* Stores the parts of the bound, so that the first conversion need not evaluate all elements. */
 static gneiss_status know_bound(gn_element_model *q, gneiss_error *error) {
     gn_fem_limit same = q->limit;
     return gn_fem_bound_update(&q->solid, &same, error);
@@ -597,8 +598,9 @@ static gneiss_status body_limit(const gn_step_context *ctx, const gn_solids *sol
                                 gn_element_model *q, bool full, bool *due, gneiss_error *error) {
     const double factor = ctx->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
     bool changed = full || factor > 1.02 * q->stiffening;
-    /* What is left of converted ones is held against its bound, in later stages too. */
-    const bool begun = full && gn_converts(ctx) && gn_conversion_begun(solids);
+    /* The remaining elements of a converted solid are checked against the bound, in later stages
+     * too. */
+    const bool begun = full && gn_converts(ctx) && gn_elements_have_left(solids);
     if (begun) GN_TRY(gn_elements_converted(q, error));
     if (full && !begun) GN_TRY(full_limit(ctx, q, error));
     if (full && gn_converts(ctx)) GN_TRY(know_bound(q, error));

@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What particles do to the surface (element_contact.c). */
+/* Contacts of particles with the surface (element_contact.c). */
 typedef struct gn_element_contact {
     int32_t *corner;       /* of facets, by places of nodes */
     const double *force;   /* [nodes][4], N; of the surface; NULL: nothing touches it */
@@ -152,5 +152,10 @@ double gn_element_contact_speed(const gn_element_model *q);
 void gn_element_contact_refer(gn_element_model *q);
 double gn_element_contact_travel(gn_element_model *q, bool exact);
 void gn_element_contact_free(gn_element_contact *k);
+
+/* Returns the body of elements that shares its zones with particles. */
+static inline gn_fem_solid *gn_coupled_solid(const gn_solids *solids) {
+    return &solids->elements[0]->solid;
+}
 
 #endif

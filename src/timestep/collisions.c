@@ -138,7 +138,7 @@ static void free_ties(ties *t) {
 static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, double *inverse) {
     for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
-    gn_coupled_give(ctx, dem, solids, zones, inverse);
+    gn_coupled_inverse_masses(ctx, dem, solids, zones, inverse);
 }
 
 static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
@@ -353,7 +353,7 @@ static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_zones *zones, const ties *t, fastest *f) {
+                       const ties *t, fastest *f) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         if ((size_t)k->wall[c] >= ctx->scene.wall_count) {
@@ -362,9 +362,8 @@ static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_b
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
-               share = share_with(dem, t, p, kn, def->passive);
-        kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both hold it at once */
+        const double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
+                     share = share_with(dem, t, p, kn, def->passive);
         meet(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
@@ -417,7 +416,7 @@ static gneiss_status meet_listed(const gn_step_context *ctx, const gn_dem *dem,
         meet_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
         if (t.apart || t.share > 0.0 || t.wedged)
             meet_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
-        meet_walls(ctx, dem, boundary, zones, &t, f);
+        meet_walls(ctx, dem, boundary, &t, f);
         meet_bodies(ctx, boundary, f);
     }
     gn_free(crowd);

@@ -55,20 +55,10 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
-/* What slaved spins add to the square of the largest frequency of either side is a share of the
- * particles' (zone_spins.c). Dashpots turn as well: where K + C r is at most r^2 for the rate r
- * = 1/dt, (1 + share) r is enough for 1 + share times both, and r_F + share r beside r_F. */
-static double turned_limit(const gn_dem *dem, const gn_zones *zones, double particles) {
-    const double share = zones->state.turned;
-    if (!(share > 0.0)) return INFINITY;
-    return particles / (dem->damping_fraction > 0.0 ? share : sqrt(share));
-}
-
-/* What particles are coupled to: free bodies, finite elements that they touch, springs of zones. */
+/* What particles are coupled to: free bodies, finite elements that they touch. */
 static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones) {
-    double bodies = together(dem, limit_of(boundary->surface_rate), limit_of(zones->state.rate[0]));
+                            const gn_boundary *boundary, const gn_solids *solids) {
+    const double bodies = limit_of(boundary->surface_rate);
     if (!(boundary->vertex_rate > 0.0)) return bodies;
     double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
     return fmin(bodies, together(dem, elements, limit_of(boundary->vertex_rate)));
@@ -76,16 +66,10 @@ static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Bodies and elements do not meet each other. */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double particles) {
-    double share = gn_world_nonviscous_share(ctx),
-           turned = turned_limit(dem, zones, share * particles);
-    double elements =
-        together(dem, share * gn_elements_stable(solids), limit_of(zones->state.rate[1]));
-    return fmin(
-        together(dem,
-                 together(dem, share * particles, partner_limit(ctx, dem, boundary, solids, zones)),
-                 turned),
-        together(dem, elements, turned));
+                       const gn_solids *solids, double particles) {
+    const double share = gn_world_nonviscous_share(ctx);
+    return fmin(together(dem, share * particles, partner_limit(ctx, dem, boundary, solids)),
+                share * gn_elements_stable(solids));
 }
 
 double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
@@ -100,16 +84,10 @@ static double without(const gn_dem *dem, double rate, double other) {
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
-/* With slaved spins also of what elements leave; where both are known as one nothing is asked of
- * these. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double step) {
-    const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
-    double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids, zones));
-    if (isfinite(own)) left /= 1.0 / together(dem, 1.0, own);
-    if (isfinite(own) && !(zones->state.whole > 0.0))
-        left = fmin(left, own * without(dem, 1.0 / step, share * gn_elements_stable(solids)));
-    return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
+                       const gn_solids *solids, double step) {
+    const double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids));
+    return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(ctx)) : (double)INFINITY;
 }
 
 /* Of particles and elements as one (coupled_limit.c): free bodies give way to them, and strain has
@@ -129,7 +107,7 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem,
 static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
-    *limit = gn_limit_of_all(ctx, dem, boundary, solids, zones,
+    *limit = gn_limit_of_all(ctx, dem, boundary, solids,
                              ctx->scene.has_specimen ? dem->stable : INFINITY);
     if (!gn_coupled_has_limit(ctx, solids) || !(dem->limit.bound < INFINITY)) return GNEISS_OK;
     if (ctx->scene.step > 0.0 && ctx->scene.step <= *limit) return GNEISS_OK;
@@ -137,9 +115,6 @@ static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, false, whole, error));
     zones->state.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(ctx, dem, boundary, solids, whole->sharp));
-    /* However small elements are beside the particles that they turn. */
-    if (zones->state.turned > 0.0)
-        *limit = fmin(*limit, gn_world_nonviscous_share(ctx) * whole->sharp);
     return GNEISS_OK;
 }
 
@@ -227,9 +202,9 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
     }
     set_step(ctx, dem, ctx->scene.step);
     if (ctx->dt <= limit || ctx->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
-    if (isfinite(gn_world_bound(ctx, dem, solids, zones)))
+    if (isfinite(gn_world_bound(ctx, dem, solids)))
         snprintf(bound, sizeof bound, "; the rigorous bound without damping is %.6g s",
-                 gn_world_bound(ctx, dem, solids, zones));
+                 gn_world_bound(ctx, dem, solids));
     return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                    "%s: expected at most %.6g s (stability limit at step %lld, "
                    "set by %s%s), found %.6g s = %.3f of the limit "
@@ -319,7 +294,7 @@ static gneiss_status look_at_whole(const gn_step_context *ctx, gn_dem *dem,
     if (!gn_coupled_has_limit(ctx, solids) || !(zones->state.whole > 0.0)) return GNEISS_OK;
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, true, &whole, error));
     dem->listed = fmax(dem->listed, limit_of_whole(ctx, dem, boundary, solids, whole.sharp));
-    double needed = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
+    double needed = gn_limit_needed(ctx, dem, boundary, solids, ctx->dt / 0.99);
     *fine = ctx->dt <= 0.99 * dem->listed;
     if (*fine && isfinite(needed)) dem->listed_holds = needed; /* look at what changes from now */
     return GNEISS_OK;
@@ -343,9 +318,7 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     follow_flight(&w->ctx, &w->dem, &w->boundary);
     gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
     GN_TRY(resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    if (!full)
-        GN_TRY(
-            gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
+    if (!full) GN_TRY(gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, fine, error));
     if (!full && *fine)
         return GNEISS_OK; /* the springs at the last look stay those to compare with */
     GN_TRY(look_at_turned(w, error));
@@ -380,18 +353,12 @@ static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
-    bool due = false, elements_due = false, turn_faster = false;
+    bool due = false, elements_due = false;
     gneiss_status status = GNEISS_OK;
     if (w->ctx.scene.has_specimen) gn_pressed_look(&w->ctx, &w->dem, &w->boundary);
     if (w->ctx.scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK)
         status = gn_elements_limit(&w->ctx, &w->solids, full, &elements_due, error);
-    if (status == GNEISS_OK && full && w->ctx.step == 0)
-        gn_coupled_stiffen(&w->ctx, &w->dem, &w->solids, &w->zones);
-    if (status == GNEISS_OK)
-        status =
-            gn_coupled_turn_faster(&w->ctx, &w->dem, &w->solids, &w->zones, &turn_faster, error);
-    due |= turn_faster;
     if (status == GNEISS_OK && (due || elements_due)) {
         status =
             limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error);
@@ -453,14 +420,11 @@ double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const
     return limit;
 }
 
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      const gn_zones *zones) {
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
     double limit = ctx->scene.has_specimen ? dem->limit.bound : INFINITY, elements = INFINITY;
     for (size_t k = 0; k < solids->count; k++)
         elements = fmin(elements, solids->elements[k]->limit.bound);
-    const double turned = turned_limit(dem, zones, limit);
-    return fmin(together(dem, together(dem, limit, limit_of(zones->state.rate[0])), turned),
-                together(dem, together(dem, elements, limit_of(zones->state.rate[1])), turned));
+    return fmin(limit, elements);
 }
 
 const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,

@@ -15,13 +15,12 @@
 
 /* s: limit of all parts together, from that of the particles alone (step_limit.c). */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double particles);
+                       const gn_solids *solids, double particles);
 /* s: the limits of the particles and all bodies of elements, each by itself: the least, undamped.
  */
 double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones);
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      const gn_zones *zones);
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
@@ -112,8 +111,8 @@ gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss
 /* Finds whether the step is so short that the sums of stiffness of near contacts prove it stable,
  * without a look at changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, bool *far, gneiss_error *error);
+                               const gn_boundary *boundary, const gn_solids *solids, bool *far,
+                               gneiss_error *error);
 /* The shortest collision among what is listed; among all of the scene, when nothing is listed that
  * collides. *shorter: than known before. */
 gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
@@ -132,8 +131,8 @@ gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
  * permit such a step. */
 gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, double step, double *of_bound,
-                                    double *added, gneiss_error *error);
+                                    double step, double *of_bound, double *added,
+                                    gneiss_error *error);
 /* Returns the kinetic energy of the added mass, with the velocities of the last half step. */
 double gn_dem_added_kinetic(const gn_dem *dem);
 

@@ -60,7 +60,7 @@ double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, double particles);
 /* s: limit of the particles at which `step` is the limit of all parts; INFINITY: none is. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double step);
+                       const gn_solids *solids, double step);
 /* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
 

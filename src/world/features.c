@@ -83,7 +83,7 @@ static bool converts(const gn_world *w) {
 }
 
 GN_HOOK(convert) {
-    return gn_conversion_look(w, error);
+    return gn_conversion_check_limits(w, error);
 }
 
 const gn_feature gn_feature_conversion = {
@@ -227,7 +227,7 @@ static bool has_membrane(const gn_world *w) {
 }
 
 GN_HOOK(press) {
-    return gn_membrane_press(&w->ctx, &w->dem, error);
+    return gn_membrane_apply(&w->ctx, &w->dem, error);
 }
 
 const gn_feature gn_feature_membrane = {

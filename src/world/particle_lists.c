@@ -8,6 +8,7 @@
 #include "frame/periodic_box.h"
 #include "inflow/removal.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/fragments.h"
 #include "particles/lists.h"
 #include "soa/single.h"
@@ -76,7 +77,7 @@ static gneiss_status ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneis
     if (!held || !dem->motion_sums || (confined && !dem->around))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
     gn_dem_sum_masses(dem);
-    if (gn_converts(ctx)) GN_TRY(gn_conversion_find_still(dem, error));
+    if (gn_converts(ctx)) GN_TRY(gn_dormant_find_blocks(dem, error));
     return gn_dem_deal(dem, error);
 }
 
@@ -168,8 +169,8 @@ gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
     if (w->ctx.effects & GN_FX_PERIODIC) wrap(&w->ctx, &w->dem);
     GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
     GN_TRY(gn_lists_form(&w->ctx, &w->dem, error));
-    return gn_converts(&w->ctx) ? gn_conversion_lay_down(&w->ctx, &w->dem, &w->boundary, &w->solids,
-                                                         &w->zones, error)
+    return gn_converts(&w->ctx) ? gn_conversion_deactivate_all(&w->ctx, &w->dem, &w->boundary,
+                                                               &w->solids, &w->zones, error)
                                 : GNEISS_OK;
 }
 

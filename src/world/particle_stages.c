@@ -7,7 +7,7 @@
 #include "particles/dem.h"
 #include "particles/law.h"
 #include "particles/lists.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "world/particle_step.h"
 #include "world/world.h"
 

@@ -15,7 +15,7 @@
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
 #include "particles/flow.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "world/space.h"

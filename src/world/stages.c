@@ -58,7 +58,7 @@ gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     gn_scene *next = calloc(1, sizeof *next); /* too large for a stack */
     if (!next) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
-    const double pressure = gn_membrane_due(&w->ctx, &w->dem);
+    const double pressure = gn_membrane_pressure_now(&w->ctx, &w->dem);
     w->stages.now = stage;
     w->stages.state[stage].time = w->ctx.time;
     w->stages.state[stage].step = w->ctx.step;
@@ -78,7 +78,8 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     GN_TRY(gn_elements_enter(&w->ctx, &w->solids, error));
     if (w->ctx.scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
     const bool forms = w->ctx.scene.bonds_stage == stage + 1 && w->ctx.scene.bonds == GN_SWITCH_ON;
-    if (forms) GN_TRY(gn_membrane_bear(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    if (forms)
+        GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     return gn_world_choose_step(w, error);
 }
 

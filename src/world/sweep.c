@@ -69,7 +69,7 @@ static void move(void *context, size_t block) {
         return;
     }
     if (w->ctx.effects & GN_FX_WALLS &&
-        gn_boundary_work(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, block, first, last))
+        gn_boundary_work(&w->ctx, &w->dem, &w->boundary, block, first, last))
         book(k, GN_PHASE_walls);
     w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
     w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);

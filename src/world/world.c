@@ -263,7 +263,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, true, error));
     GN_TRY(gn_dem_arrange(w, error));
     GN_TRY(gn_world_rebuild(w, error));
-    GN_TRY(gn_membrane_bear(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     return check_some_left(&w->ctx, &w->dem, error);
 }
 

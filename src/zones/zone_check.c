@@ -1,4 +1,4 @@
-/* Figures of zones for who checks a scene. */
+/* Properties of zones that `gneiss check` prints. */
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -57,7 +57,7 @@ static size_t nearest_zone(const gn_scene *s, const double *x) {
     return nearest;
 }
 
-/* Whether a particle in an element is one of a zone. */
+/* Tells whether a particle in an element belongs to a zone. */
 static bool belongs(const gn_scene *s, size_t zone, const double *x) {
     return inside(gn_zone_place(&s->couple.zones[zone], (int)s->dimension, x)) ||
            nearest_zone(s, x) == zone;
@@ -106,10 +106,9 @@ static bool between_sides(const zone_sides *s, const double *x) {
     return true;
 }
 
-/* Whether a particle in no element should be in one of a zone: between the zone's planes, and not
- * beside its elements, before those of another zone, as where two sides of a block of elements
- * meet.
- */
+/* Tells whether a particle outside of all elements should be in one of a zone: it is between the
+ * zone's planes, not beside its elements, and not before those of another zone, as where two sides
+ * of a block of elements join. */
 static bool is_missing(const gn_scene *s, const zone_sides *sides, size_t zone, const double *x) {
     const int dimension = (int)s->dimension;
     double place = gn_zone_place(&s->couple.zones[zone], dimension, x);
@@ -161,25 +160,20 @@ static gneiss_status check_occupied(const gn_step_context *ctx, const gn_dem *de
                    elements ? "particle" : "element");
 }
 
-/* Nodes do; particles on springs have a velocity of their own, and spins that are free. */
+/* Particles of zones start at rest, as the nodes do. */
 static gneiss_status check_at_rest(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_ties *ties, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
-    const bool springs = ctx->scene.couple.constraint == GN_COUPLE_PENALTY,
-               slaved = ctx->scene.couple.spins == GN_COUPLE_SLAVED && q->spin;
     for (size_t k = 0; k < ties->count; k++) {
         const int32_t id = ties->tie[k].id;
-        const size_t p = 4 * (size_t)id;
-        const double *v = q->vel + p, *o = slaved ? q->spin + p : NULL;
-        const bool moves = !springs && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0);
-        const bool turns = slaved && (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0);
-        if (!moves && !turns) continue;
+        const double *v = q->vel + 4 * (size_t)id;
+        if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0) continue;
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.400s:%d:%d: couple: expected particles of zones that start at rest, as "
-                       "the nodes do which lead there, found particle %d with a %s (%s)",
+                       "the nodes do which lead there, found particle %d with a velocity "
+                       "(initial_velocity, initial.random_velocity)",
                        ctx->scene.source, ctx->scene.couple.where.line,
-                       ctx->scene.couple.where.column, id, moves ? "velocity" : "spin",
-                       moves ? "initial_velocity, initial.random_velocity" : "initial_spin");
+                       ctx->scene.couple.where.column, id);
     }
     return GNEISS_OK;
 }
@@ -202,7 +196,7 @@ gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, cons
 
 /* --- figures --- */
 
-/* Of the energy of a wave, what two that differ return: 12 % of a modulus. */
+/* Largest share of the energy of a wave that a difference may return: that of 12 % of a modulus. */
 static const double returned_most = 1e-3;
 
 /* The mean side of the boxes about a zone's elements; the least weight of a node. */
@@ -317,7 +311,7 @@ void gn_zone_compare(gn_zone_material *m, double stiffness, double mass, double 
     m->returned = (1.0 - z) * (1.0 - z) / ((1.0 + z) * (1.0 + z));
 }
 
-/* Whether a modulus that is so many times another returns as much of a wave. */
+/* Tells whether this ratio of moduli returns as much of a wave. */
 static bool is_off(double quotient) {
     const double z = sqrt(quotient);
     return (1.0 - z) * (1.0 - z) > returned_most * (1.0 + z) * (1.0 + z);
@@ -351,8 +345,8 @@ static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
         gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
 
-/* What of the body elements leave in one of the zone; 0: it is none, or leaves all of it, which its
- * volume does not say. */
+/* Returns the weight that an element leaves to particles; 0: it is in no zone, or leaves all, which
+ * its volume does not tell. */
 static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_t zone, size_t e) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double centre[3] = {0.0}, share = 0.0;

@@ -15,7 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-void gn_masses_remember(const gn_solids *solids, gn_coupled *q) {
+void gn_masses_store(const gn_solids *solids, gn_coupled *q) {
     const gn_particles *nodes = &gn_coupled_solid(solids)->nodes;
     for (size_t n = 0; n < q->ties.nodes; n++)
         memcpy(q->before + 3 * n, nodes->vel + 4 * (size_t)q->ties.node[n], 3 * sizeof(double));
@@ -108,10 +108,10 @@ void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coup
 /* v_i = N_a v_a, so that a force at the place of i moves it by N_a N_a/m_a. Of consistent masses
  * at least those of the nodes alone and the particle's own are in the way: with y = N_a N_a/m_a of
  * these (D + m N N^T)^-1 gives y/(1 + m y) there. Driven nodes count as free. */
-void gn_coupled_give(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                     const gn_zones *zones, double *inverse) {
+void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_solids *solids, const gn_zones *zones, double *inverse) {
     const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
-    if (!q || q->stiffness) return;
+    if (!q) return;
     const gn_fem_solid *b = gn_coupled_solid(solids);
     for (size_t k = 0; k < q->ties.count; k++) {
         const gn_tie *t = &q->ties.tie[k];

@@ -1,4 +1,4 @@
-/* What is read off zones as the run goes on. */
+/* Readings of zones during a run. */
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -9,20 +9,22 @@
 #include "frame/step_context.h"
 #include "measure/energy.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "soa/records.h"
+#include "solids/dormant_places.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>
 
-/* Elements carry all of the stress of who sleeps in them. */
+/* Elements carry all of the stress of dormant particles. */
 static bool add_to_dormant(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                            const double (*stress)[6], double *sigma) {
     const bool space = ctx->scene.dimension == 3;
-    int32_t *place = gn_conversion_places(ctx, solids);
+    int32_t *place = gn_element_places(ctx, solids);
     for (size_t p = 0; place && p < dem->particles.soa.count; p++)
-        for (int c = 0; c < 6 && gn_particle_is_dormant(dem, p); c++)
+        for (int c = 0; c < 6 && gn_is_dormant(dem, p); c++)
             if (space || c < 2 || c == 3)
                 sigma[6 * p + (size_t)c] = stress[place[gn_dormant_element(dem, p)]][c];
     const bool held = place || !gn_converts(ctx);
@@ -63,7 +65,7 @@ static int32_t *elements_of(const gn_step_context *ctx, const gn_dem *dem, const
                             const gn_zones *zones) {
     const gn_coupled *q = zones->coupled;
     const size_t n = dem->particles.soa.count;
-    int32_t *place = gn_conversion_places(ctx, solids);
+    int32_t *place = gn_element_places(ctx, solids);
     int32_t *element = gn_alloc_array(n + 1, sizeof *element);
     if (element && (place || !gn_converts(ctx))) {
         for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_dormant_element(dem, p)] : -1;
@@ -104,15 +106,16 @@ gneiss_status gn_coupled_mean_stress(const gn_step_context *ctx, const gn_dem *d
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the mean stress of elements");
 }
 
-size_t gn_coupled_lost(const gn_step_context *ctx, const gn_zones *zones) {
+size_t gn_coupled_removed_count(const gn_step_context *ctx, const gn_zones *zones) {
     const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     size_t count = 0;
     for (size_t k = 0; q && k < q->ties.count; k++) count += q->place[k] < 0;
     return count;
 }
 
-/* Of an element, J. Displacements are taken half a step back, at the instant of velocities; these
- * where the strain along n is taken: nodes count by their part in it. */
+/* Returns the energy in an element, J. Displacements are evaluated half a step back, at the instant
+ * of velocities; velocities where the strain along n is evaluated, so that nodes count by their
+ * part in it. */
 static double returned(const gn_fem_solid *b, size_t e, const double n[3], double back) {
     const gn_elements *q = &b->elements;
     double speed = 0.0, strain = 0.0, slope[4] = {0.0}, size = 0.0;

@@ -14,28 +14,27 @@ struct gn_most_loaded {
     int32_t element;
 };
 
-/* Of the first packed material that differs from the elements (gn_zone_differs), at the start: Pa
- * and kg/m3 of its particles and of theirs; 0: none differs. Doubles, as checkpoints have it. */
+/* Moduli, Pa, and densities, kg/m3, of the particles and elements of the first packed material that
+ * differs (gn_zone_differs), at the start; 0: none differs. Doubles, as in checkpoints. */
 typedef struct gn_packing_differs {
     double modulus[2], density[2], tension[4]; /* tension: as gn_zone_material has it */
 } gn_packing_differs;
 
-/* What relaxations of converted particles came to (conversion_relaxation.c), since the start;
- * doubles, as checkpoints have it. */
+/* Sums over the relaxations of newly released particles (conversion_relaxation.c) since the start,
+ * in doubles as in checkpoints. */
 typedef struct gn_relaxations {
-    double count, iterations;   /* that had something to do; of all of them */
-    double missed;              /* did not come to the ratio wanted, */
-    double broke, loose, tired; /* of these, as bonds would have broken; as nothing holds who would
-                                   go far; as iterations were used up: the first of these */
-    double kept;                /* of particles that did not go on, for one of the first two */
-    double worst, time;         /* the largest ratio that was left, and s, when */
+    double count, iterations; /* relaxations of particles out of balance; their iterations */
+    double missed;            /* did not reach the requested ratio, */
+    double stopped_by_bond_failure, unsupported, hit_iteration_limit; /* first cause of these */
+    double kept;        /* particles that were held, by one of the first two causes */
+    double worst, time; /* the largest remaining ratio; its time, s */
 } gn_relaxations;
 
-/* What conversions did to velocities (conversion_momentum.c), since the start; doubles, as
- * checkpoints have it. */
+/* Sums of the corrections of velocities by conversions (conversion_momentum.c) since the start, in
+ * doubles as in checkpoints. */
 typedef struct gn_corrections {
-    double count, wider;  /* conversions; of these, where others than who weighs something else made
-                             up for momentum */
+    double count, wider; /* conversions; those in which more than the nodes and particles of changed
+                             weight compensated for momentum */
     double missed, least; /* where angular momentum was not all made up for; the least part that was
                              in these */
     double energy;        /* J: kinetic, that all of this took, masses included */
@@ -47,7 +46,7 @@ typedef struct gn_corrections {
     double inertia;       /* sum of changes of the polar moment about it, each of what it was */
 } gn_corrections;
 
-/* J: what conversions booked, by what made it (conversion_energy_parts.c), since the start, with
+/* J: what conversions booked, by what made it (conversion_energy.c), since the start, with
  * the sign of gn_energy.conversion, which their sum is; doubles, as checkpoints have it. */
 typedef struct gn_conversion_parts {
     double sampled;   /* particles stand for another volume than elements lose */
@@ -63,9 +62,6 @@ typedef struct gn_conversion_parts {
 
 /* Doubles alone, as checkpoints hold it. */
 typedef struct gn_zone_state {
-    double frequency; /* rad/s, of the particles, by which springs of zones are chosen */
-    double rate[2];   /* 1/s: what these take of the steps of particles and elements */
-    double turned;    /* what slaved spins add, of the square of the particles' frequency */
     double whole;     /* s: sharp limit of particles and elements as one; 0: not looked for */
     double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                        * the last measured instant */

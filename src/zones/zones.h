@@ -15,7 +15,7 @@
 /* Which part of a model sets its step. */
 typedef enum gn_side { GN_SIDE_PARTICLES, GN_SIDE_ELEMENTS, GN_SIDE_ZONE, GN_SIDES } gn_side;
 
-/* Of particles and elements as one system (coupled_limit.c). */
+/* Stability limit of particles and elements as one system (coupled_limit.c). */
 typedef struct gn_whole_limit {
     double sharp, low;      /* s: 1/tau by Lanczos, contact damping included; with its residual */
     int iterations;         /* Lanczos vectors; 0: not looked for */
@@ -31,12 +31,8 @@ typedef struct gn_coupled {
     double (*load)[3];        /* [ties] N, of the contacts of a particle in the last step */
     gn_consistent consistent; /* without ties: masses are lumped */
     double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
-    double (*turn)[4][3];     /* [ties] N, of slaved spins: what a moment is to the corners */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
     gn_whole_limit whole;     /* as it was when last looked for */
-    /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N and N m of the
-     * dashpot; [nodes of ties] scratch. */
-    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], (*twist)[3], *sum;
 } gn_coupled;
 
 void gn_coupled_free(gn_coupled *coupled); /* NULL: nothing to do */
@@ -44,39 +40,23 @@ void gn_coupled_free(gn_coupled *coupled); /* NULL: nothing to do */
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
  * masses and before they have bonds. */
 gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
-/* The same for a world whose records were read. */
+/* Does so for a world whose records were read. */
 gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
 
-/* Elements were converted: who follows nodes now, and the masses of these (conversion.c). */
-gneiss_status gn_coupled_again(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
-                               gn_zones *zones, gneiss_error *error);
+/* Finds the particles that follow nodes after a conversion, and their masses (conversion.c). */
+gneiss_status gn_coupled_recreate(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                                  gn_zones *zones, gneiss_error *error);
 /* Their masses alone. */
 gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zones *zones,
                                gneiss_error *error);
-/* The particles of zones are where nodes are now, with their velocities; constraint, not springs.
+/* The particles of zones are where nodes are now, with their velocities.
  */
 void gn_coupled_follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones);
-/* At the start, when nodes have begun to move: the same, of those that nodes move, springs or not.
+/* At the start, when nodes have begun to move: the same, of those that nodes move.
  */
 void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                       gn_zones *zones);
-
-/* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
- * the step (zone_penalty.c). Without springs nothing is done. */
-void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
-                        gn_zones *zones);
-/* N/m, of the spring that holds a particle of a zone; 0: none does. */
-double gn_penalty_stiffness(const gn_step_context *ctx, const gn_dem *dem, const gn_zones *zones,
-                            size_t particle);
-/* m/s2, with which that spring and its dashpot move it against n, at the present places. */
-double gn_penalty_opens(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                        const gn_zones *zones, size_t particle, const double n[3]);
-/* What slaved spins take of the step (world->couple.turned), of the places of now; `more`: and that
- * is more than before (zone_spins.c). */
-gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *dem,
-                                     const gn_solids *solids, gn_zones *zones, bool *more,
-                                     gneiss_error *error);
 
 /* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
  * pressure form, nor where the scene trusts bounds alone. */
@@ -87,52 +67,53 @@ gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
                                gneiss_error *error);
 /* As last looked for; NULL: not looked for. */
 const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones);
-/* "particles", "elements", "zone", and who of it: "particle 12", "a node of the mesh, 12". */
+/* Names the side ("particles", "elements", "zone") and its member ("particle 12", "a node of the
+ * mesh, 12"). */
 const char *gn_side_text(gn_side side);
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
 
-/* Whether a particle, by its id, is one of a zone. */
+/* Tells whether a particle, by its id, belongs to a zone. */
 bool gn_coupled_has(const gn_coupled *q, int32_t id);
 /* Where it is in the elements; NULL: it is none. */
 const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id);
 
 /* [particles] 1/kg: for those of zones, under a constraint, how much the nodes give way to a force
  * at their place, instead of their own (zone_masses.c). */
-void gn_coupled_give(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                     const gn_zones *zones, double *inverse);
+void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_solids *solids, const gn_zones *zones, double *inverse);
 
 /* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
  * before these lose their masses. `gone` [particles], not 0. */
-void gn_coupled_leave(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      gn_zones *zones, gn_ledger *ledger, const int32_t *gone);
+void gn_coupled_remove(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       gn_zones *zones, gn_ledger *ledger, const int32_t *gone);
 /* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
  * particles of zones (zone_readings.c). */
 gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_zones *zones, double *sigma,
                                     gneiss_error *error);
-/* Pa, [9]: the mean over the particles' volume of what elements carry of it, where who sleeps is
- * included. */
+/* Returns the share of elements in the mean stress, Pa, [9], over the volume of the particles,
+ * dormant ones included. */
 gneiss_status gn_coupled_mean_stress(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_solids *solids, const gn_zones *zones,
                                      double sigma[9], gneiss_error *error);
 /* Particles of zones that have left. */
-size_t gn_coupled_lost(const gn_step_context *ctx, const gn_zones *zones);
+size_t gn_coupled_removed_count(const gn_step_context *ctx, const gn_zones *zones);
 
 /* J: energy of plane waves in the elements outside of zones that run away from the particles of
  * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
 double gn_coupled_returned(const gn_step_context *ctx, const gn_solids *solids, size_t k);
-/* The same over the energy that was there at the start or has come in; NaN: there was none but
- * what rounding makes, or there is no ledger. */
+/* Returns it relative to the energy that was present at the start or has come in; NaN without such
+ * energy beyond rounding, or without a ledger. */
 double gn_coupled_returned_share(const gn_step_context *ctx, const gn_solids *solids,
                                  const gn_ledger *ledger, size_t k);
 
 /* Bonds that broke in zones, where elements hold together what they held all the same. */
 size_t gn_coupled_broken(const gn_dem *dem);
 
-/* Of the particles in elements of one material, and of these elements, along the zone's n (of what
- * converts: along the axes, the mean of them): Pa, of an affine strain, kg/m3; what of the energy
- * of a wave their difference returns. */
+/* Properties of the particles in elements of one material and of these elements, along the zone's n
+ * (for conversion the mean over the axes): Pa in an affine strain, kg/m3, and the share of the
+ * energy of a wave that their difference returns. */
 typedef struct gn_zone_material {
     int32_t material; /* of the elements */
     size_t particles;
@@ -140,12 +121,14 @@ typedef struct gn_zone_material {
     double tension[4]; /* Pa, along each axis of particles with free sides, of the elements; 0: not
                           known. Of what converts alone */
 } gn_zone_material;
-/* Whether they differ: by 12 % or more of the modulus, of the mean of those in tension, or of one
- * in which the particles are stiffer. */
+/* Tells whether they differ by 12 % or more of the modulus, of the mean of those in tension, or of
+ * one in which the particles are stiffer. */
 bool gn_zone_differs(const gn_zone_material *material);
-enum { GN_ZONE_MATERIALS = 8 }; /* that are told apart; the last one stands for all further ones */
+enum {
+    GN_ZONE_MATERIALS = 8
+}; /* that are distinguished; the last one stands for all further ones */
 
-/* What a zone is, as it was at the start (zone_check.c). */
+/* Properties of a zone at the start (zone_check.c). */
 typedef struct gn_zone_figures {
     double width, element, diameter; /* m; means over its elements and particles */
     double least;                    /* weight of an element's node that has the least: 0 */
@@ -159,7 +142,7 @@ typedef struct gn_zone_figures {
 } gn_zone_figures;
 void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                      const gn_zones *zones, size_t k, gn_zone_figures *figures);
-/* Whether the particles of a zone weigh something else than what the elements leave them. */
+/* Tells whether the mass of a zone's particles differs from the share that the elements leave. */
 bool gn_zone_is_off(const gn_zone_figures *figures);
 
 #endif

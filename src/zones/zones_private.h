@@ -1,4 +1,4 @@
-/* What the files of zones share. */
+/* Declarations that the files of zones share. */
 #ifndef GN_ZONES_ZONES_PRIVATE_H
 #define GN_ZONES_ZONES_PRIVATE_H
 
@@ -15,10 +15,6 @@
 
 #include <stddef.h>
 
-static inline gn_fem_solid *gn_coupled_solid(const gn_solids *solids) {
-    return &solids->elements[0]->solid;
-}
-
 /* That each zone has elements and particles, and these are in elements and start at rest
  * (zone_check.c). */
 gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
@@ -29,23 +25,15 @@ gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, cons
 void gn_zone_compare(gn_zone_material *material, double stiffness, double mass, double volume);
 
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
-void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_solids *solids, gn_coupled *q);
+void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                             gn_coupled *q);
 
 /* Consistent masses (zone_masses.c): velocities before the motion; loads that make the lump
  * move as they do; after it, what they have of kinetic energy and lose to damping beyond the lump.
  */
-void gn_masses_remember(const gn_solids *solids, gn_coupled *q);
+void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
-
-/* Springs instead of a constraint (zone_penalty.c): from world->couple.frequency; their part of
- * a step. */
-void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                    const gn_zones *zones, gn_coupled *q);
-void gn_penalty_act(gn_world *world);
-void gn_penalty_follow(gn_world *world);
-void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading);
 
 /* Threads for so many particles or nodes of zones: one where they are few, or where the threads of
  * the particles have found that they wait for each other (sched/pace.h). */

@@ -1,6 +1,6 @@
-/* Functions that the files of this folder share. */
-#ifndef GN_PARTICLES_PARTICLES_PRIVATE_H
-#define GN_PARTICLES_PARTICLES_PRIVATE_H
+/* Parameters of contacts and bonds, and motions of sets, from the scene. */
+#ifndef GN_PARTICLES_PARAMETERS_H
+#define GN_PARTICLES_PARAMETERS_H
 
 #include "base/error.h"
 #include "frame/parts.h"

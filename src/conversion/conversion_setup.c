@@ -1,27 +1,195 @@
-/* What is ready to be converted, for who checks a scene. */
+/* Preparation of a body whose elements convert: checks, dormant particles, and the properties that
+ * `gneiss check` prints. */
 #include "base/ball.h"
+#include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/point.h"
+#include "base/timer.h"
+#include "base/vec3.h"
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
+#include "couple/ties.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
+#include "kernels/partials.h"
 #include "limit/step_limits.h"
 #include "neigh/pairs.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/lists.h"
 #include "particles/observe.h"
+#include "scene/couple_def.h"
+#include "scene/place.h"
 #include "scene/scene.h"
+#include "soa/field.h"
 #include "soa/records.h"
+#include "solids/dormant_places.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
+#include "zones/zone_state.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>
+
+static gneiss_status no_memory(gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
+}
+
+static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, const char *key,
+                            const char *message, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s", gn_scene_at(&ctx->scene, where, key).text,
+                   message);
+}
+
+/* --- at the start --- */
+
+/* Springs between particles that a strain of the body does not determine. */
+static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) {
+    const gn_effects without = GN_FX_BOND_MOMENTS | GN_FX_ROLLING | GN_FX_HERTZ | GN_FX_CONFINED;
+    if (!(ctx->effects & GN_FX_BONDS))
+        return refuse(ctx, ctx->scene.couple.convert.where, "bonds",
+                      "expected bonds beside couple.convert, found none", error);
+    if (!(ctx->effects & without)) return GNEISS_OK;
+    const bool moments = ctx->effects & GN_FX_BOND_MOMENTS, rolling = ctx->effects & GN_FX_ROLLING;
+    return refuse(ctx, moments ? ctx->scene.couple.convert.where : ctx->scene.law_where,
+                  moments   ? "bonds.radius_multiplier"
+                  : rolling ? "materials"
+                            : "law",
+                  "expected linear contacts without moments, resistance to rolling and confined "
+                  "friction beside couple.convert, found others",
+                  error);
+}
+
+/* Where a zone is as wide as the body no element is left with the first conversion. */
+static gneiss_status check_width(const gn_step_context *ctx, const gn_solids *solids,
+                                 gneiss_error *error) {
+    const double side = gn_elements_longest_side(ctx, solids);
+    char message[160];
+    if (ctx->scene.couple.convert.width < side) return GNEISS_OK;
+    snprintf(message, sizeof message,
+             "expected a zone that is narrower than the body of %g m, found %g m", side,
+             ctx->scene.couple.convert.width);
+    return refuse(ctx, ctx->scene.couple.convert.where, "couple.convert.width", message, error);
+}
+
+static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                                const gn_ties *ties, gneiss_error *error) {
+    gn_particles *q = &dem->particles;
+    const gn_elements *elements = &gn_coupled_solid(solids)->elements;
+    char at[GN_POINT_SIZE], message[256];
+    for (size_t p = 0; p < q->soa.count; p++) gn_dormant_of(dem, p)->element = -1;
+    for (size_t k = 0; k < ties->count; k++) /* particles have the order of their ids as yet */
+        dem->dormant[ties->tie[k].id].element = elements->id[ties->tie[k].element];
+    for (size_t p = 0; p < q->soa.count; p++) {
+        q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
+        if (gn_dormant_of(dem, p)->element >= 0) continue;
+        snprintf(message, sizeof message,
+                 "expected every particle in an element, found particle %d at %s m in none",
+                 q->id[p], gn_point_text(ctx->scene.origin, q->start + 4 * p, at));
+        return refuse(ctx, ctx->scene.specimen.where, "specimen", message, error);
+    }
+    return GNEISS_OK;
+}
+
+/* Elements can become particles only where these are. */
+static gneiss_status check_filled(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_boundary *boundary, const gn_solids *solids,
+                                  gneiss_error *error) {
+    gn_conversion_figures f;
+    char message[200];
+    GN_TRY(gn_conversion_measure(ctx, dem, boundary, solids, &f, error));
+    if (!f.elements)
+        return refuse(ctx, ctx->scene.couple.convert.where, "couple.convert.box",
+                      "expected elements of which all nodes start in the box, found none", error);
+    if (fabs(f.mass - 1.0) <= 0.1) return GNEISS_OK;
+    snprintf(message, sizeof message,
+             "expected particles that weigh what the elements in the box do (to a tenth: a packing "
+             "that fills it, density_basis bulk, one density), found %g times as much",
+             f.mass);
+    return refuse(ctx, ctx->scene.specimen.where, "specimen", message, error);
+}
+
+/* Where a zone comes to what is outside of the box whatever converts, the first conversion would
+ * end the run. What only motions and loads keep from converting is another matter. */
+static gneiss_status check_room(const gn_step_context *ctx, const gn_solids *solids,
+                                gneiss_error *error) {
+    const double width = ctx->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
+    char message[256];
+    double room = 0.0;
+    size_t ready = 0;
+    uint8_t *kind = gn_alloc(gn_elements_left_count(solids) + 1);
+    gneiss_status status = kind ? gn_conversion_kinds(ctx, solids, kind, error) : no_memory(error);
+    if (status == GNEISS_OK)
+        status = gn_front_room(gn_coupled_solid(solids), kind, enough, &room, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_elements_left_count(solids); e++)
+        ready += kind[e] == GN_FRONT_READY;
+    gn_free(kind);
+    if (status != GNEISS_OK || !ready || room >= enough) return status;
+    snprintf(
+        message, sizeof message,
+        "expected a zone that is no wider than the %.4g m that are left between some element "
+        "and what is outside of couple.convert.box (or a larger box, with a packing that fills "
+        "it), found %g m",
+        room, width);
+    return refuse(ctx, ctx->scene.couple.convert.where, "couple.convert.width", message, error);
+}
+
+gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    gneiss_error *error) {
+    gn_ties ties;
+    GN_TRY(check_law(ctx, error));
+    GN_TRY(check_width(ctx, solids, error));
+    dem->dormant = gn_alloc_array(dem->particles.soa.count + 1, sizeof *dem->dormant);
+    if (!dem->dormant) return no_memory(error);
+    GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &ties, error));
+    gneiss_status status = find_homes(ctx, dem, solids, &ties, error);
+    gn_ties_free(&ties);
+    if (status == GNEISS_OK) status = check_filled(ctx, dem, boundary, solids, error);
+    return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
+}
+
+/* Once all has converted there is nothing left to compare. */
+static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids,
+                                     gn_zones *zones, gneiss_error *error) {
+    gn_conversion_figures f;
+    GN_TRY(gn_conversion_measure(ctx, dem, boundary, solids, &f, error));
+    for (size_t k = f.materials; k-- > 0;) {
+        const gn_zone_material *m = &f.material[k];
+        if (!gn_zone_differs(m)) continue;
+        memcpy(zones->state.differs.modulus, m->modulus, sizeof m->modulus);
+        memcpy(zones->state.differs.density, m->density, sizeof m->density);
+        memcpy(zones->state.differs.tension, m->tension, sizeof m->tension);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
+                                           const gn_boundary *boundary, const gn_solids *solids,
+                                           gn_zones *zones, gneiss_error *error) {
+    gn_dem *d = dem;
+    gn_particles *q = &d->particles;
+    GN_TRY(gn_conversion_check_neighbours(ctx, dem, error));
+    d->prepared = d->bonds.contacts;
+    d->bonds.contacts = (gn_contacts){0};
+    GN_TRY(
+        gn_soa_create(&gn_contact_record, &d->bonds.contacts, 0, d->prepared.soa.effects, error));
+    for (size_t p = 0; p < q->soa.count; p++) {
+        gn_dormant_of(dem, p)->inverse_mass = q->vel[4 * p + 3];
+        gn_dormant_of(dem, p)->inverse_inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
+        memset(q->vel + 4 * p, 0, 4 * sizeof *q->vel);
+        if (q->spin) memset(q->spin + 4 * p, 0, 4 * sizeof *q->spin);
+        q->blend[2 * p] = q->blend[2 * p + 1] = 0.0;
+    }
+    GN_TRY(gn_list_changed(ctx, dem, &d->bonds, error));
+    return keep_difference(ctx, dem, boundary, solids, zones, error);
+}
 
 /* --- what is in the box --- */
 
@@ -68,9 +236,10 @@ typedef struct boxed {
     double tensor[GN_ZONE_MATERIALS][STRAINS][STRAINS]; /* N m, by xx yy zz 2xy 2yz 2zx */
 } boxed;
 
-/* Who has woken has bonds that are no longer put by. At the start, before any sleeps, all count. */
+/* The bonds of active particles are no longer stored. At the start, before particles are dormant,
+ * all count. */
 static int32_t element_of(const boxed *q, int32_t p) {
-    if (q->dem->prepared.soa.capacity && !gn_particle_is_dormant(q->dem, (size_t)p)) return -1;
+    if (q->dem->prepared.soa.capacity && !gn_is_dormant(q->dem, (size_t)p)) return -1;
     const int32_t e = q->place[gn_dormant_element(q->dem, (size_t)p)];
     return e < 0 || q->kind[e] == GN_FRONT_FIXED ? -1 : e;
 }
@@ -84,7 +253,7 @@ static size_t material_of(const boxed *q, int32_t e) {
     return k < GN_ZONE_MATERIALS ? k : k - 1;
 }
 
-/* Masses, volumes and the elements' moduli, of particles awake or not. */
+/* Adds masses, volumes and the moduli of elements over active and dormant particles. */
 static void add_particles(boxed *q) {
     const gn_particles *a = &q->dem->particles;
     const gn_fem_solid *b = gn_coupled_solid(q->solids);
@@ -93,9 +262,8 @@ static void add_particles(boxed *q) {
         if (e < 0) continue;
         const size_t k = material_of(q, e);
         gn_zone_material *m = &q->figures->material[k];
-        q->mass[k] +=
-            1.0 / (gn_particle_is_dormant(q->dem, p) ? gn_dormant_of(q->dem, p)->inverse_mass
-                                                     : a->vel[4 * p + 3]);
+        q->mass[k] += 1.0 / (gn_is_dormant(q->dem, p) ? gn_dormant_of(q->dem, p)->inverse_mass
+                                                      : a->vel[4 * p + 3]);
         q->volume[k] += gn_ball_volume(b->dimension, a->pos[4 * p + 3]);
         m->modulus[1] += b->elements.lambda[e] + 2.0 * b->elements.mu[e];
         m->density[1] += b->density[b->elements.material[e]];
@@ -122,7 +290,8 @@ static void add_spring(double sum[STRAINS][STRAINS], const double l[3], double l
         }
 }
 
-/* Of a strain along one axis, the mean over the axes; springs count half for each end. */
+/* Adds the stiffness against strain along an axis, averaged over the axes; each end has half of a
+ * spring. */
 static void add_bonds(boxed *q) {
     const gn_contacts *list = &q->dem->prepared;
     const double *start = q->dem->particles.start;
@@ -190,7 +359,7 @@ static double measure_particles(boxed *q) {
 
 /* --- neighbours --- */
 
-/* Of r_i + r_j: what pushes less than some 1e-6 of the modulus is rounding of a packing. */
+/* Largest overlap over r_i + r_j that is rounding of a packing, some 1e-6 of the modulus. */
 static const double overlap_most = 1e-6;
 
 static bool is_bonded(const gn_contacts *bonds, int32_t i, int32_t j) {
@@ -198,7 +367,7 @@ static bool is_bonded(const gn_contacts *bonds, int32_t i, int32_t j) {
     return at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
 }
 
-/* What of r_i + r_j two particles overlap by. */
+/* Returns the overlap of two particles over r_i + r_j. */
 static double overlap_of(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j) {
     const double *a = dem->particles.pos + 4 * (size_t)i, *b = dem->particles.pos + 4 * (size_t)j;
     double d[3];
@@ -259,7 +428,7 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
     return status;
 }
 
-/* --- all of them awake --- */
+/* --- all of them active --- */
 
 static void swap(double *a, double *b) {
     const double before = *a;
@@ -267,7 +436,7 @@ static void swap(double *a, double *b) {
     *b = before;
 }
 
-void gn_conversion_turn_over(const gn_step_context *ctx, gn_dem *dem) {
+void gn_conversion_swap_dormant(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
     const gn_contacts bonds = dem->bonds.contacts;
     if (!gn_converts(ctx)) return;
@@ -283,9 +452,9 @@ gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_erro
     const gn_step_limit before = w->dem.limit;
     const double stable = w->dem.stable;
     bool due;
-    gn_conversion_turn_over(&w->ctx, &w->dem);
+    gn_conversion_swap_dormant(&w->ctx, &w->dem);
     gneiss_status status = gn_dem_limit(w, true, &due, error);
-    gn_conversion_turn_over(&w->ctx, &w->dem);
+    gn_conversion_swap_dormant(&w->ctx, &w->dem);
     *limit = w->dem.limit;
     w->dem.limit = before;
     w->dem.stable = stable;
@@ -323,45 +492,5 @@ gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *de
     }
     gn_free(kind);
     gn_free(place);
-    return status;
-}
-
-/* --- places --- */
-
-static gneiss_status see(gn_world *w, const uint8_t *ready, size_t e, uint8_t *kind,
-                         gn_conversion_places_seen *seen, gneiss_error *error) {
-    int rings;
-    memcpy(kind, ready, gn_conversion_elements(&w->solids));
-    kind[e] = GN_FRONT_LEAVING;
-    GN_TRY(gn_conversion_rehearse(w, kind, &rings, error));
-    const bool thin = gn_conversion_was_thin(&w->outcome), halted = *w->outcome.halt;
-    *w->outcome.halt = '\0';
-    if (halted && !thin) return GNEISS_OK;
-    seen->looked++;
-    seen->too_few += thin;
-    seen->along += rings > 0 && !thin;
-    return GNEISS_OK;
-}
-
-/* Evenly over the list; of large bodies fewer, as each looks at all of them. */
-gneiss_status gn_conversion_see_places(gn_world *w, gn_conversion_places_seen *seen,
-                                       gneiss_error *error) {
-    const size_t elements = gn_conversion_elements(&w->solids),
-                 size = elements + w->dem.particles.soa.count;
-    const size_t most = size < 100000 ? 100 : size < 1000000 ? 25 : 6;
-    uint8_t *ready = gn_alloc(elements + 1), *kind = gn_alloc(elements + 1);
-    size_t count = 0, at = 0;
-    *seen = (gn_conversion_places_seen){0};
-    gneiss_status status =
-        ready && kind ? gn_conversion_kinds(&w->ctx, &w->solids, ready, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
-    for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
-        count += ready[e] == GN_FRONT_READY;
-    const size_t stride = count > most ? (count + most - 1) / most : 1;
-    for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
-        if (ready[e] == GN_FRONT_READY && at++ % stride == 0)
-            status = see(w, ready, e, kind, seen, error);
-    gn_free(ready);
-    gn_free(kind);
     return status;
 }

@@ -1,0 +1,290 @@
+/* Evaluation of the limits at which elements convert, and readings of dormant particles. */
+#include "base/ball.h"
+#include "base/effects.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/point.h"
+#include "base/timer.h"
+#include "base/vec3.h"
+#include "conversion/conversion.h"
+#include "conversion/conversion_private.h"
+#include "couple/front.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "kernels/partials.h"
+#include "laboratory/strain_gauge.h"
+#include "limit/step_limits.h"
+#include "measure/measure.h"
+#include "neigh/pairs.h"
+#include "particles/dem.h"
+#include "particles/dormant.h"
+#include "particles/lists.h"
+#include "particles/observe.h"
+#include "scene/couple_def.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "solids/dormant_places.h"
+#include "solids/elements.h"
+#include "timestep/step_limit.h"
+#include "world/world.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
+#include "zones/zones_private.h"
+
+#include <math.h>
+#include <string.h>
+
+static gneiss_status no_memory(gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
+}
+
+/* --- what converts --- */
+
+/* Below this part of the limits nothing has to be known: what was loaded as much already is not the
+ * most. */
+static double least_share(const gn_most_loaded *most_loaded) {
+    return fmin(1.0, most_loaded->share);
+}
+
+/* By stresses that are means over the elements at the nodes, and over the nodes of an element. */
+static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_solids *solids,
+                                          const gn_most_loaded *most_loaded, const uint8_t *kind,
+                                          double *excess, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const double least = least_share(most_loaded);
+    const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
+    double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
+    if (!stress) return no_memory(error);
+    double(*nodal)[6] = stress + elements;
+    gn_fem_element_stress(b, stress);
+    gneiss_status status = gn_fem_nodal_stress(b, (const double(*)[6])stress, nodal, error);
+    for (size_t e = 0; status == GNEISS_OK && e < elements; e++) {
+        double mean[6] = {0.0};
+        if (kind[e] != GN_FRONT_READY) continue;
+        for (int a = 0; a <= b->dimension; a++)
+            for (int k = 0; k < 6; k++)
+                mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
+        excess[e] = gn_front_excess_above(&ctx->scene.couple.convert, mean, least);
+    }
+    gn_free(stress);
+    return status;
+}
+
+/* [elements] how far those that may go are beyond the limits; below 1: not at all, 0 as well where
+ * they may not. */
+static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *solids,
+                                 const gn_most_loaded *most_loaded, const uint8_t *kind,
+                                 double *excess, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const gn_convert_def *def = &ctx->scene.couple.convert;
+    const double least = least_share(most_loaded);
+    if (def->by == GN_CONVERT_NODES)
+        return find_excess_by_nodes(ctx, solids, most_loaded, kind, excess, error);
+#pragma omp parallel for schedule(static) num_threads(ctx->threads)
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double stress[6];
+        if (kind[e] != GN_FRONT_READY) continue;
+        gn_fem_stress_of(b, e, stress);
+        excess[e] = gn_front_excess_above(def, stress, least);
+    }
+    return GNEISS_OK;
+}
+
+/* Bonds that break where elements hold on: these go. */
+static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) {
+    const gn_contacts *bonds = &dem->bonds.contacts;
+    for (size_t c = 0; c < bonds->soa.count; c++) {
+        if (!gn_broken(bonds->cause[c])) continue;
+        for (int end = 0; end < 2; end++) {
+            const int32_t p = end ? bonds->j[c] : bonds->i[c],
+                          e = place[gn_dormant_element(dem, (size_t)p)];
+            if (e >= 0 && kind[e] == GN_FRONT_READY) kind[e] = GN_FRONT_LEAVING;
+        }
+    }
+}
+
+/* The first READY element of the largest excess that is at least `least`; count: there is none. */
+static size_t most_stressed(size_t count, const double *excess, double least, const uint8_t *kind) {
+    size_t first = count;
+    for (size_t e = 0; e < count; e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] >= least &&
+            (first == count || excess[e] > excess[first]))
+            first = e;
+    return first;
+}
+
+/* Marks the elements that are loaded as the last marked one but for rounding, as on either side of
+ * a plane of symmetry, so that the share of a look does not part them. Where more are alike than
+ * were marked, as in a body under one stress, the share decides. */
+static void mark_alike(size_t count, const double *excess, double last, size_t marked,
+                       uint8_t *kind) {
+    const double least = (1.0 - 1e-6) * last;
+    size_t alike = 0;
+    for (size_t e = 0; e < count; e++) alike += kind[e] == GN_FRONT_READY && excess[e] >= least;
+    for (size_t e = 0; e < count && alike <= marked; e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] >= least) kind[e] = GN_FRONT_LEAVING;
+}
+
+/* Marks the elements beyond the limits, the farthest first, up to the share that one look converts.
+ * Few looks find any, and then few. */
+static void mark_stressed(const gn_convert_def *def, size_t count, const double *excess,
+                          uint8_t *kind) {
+    size_t ready = 0, marked = 0, e;
+    double last = INFINITY;
+    for (e = 0; e < count; e++) ready += kind[e] == GN_FRONT_READY;
+    const double most = fmax(1.0, def->most * (double)ready);
+    while ((double)marked + 1.0 <= most && (e = most_stressed(count, excess, 1.0, kind)) < count) {
+        last = excess[e];
+        kind[e] = GN_FRONT_LEAVING;
+        marked++;
+    }
+    mark_alike(count, excess, last, marked, kind);
+}
+
+/* Tells whether an element is beyond a limit, or a bond broke within elements, which is rare. */
+static bool is_due(const gn_dem *dem, const gn_solids *solids, const double *excess) {
+    const gn_contacts *bonds = &dem->bonds.contacts;
+    const double *part = dem->particles.blend;
+    bool due = false;
+    for (size_t e = 0; e < gn_elements_left_count(solids); e++) due = due || excess[e] >= 1.0;
+    for (size_t c = 0; c < bonds->soa.count && !due; c++)
+        due = gn_broken(bonds->cause[c]) &&
+              (part[2 * (size_t)bonds->i[c]] < 1.0 || part[2 * (size_t)bonds->j[c]] < 1.0);
+    return due;
+}
+
+static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneiss_error *error) {
+    const size_t elements = gn_elements_left_count(&w->solids);
+    size_t count;
+    bool any = false;
+    int32_t *place = gn_fem_places(gn_coupled_solid(&w->solids), &count);
+    if (!place) return no_memory(error);
+    mark_stressed(&w->ctx.scene.couple.convert, elements, excess, kind);
+    mark_broken(&w->dem, place, kind);
+    gn_free(place);
+    for (size_t e = 0; e < elements; e++) any = any || kind[e] == GN_FRONT_LEAVING;
+    return any ? gn_conversion_convert(w, kind, error) : GNEISS_OK;
+}
+
+static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids,
+                             const double *excess, gn_most_loaded *most) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    size_t at = 0;
+    for (size_t e = 1; e < b->elements.soa.count; e++)
+        if (excess[e] > excess[at]) at = e;
+    if (!b->elements.soa.count || !(excess[at] > most->share)) return;
+    *most = (gn_most_loaded){.share = excess[at], .time = ctx->time, .element = b->elements.id[at]};
+    gn_conversion_centre(b, at, most->place);
+}
+
+gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
+                                            const gn_most_loaded *most_loaded, uint8_t **kind,
+                                            double **excess, gneiss_error *error) {
+    const size_t elements = gn_elements_left_count(solids);
+    *kind = gn_alloc(elements + 1);
+    *excess = gn_alloc_array(elements + 1, sizeof **excess);
+    if (!*kind || !*excess) return no_memory(error);
+    GN_TRY(gn_conversion_kinds(ctx, solids, *kind, error));
+    return find_excess(ctx, solids, most_loaded, *kind, *excess, error);
+}
+
+gneiss_status gn_conversion_convert_above(gn_world *w, double part, gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    bool any = false;
+    w->most_loaded.share = 0.0; /* loads below the largest so far count as well */
+    gneiss_status status =
+        gn_conversion_evaluate_limits(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_elements_left_count(&w->solids); e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] > 0.0 && excess[e] >= part) {
+            kind[e] = GN_FRONT_LEAVING;
+            any = true;
+        }
+    if (any) status = gn_conversion_convert(w, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
+}
+
+static gneiss_status look(gn_world *w, gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    gneiss_status status =
+        gn_conversion_evaluate_limits(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
+    if (status == GNEISS_OK) note_most_loaded(&w->ctx, &w->solids, excess, &w->most_loaded);
+    if (status == GNEISS_OK && is_due(&w->dem, &w->solids, excess))
+        status = act(w, excess, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
+}
+
+gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_solids *solids,
+                                        const gn_most_loaded *most_loaded, gn_most_loaded *most,
+                                        gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    gneiss_status status =
+        gn_conversion_evaluate_limits(ctx, solids, most_loaded, &kind, &excess, error);
+    *most = *most_loaded;
+    if (status == GNEISS_OK) note_most_loaded(ctx, solids, excess, most);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
+}
+
+/* Time of phases that book themselves within a conversion. */
+static double other_seconds(const double *seconds) {
+    return seconds[GN_PHASE_lists] + seconds[GN_PHASE_step_limit];
+}
+
+gneiss_status gn_conversion_check_limits(gn_world *w, gneiss_error *error) {
+    if (w->ctx.step == 0 || w->ctx.step % w->ctx.scene.couple.convert.every != 0) return GNEISS_OK;
+    const double start = gn_now(), others = other_seconds(w->seconds);
+    gneiss_status status = look(w, error);
+    w->seconds[GN_PHASE_conversion] += gn_now() - start - (other_seconds(w->seconds) - others);
+    return status;
+}
+
+/* --- places --- */
+
+static gneiss_status see(gn_world *w, const uint8_t *ready, size_t e, uint8_t *kind,
+                         gn_conversion_places_checked *seen, gneiss_error *error) {
+    int rings;
+    memcpy(kind, ready, gn_elements_left_count(&w->solids));
+    kind[e] = GN_FRONT_LEAVING;
+    GN_TRY(gn_conversion_dry_run(w, kind, &rings, error));
+    const bool thin = gn_conversion_lacked_mass(&w->outcome), halted = *w->outcome.halt;
+    *w->outcome.halt = '\0';
+    if (halted && !thin) return GNEISS_OK;
+    seen->looked++;
+    seen->too_few += thin;
+    seen->along += rings > 0 && !thin;
+    return GNEISS_OK;
+}
+
+/* Evenly over the list; of large bodies fewer, as each looks at all of them. */
+gneiss_status gn_conversion_check_places(gn_world *w, gn_conversion_places_checked *seen,
+                                         gneiss_error *error) {
+    const size_t elements = gn_elements_left_count(&w->solids),
+                 size = elements + w->dem.particles.soa.count;
+    const size_t most = size < 100000 ? 100 : size < 1000000 ? 25 : 6;
+    uint8_t *ready = gn_alloc(elements + 1), *kind = gn_alloc(elements + 1);
+    size_t count = 0, at = 0;
+    *seen = (gn_conversion_places_checked){0};
+    gneiss_status status =
+        ready && kind ? gn_conversion_kinds(&w->ctx, &w->solids, ready, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
+    for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
+        count += ready[e] == GN_FRONT_READY;
+    const size_t stride = count > most ? (count + most - 1) / most : 1;
+    for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
+        if (ready[e] == GN_FRONT_READY && at++ % stride == 0)
+            status = see(w, ready, e, kind, seen, error);
+    gn_free(ready);
+    gn_free(kind);
+    return status;
+}

@@ -1,0 +1,37 @@
+/* Particles of a body that elements still represent: they have no mass, contacts or blocks to work
+ * on until their element leaves. */
+#ifndef GN_PARTICLES_DORMANT_H
+#define GN_PARTICLES_DORMANT_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+static inline gn_dormant_particle *gn_dormant_of(const gn_dem *dem, size_t p) {
+    return &dem->dormant[dem->particles.id[p]];
+}
+static inline bool gn_is_dormant(const gn_dem *dem, size_t p) {
+    return dem->dormant && gn_dormant_of(dem, p)->inverse_mass > 0.0;
+}
+/* Tells whether elements convert and have the whole weight at both particles. */
+static inline bool gn_is_hidden_pair(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
+                                     int32_t j) {
+    const double *part = dem->particles.blend;
+    return gn_converts(ctx) && !(part[2 * (size_t)i] + part[2 * (size_t)j] > 0.0);
+}
+/* Returns the element that contains a particle at the start, by its place in the mesh. */
+static inline size_t gn_dormant_element(const gn_dem *dem, size_t p) {
+    return (size_t)gn_dormant_of(dem, p)->element;
+}
+
+/* Marks the blocks of particles that are all dormant, when lists are made. */
+gneiss_status gn_dormant_find_blocks(gn_dem *dem, gneiss_error *error);
+/* Returns the number of dormant particles. */
+size_t gn_dormant_count(const gn_dem *dem);
+
+#endif

@@ -1,0 +1,26 @@
+/* Positions of dormant particles in their elements. */
+#ifndef GN_SOLIDS_DORMANT_PLACES_H
+#define GN_SOLIDS_DORMANT_PLACES_H
+
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Tells whether any element has been converted. */
+bool gn_elements_have_left(const gn_solids *solids);
+/* Elements that are there. */
+size_t gn_elements_left_count(const gn_solids *solids);
+/* [elements of the mesh] places of those that are there, for gn_particle_travel (gn_fem_places);
+ * NULL where nothing converts, or without memory. The caller's. */
+int32_t *gn_element_places(const gn_step_context *ctx, const gn_solids *solids);
+/* Returns the displacement of a particle, m; that of a dormant one follows the elements, and is NaN
+ * without their places. Works in any world (conversion_limits.c). */
+void gn_particle_travel(const gn_dem *dem, const gn_solids *solids, const int32_t *places, size_t p,
+                        double u[3]);
+/* m/s: the same of its velocity. */
+void gn_particle_velocity(const gn_dem *dem, const gn_solids *solids, const int32_t *places,
+                          size_t p, double v[3]);
+
+#endif
