@@ -5,6 +5,7 @@
 #include "frame/step_context.h"
 #include "kernels/partials.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/law.h"
 #include "particles/lists.h"
 #include "soa/particle_state.h"
