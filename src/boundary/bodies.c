@@ -1,11 +1,9 @@
-/* Rigid bodies: from the scene, and how they move.
- *
- * Velocities stand at half steps, positions at whole ones, as those of particles. A free rotation
- * keeps the angular momentum in space and lets the body run about its principal axes one after the
- * other, each turn exact: x y z y x with half, half, whole, half, half of the step (Dullweber,
- * Leimkuhler and McLachlan 1997, J. Chem. Phys. 107, 5840). Without moment that keeps the momentum
- * exactly and the energy without drift; it is symplectic, reversible and of second order, of fourth
- * in steps in which the body turns far. */
+/* Rigid bodies: creation from the scene and motion. Velocities belong to half steps, positions to
+ * whole ones, as those of particles. A free rotation keeps the angular momentum in space and
+ * rotates the body about its principal axes in turn, each rotation exact: x y z y x with half,
+ * half, whole, half, half of the step (Dullweber, Leimkuhler and McLachlan 1997, J. Chem. Phys.
+ * 107, 5840). Without a moment that keeps the momentum exactly and the energy without drift; it is
+ * symplectic, reversible and of second order, of fourth order in steps with large rotations. */
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -47,7 +45,8 @@ static void multiply(const double a[4], const double b[4], double out[4]) {
     memcpy(out, r, sizeof r);
 }
 
-/* Keeps rounding from growing; the unit quaternion of a body that does not turn stays as it is. */
+/* Normalises against growth of rounding; the unit quaternion of a body that does not rotate stays
+ * as it is. */
 static void settle(gn_rigid *b) {
     double *q = b->turn, size2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (size2 != 1.0)
@@ -55,7 +54,7 @@ static void settle(gn_rigid *b) {
     set_axes(b);
 }
 
-/* From a rotation matrix by rows (Shepperd 1978): the largest component is found first. */
+/* Quaternion of a rotation matrix by rows (Shepperd 1978): the largest component is found first. */
 static void turn_from_matrix(const double m[9], double q[4]) {
     double trace = m[0] + m[4] + m[8], size[4] = {trace, m[0], m[4], m[8]};
     int k = 0;
@@ -79,12 +78,12 @@ static void turn_from_matrix(const double m[9], double q[4]) {
 void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
     const double *s = b->turn_start, back[4] = {s[0], -s[1], -s[2], -s[3]};
     multiply(b->turn, back, turn);
-    /* q and -q are one turn; all four change sign or none. */
+    /* q and -q are one rotation; all four components change sign or none. */
     double sign = turn[0] < 0.0 ? -1.0 : 1.0;
     for (int k = 0; k < 4; k++) turn[k] *= sign;
 }
 
-/* Turns by a vector in space. */
+/* Rotates by a vector in space. */
 static void turn_by(gn_rigid *b, const double vector[3]) {
     double angle = sqrt(gn_dot3(vector, vector));
     if (!(angle > 0.0)) return;
@@ -94,7 +93,7 @@ static void turn_by(gn_rigid *b, const double vector[3]) {
     settle(b);
 }
 
-/* The exact flow of L_k^2/(2 I_k) over a time: L stays in space. */
+/* The exact flow of L_k^2/(2 I_k) over a time; L is constant in space. */
 static void turn_about_axis(gn_rigid *b, int k, double time) {
     double along = 0.0;
     for (int a = 0; a < 3; a++) along += b->axes[3 * a + k] * b->momentum[a];
@@ -113,7 +112,7 @@ static bool is_held(const gn_rigid *b) {
     return b->held[0] + b->held[1] + b->held[2] > 0.0;
 }
 
-/* Of the body as it stands, about the axes of space. */
+/* Inertia of the body in its orientation, about the axes of space. */
 static void inertia_of(const gn_rigid *b, double inertia[9]) {
     for (int p = 0; p < 9; p++) {
         inertia[p] = 0.0;
@@ -122,9 +121,9 @@ static void inertia_of(const gn_rigid *b, double inertia[9]) {
     }
 }
 
-/* The spin that a moment about the free axes of space would give in a second, or an angular
- * momentum has: I_FF w_F = L_F - I_FP w_P, where F are the one or two free axes, and P those about
- * which bearings lead the body with w_P, that of `led`. What they do there is no moment about F. */
+/* The spin for an angular momentum, or per second for a moment, about the free axes: I_FF w_F = L_F
+ * - I_FP w_P, where F are the one or two free axes and P those about which bearings rotate the body
+ * with w_P, that of `led`. The moment of the bearings has no component about F. */
 static void turn_held(const gn_rigid *b, const double momentum[3], const double led[3],
                       double spin[3]) {
     double inertia[9], left[3];
@@ -150,7 +149,7 @@ static void turn_held(const gn_rigid *b, const double momentum[3], const double 
     spin[q] = (inertia[4 * p] * left[q] - across * left[p]) / determinant;
 }
 
-/* N m s: w.I.v, v = `led` about the axes P and nothing about others. */
+/* w.I.v, N m s, with v = `led` about the axes P and 0 about the others. */
 static double along_led(const gn_rigid *b, const double spin[3], const double led[3]) {
     double inertia[9], sum = 0.0;
     inertia_of(b, inertia);
@@ -160,14 +159,14 @@ static double along_led(const gn_rigid *b, const double spin[3], const double le
     return sum;
 }
 
-/* Whether bearings turn it beside spins that are free. */
+/* Tells whether bearings rotate the body beside free spins. */
 static bool is_led(const gn_rigid *b, const double spin[3]) {
     double sum = 0.0;
     for (int a = 0; a < 3; a++) sum += b->held[a] * fabs(spin[a]);
     return sum > 0.0;
 }
 
-/* rad/s2, by a moment. */
+/* Angular acceleration, rad/s2, by a moment. */
 static void spin_up(const gn_rigid *b, const double moment[3], double turn[3]) {
     const double none[3] = {0, 0, 0};
     double local[3];
@@ -205,7 +204,8 @@ double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *b, const
     return sum;
 }
 
-/* Spin from the angular momentum at the present orientation, beside what bearings lead. */
+/* Sets the spin from the angular momentum at the present orientation, beside the prescribed
+ * components. */
 static void spin_from_momentum(gn_rigid *b) {
     double local[3];
     if (is_held(b)) {
@@ -218,7 +218,7 @@ static void spin_from_momentum(gn_rigid *b) {
     gn_rigid_direct(b, local, b->spin);
 }
 
-/* The spin of half a turn from here. */
+/* The spin after half of the rotation of the step. */
 static void half_way(const gn_rigid *b, double dt, double spin[3]) {
     gn_rigid middle = *b;
     double part[3];
@@ -247,9 +247,8 @@ static void rotate_held(gn_rigid *b, double dt) {
     spin_from_momentum(b);
 }
 
-/* rad of a turn that the second order is good for, and of one in parts of a longer one. After ten
- * turns in steps of these a body is off by 9e-4 and by 1e-5 rad, at most, of boxes from rods to
- * plates. */
+/* Largest rotation, rad, of a step of second order, and of a part of a longer one. After ten turns
+ * in such steps the error is at most 9e-4 and 1e-5 rad, for boxes from rods to plates. */
 static const double turn_plain = 0.005, turn_part = 0.1;
 
 static void run_about_axes(gn_rigid *b, double dt) {
@@ -258,22 +257,22 @@ static void run_about_axes(gn_rigid *b, double dt) {
     for (int k = 0; k < 5; k++) turn_about_axis(b, order[k], part[k] * dt);
 }
 
-/* Of fourth order, with what the second one keeps: parts s, s, 1 - 4 s, s, s of the step, s = 1/(4
- * - 4^(1/3)) (Suzuki 1990, Phys. Lett. A 146, 319). */
+/* Fourth order with the invariants of the second: parts s, s, 1 - 4 s, s, s of the step, s = 1/(4 -
+ * 4^(1/3)) (Suzuki 1990, Phys. Lett. A 146, 319). */
 static void run_far(gn_rigid *b, double dt) {
     const double s = 1.0 / (4.0 - cbrt(4.0));
     const double part[5] = {s, s, 1.0 - 4.0 * s, s, s};
     for (int k = 0; k < 5; k++) run_about_axes(b, part[k] * dt);
 }
 
-/* Steps go by springs and grains, and are no measure of how far a body turns. */
+/* The step follows from springs and grains, and a body may rotate far in it. */
 static void rotate_freely(gn_rigid *b, double dt, bool space) {
     if (is_held(b)) {
         rotate_held(b, dt);
         return;
     }
     double turn = dt * sqrt(gn_dot3(b->spin, b->spin));
-    /* What is not finite is found after the step. */
+    /* Values that are not finite are detected after the step. */
     int parts = turn > turn_plain ? (int)fmin(ceil(turn / turn_part), 1000.0) : 0;
     if (!space)
         turn_about_axis(b, 2, dt);
@@ -355,7 +354,7 @@ static void set_body(const gn_scene *s, size_t k, const gn_body_shape *shape, gn
     set_motion_at_start(def, b);
 }
 
-/* Vertices into the body's frame. */
+/* Transforms vertices into the body's frame. */
 static void put_vertices(const gn_body_shape *shape, gn_rigid *b, double *out) {
     for (size_t v = 0; v < shape->vertices; v++) {
         double d[3];
@@ -444,7 +443,7 @@ gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *bounda
 
 /* --- motion --- */
 
-/* Works of what is prescribed and of gravity over half an interval. */
+/* Books the works of prescribed motion and of gravity over half an interval. */
 static void book(const gn_step_context *ctx, const gn_rigid *b, double dt, gn_energy *ledger) {
     double prescribed = 0.0, weight = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -480,9 +479,10 @@ static void follow_change(const gn_step_context *ctx, const gn_rigid *b, double 
     }
 }
 
-/* J: bearings take the momentum about their axes from step to step as w_P asks for. With M_P the
- * moments of what touches, their work in a step is w_P.(l(+) - l(-)) less that of M_P, l the mean
- * of the momenta L_P before and after a kick: the half that ends with a kick, or begins with it. */
+/* Work, J, of bearings: they change the momentum about their axes from step to step as w_P
+ * requires. With M_P the moments of contacts, their work in a step is w_P.(l(+) - l(-)) less that
+ * of M_P, l the mean of the momenta L_P before and after a kick: the half that ends with a kick, or
+ * begins with it. */
 static double led_work(const gn_rigid *b, bool start, gn_half half) {
     double spin[2][3], sum = 0.0;
     const double *led = half == GN_HALF_BEFORE ? b->spin_past : b->spin;
@@ -525,7 +525,7 @@ void gn_bodies_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
     }
 }
 
-/* 1/2 w(-).I.w(+), with what bearings lead. */
+/* Kinetic energy 1/2 w(-).I.w(+), with the motion prescribed by bearings. */
 static double turning_energy(const gn_rigid *b, const double before[3], bool start) {
     double first[3], second[3], inertia[9], led[3], sum = 0.0;
     for (int a = 0; a < 3; a++)
@@ -538,8 +538,8 @@ static double turning_energy(const gn_rigid *b, const double before[3], bool sta
     return sum;
 }
 
-/* 1/2 v(-) m v(+), as of particles, and 1/2 L(-) . I^-1 L(+); at the start (-) is what a full kick
- * would have come from. */
+/* Kinetic energies 1/2 v(-) m v(+), as of particles, and 1/2 L(-) . I^-1 L(+); at the start (-) is
+ * the state a full kick before. */
 void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, double *translation,
                        double *rotation) {
     *translation = *rotation = 0.0;
@@ -562,8 +562,9 @@ void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, 
     }
 }
 
-/* rad/s: a free spin changes within the step; never beyond the largest that its momentum allows,
- * with what bearings lead: |I_FP| is at most half of the difference of two moments of inertia. */
+/* Bound, rad/s, of a spin, which changes within the step: the largest that its momentum allows,
+ * with the part of the bearings: |I_FP| is at most half of the difference of two moments of
+ * inertia. */
 static double fastest_turn(const gn_rigid *b) {
     const double *i = b->inertia;
     double most = fmax(b->inverse_inertia[0], fmax(b->inverse_inertia[1], b->inverse_inertia[2]));

@@ -23,7 +23,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- who meets whom --- */
+/* --- pairs that can touch --- */
 
 static bool yield(const gn_boundary *boundary, size_t a, size_t b) {
     const gn_surface *s = boundary->surfaces;
@@ -53,7 +53,7 @@ bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *bounda
     return false;
 }
 
-/* Whether two places are as near as the farthest vertices of both reach. */
+/* Tells whether two positions are within the sum of both reaches. */
 static bool reach_each_other(const gn_rigid *a, const gn_rigid *b, const double x[3],
                              const double y[3]) {
     const double d[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
@@ -116,7 +116,7 @@ static gn_convex_pose pose_of(const gn_rigid *b) {
     return p;
 }
 
-/* m: what is less is rounding of places. */
+/* Depths below this, m, are rounding of positions. */
 static double rounding_of(const gn_rigid *a, const gn_rigid *b) {
     return 64.0 * GN_OVERLAP_ROUNDING * (a->reach + b->reach);
 }
@@ -130,7 +130,7 @@ static bool meet(const gn_boundary *boundary, size_t a, size_t b, gn_convex_room
     return gn_convex_meet(&c[a], &at_a, &c[b], &at_b, rounding_of(p, q), room, o);
 }
 
-/* Whether the reference point of a free body, its centre of mass, is in another body. */
+/* Tells whether the reference point of a free body, its centre of mass, is in another body. */
 static bool holds(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b) {
     const gn_convex *c = &boundary->pairs.convex[a];
     const gn_rigid *p = &boundary->bodies[a], *q = &boundary->bodies[b];
@@ -162,8 +162,8 @@ gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary 
 
 /* --- springs --- */
 
-/* The second derivative of h^2/2 along a path is 1 between faces and 4/3 where one of them just
- * begins to lift; edges and corners have less (tests/test_convex.c). */
+/* The second derivative of h^2/2 along a path is 1 between faces and 4/3 where one of them begins
+ * to lift; edges and corners have less (tests/test_convex.c). */
 static const double stiffest = 2.0;
 
 double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,
@@ -173,9 +173,9 @@ double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *bounda
            (gn_surface_give(boundary, &s[a]) + gn_surface_give(boundary, &s[b]));
 }
 
-/* For each contact |x - y|^2 <= (1 + s)|x|^2 + (1 + 1/s)|y|^2, s the give of y over that of x: each
- * of both bears the frequency of the pair. Dashpots are 2 alpha sqrt(k m), of the mass that both
- * have along their way. */
+/* For each contact |x - y|^2 <= (1 + s)|x|^2 + (1 + 1/s)|y|^2, s the inverse mass of y over that of
+ * x: each of both carries the frequency of the pair. Dashpots are 2 alpha sqrt(k m), with the mass
+ * that both have along their motion. */
 void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                          double *stiff, double *damp) {
     const gn_body_pairs *p = &boundary->pairs;
@@ -207,7 +207,7 @@ double gn_body_pairs_bound(const gn_step_context *ctx, const gn_boundary *bounda
 
 /* --- lists --- */
 
-/* Both may move by as much as the lists allow before they are made again. */
+/* Both may move by as much as the lists allow before they are rebuilt. */
 static bool is_near(const gn_dem *dem, const gn_boundary *boundary, size_t a, size_t b) {
     const gn_rigid *p = &boundary->bodies[a], *q = &boundary->bodies[b];
     const gn_convex *c = boundary->pairs.convex;
@@ -311,11 +311,11 @@ gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- forces --- */
 
-/* A pair in a step: levers are those of the point from both reference points. */
+/* A pair in a step; levers are those of the point from both reference points. */
 typedef struct step {
     gn_rigid *a, *b;
     double lever[2][3], middle[2][3]; /* now, and in the middle of the step */
-    double turn[3];                   /* rad/s, of the second against the first */
+    double turn[3];                   /* rad/s, of the second relative to the first */
     double size;                      /* of the gradient */
     gn_touch touch;
     gn_touch_side side;
@@ -337,7 +337,7 @@ static void set_levers(const gn_step_context *ctx, const gn_body_pair *p, step *
     }
 }
 
-/* m/s, of the second body against the first at the point. */
+/* Velocity, m/s, of the second body relative to the first at the point. */
 static void velocity_at(const step *s, double v[3]) {
     double turn[2][3];
     gn_cross3(s->a->spin, s->middle[0], turn[0]);
@@ -360,8 +360,8 @@ static double inverse_mass_of(const gn_body_pair *p, const step *s) {
     return sum;
 }
 
-/* The path of h in the step: what it is but for the two steps in which it begins and ends, where it
- * goes on as its gradient says. */
+/* The path of h in the step: its change, except in the steps in which a contact begins or ends,
+ * where it continues along its gradient. */
 static void set_path(const gn_step_context *ctx, gn_body_pair *p, double depth, step *s) {
     gn_touch *t = &s->touch;
     double v[3], dt = ctx->dt_past, rate, along;
@@ -383,7 +383,7 @@ static void set_path(const gn_step_context *ctx, gn_body_pair *p, double depth, 
     t->twist = gn_dot3(s->a->spin, t->n) + gn_dot3(s->b->spin, t->n);
 }
 
-/* The friction that is carried over stays across the normal. */
+/* Keeps the stored friction perpendicular to the normal. */
 static void turn_shear(const double n[3], double shear[3]) {
     double size2 = gn_dot3(shear, shear), along = gn_dot3(shear, n), rest2;
     for (int k = 0; k < 3; k++) shear[k] -= along * n[k];
@@ -401,7 +401,7 @@ static void push(gn_rigid *b, const double force[3], const double moment[3], con
     }
 }
 
-/* Faces that rock on each other change h to second order only: the dashpot also resists where it is
+/* Faces that rock on each other change h to second order only: the dashpot also resists as if
  * spread over the faces, M = c sum (r x n)((r x n).w). */
 static void rock(const gn_step_context *ctx, gn_body_pair *p, const step *s, const double spread[9],
                  double moment[3], gn_contact_sums *sums) {
@@ -422,17 +422,17 @@ static void rock(const gn_step_context *ctx, gn_body_pair *p, const step *s, con
     }
 }
 
-/* Friction against turning about the normal. */
+/* Friction against twisting about the normal. */
 typedef struct twist {
     double spring, radius; /* N m/rad; m: of a ring with as much friction */
     double turn, trial;    /* rad, in this step; N m, if nothing slid */
-    double share;          /* of the limit, where both slide as one */
+    double share;          /* of the limit, where slip and twist act together */
 } twist;
 
-/* Its spring is that of friction spread over the faces, and faces that press alike hold 0.943 mu N
- * times the radius of gyration (discs; squares 0.937). A spring that changes with them keeps its
- * moment or its angle, whichever holds less. Where they slide and turn at once, the limit is that
- * of both as one vector, of force and moment over that radius. */
+/* Its spring is that of friction spread over the faces; equally loaded faces hold 0.943 mu N times
+ * the radius of gyration (discs; squares 0.937). When the spring changes, it keeps its moment or
+ * its angle, whichever is less. Where faces slide and twist at once, the limit is that of both as
+ * one vector, of force and of moment over that radius. */
 static twist twist_of(const gn_step_context *ctx, const gn_body_pair *p, step *s,
                       const double spread[9]) {
     const double *n = s->touch.n;
@@ -460,7 +460,7 @@ static twist twist_of(const gn_step_context *ctx, const gn_body_pair *p, step *s
     return t;
 }
 
-/* `most`, N: friction of all. */
+/* `most`, N: total friction. */
 static void act_twist(gn_body_pair *p, const twist *t, const double n[3], double most,
                       double moment[3], gn_contact_sums *sums) {
     double old = p->twisting, limit = most * t->share * t->radius;
@@ -474,7 +474,7 @@ static void act_twist(gn_body_pair *p, const twist *t, const double n[3], double
     for (int k = 0; k < 3; k++) moment[k] += now * n[k];
 }
 
-/* Of the gap, by all but this contact. */
+/* Acceleration of the gap by all loads but this contact. */
 static double other_acceleration(const gn_step_context *ctx, const gn_body_pair *p, const step *s) {
     return gn_rigid_accelerates(ctx, s->a, s->a->force, s->a->moment, s->lever[0], p->along) -
            gn_rigid_accelerates(ctx, s->b, s->b->force, s->b->moment, s->lever[1], p->along);

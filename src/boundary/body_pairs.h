@@ -1,9 +1,7 @@
-/* Convex rigid bodies on each other.
- *
- * Two bodies have one contact, whatever touches: its overlap is the mean depth h of the volume that
- * they share (surfaces/convex.h), its spring has the potential k h^2/2 and pushes along the
- * gradient of h. So spring, dashpot and crossings are those of the linear law along h, with the
- * mass that the gradient gives way by; friction acts at the point where the push goes through. */
+/* Contacts between convex rigid bodies. Two bodies have one contact: its overlap is the mean depth
+ * h of their common volume (surfaces/convex.h), its spring has the potential k h^2/2 and pushes
+ * along the gradient of h. Spring, dashpot and crossings are those of the linear law along h, with
+ * the inverse mass along the gradient; friction acts at the point where the push goes through. */
 #ifndef GN_BOUNDARY_BODY_PAIRS_H
 #define GN_BOUNDARY_BODY_PAIRS_H
 
@@ -17,8 +15,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A pair that is near. Doubles only: checkpoints store it as it is. Forces and moments are those on
- * the first body; of the last step, as are all others. */
+/* A listed pair. Doubles only: checkpoints store it as it is. Forces and moments are those on the
+ * first body, of the last step. */
 typedef struct gn_body_pair {
     double first, second;             /* bodies, the first with the smaller number */
     double depth;                     /* m: h; 0: apart */
@@ -30,56 +28,59 @@ typedef struct gn_body_pair {
     double twisting, twisting_spring; /* N m about the normal, N m/rad */
 } gn_body_pair;
 
-/* The largest of any two bodies, and which; 0: none. Doubles only, as well. */
+/* The largest value of any two bodies, and the bodies; 0: none. Doubles only. */
 typedef struct gn_bodies_worst {
     double value, first, second;
 } gn_bodies_worst;
 
 typedef struct gn_body_pairs {
     size_t bodies;
-    gn_convex *convex; /* [bodies]; NULL: no two bodies meet */
+    gn_convex *convex; /* [bodies]; NULL: no two bodies can touch */
     gn_convex_room room;
     size_t count, most;
-    gn_body_pair *pair; /* that are near, sorted by (first, second) */
+    gn_body_pair *pair; /* listed pairs, sorted by (first, second) */
     gn_contact_sums sums;
-    gn_bodies_worst deepest; /* h over the smaller of both thicknesses along the push, so far */
-    gn_bodies_worst pushed; /* N, at the start, where that is more than bodies at rest press with */
+    gn_bodies_worst deepest; /* largest h so far over the smaller of both thicknesses along the
+                              * push */
+    gn_bodies_worst pushed;  /* N, at the start, if more than the force of bodies at rest */
 } gn_body_pairs;
 
-/* What there is to know of the shapes, once. */
+/* Computes once what the contacts need of the shapes. */
 gneiss_status gn_body_pairs_prepare(const gn_step_context *ctx, gn_boundary *boundary,
                                     gneiss_error *error);
 void gn_body_pairs_free(gn_body_pairs *pairs);
-/* That no centre of mass is in another body. */
+/* Checks that no centre of mass is in another body. */
 gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary *boundary,
                                   gneiss_error *error);
-/* Whether two bodies can meet; and whether one meets none because of its shape. */
+/* Tells whether two bodies can touch; and whether a body touches none because of its shape. */
 bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b);
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
-/* The same, where one that it misses is, or was at the start, as near as both reach. */
+/* Tells whether a body of such a shape is, or was at the start, within reach of one that it cannot
+ * touch. */
 bool gn_body_passes_bodies(const gn_world *world, size_t body);
 
-/* Whether a free body has no spring, by Hertz's law without a stiffness, towards walls or bodies
- * that are, or were at the start, as near. */
+/* Tells whether a free body has no spring, by Hertz's law without a stiffness, towards walls or
+ * bodies that are, or were at the start, within reach. */
 bool gn_body_lacks_stiffness(const gn_world *world, size_t body);
 
-/* Lists what is near. `first`: at the start, where what overlaps is not taken for what just met. */
+/* Lists the pairs within reach. `first`: at the start, where overlapping bodies do not count as
+ * newly touching. */
 gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
                                  gn_boundary *boundary, bool first, gneiss_error *error);
 /* Adds the forces of these contacts to those of particles and walls. */
 void gn_body_pairs_work(const gn_step_context *ctx, gn_boundary *boundary);
 
-/* 1/s2, 1/s: what the pairs of a body that are near add to the square of its frequency, all in
- * touch, and its dashpots; the square of a pair. All from above. */
+/* Upper bounds of the squared frequency, 1/s2, that the listed pairs of a body add, all of them
+ * touching, of the rate of its dashpots, 1/s, and of the squared frequency of a pair. */
 void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                          double *stiff, double *damp);
 double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,
                            size_t b);
-/* The largest of any two bodies that can meet. */
+/* Returns the largest squared frequency of any two bodies that can touch. */
 double gn_body_pairs_bound(const gn_step_context *ctx, const gn_boundary *boundary);
 
-/* How two bodies overlap: depth 0, not at all. Put down without an overlap they press with `rest`,
- * twice their weight, at most. */
+/* Overlap of two bodies; depth 0: there is none. Bodies placed without an overlap press with at
+ * most `rest`, twice their weight. */
 typedef struct gn_bodies_overlap {
     double depth, force, rest; /* m, N, N */
 } gn_bodies_overlap;

@@ -26,7 +26,7 @@
 
 /* --- parts of the stiffness --- */
 
-/* rad, between the two sides of a facet at corner c; in the plane nothing. */
+/* Angle, rad, between the two sides of a facet at corner c. */
 static double angle_at(const gn_facet_set *s, size_t facet, size_t c) {
     const int32_t *corner = s->corner + 3 * facet;
     double a[3], b[3], cross[3];
@@ -51,7 +51,7 @@ static double turn_between(const double a[2], const double b[2]) {
     return atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]) / M_PI;
 }
 
-/* How far the outline turns at each vertex, in the sense in which it goes round as a whole. */
+/* Exterior angle of the outline at each vertex, in the sense of the whole outline. */
 static void plane_parts(const gn_facet_set *s, size_t vertices, double *part) {
     double round = 0.0;
     for (size_t f = 0; f < s->count; f++)
@@ -83,7 +83,7 @@ bool gn_body_passes_walls(const gn_step_context *ctx, const gn_boundary *boundar
     return false;
 }
 
-/* Vertices of bodies stand in the order of the bodies. */
+/* Vertices of bodies are stored in the order of the bodies. */
 static size_t first_vertex(const gn_step_context *ctx, const gn_boundary *boundary, size_t body) {
     if (body == ctx->scene.body_count) return boundary->body_vertex_count;
     return (size_t)(boundary->surfaces[body].facets.pos - boundary->body_vertex) / 4;
@@ -143,7 +143,7 @@ static size_t body_of_vertex(const gn_step_context *ctx, const gn_boundary *boun
     return low;
 }
 
-/* m, of a point of a body from the plane. */
+/* Distance, m, of a point of a body from the plane. */
 static double distance_of(const gn_boundary *boundary, size_t wall, const gn_rigid *b,
                           int32_t vertex, double lever[3]) {
     double x[3];
@@ -152,8 +152,8 @@ static double distance_of(const gn_boundary *boundary, size_t wall, const gn_rig
     return gn_wall_distance(&boundary->walls[wall], x);
 }
 
-/* Vertices of a body near a wall, ascending, into rows from `row` on (NULL: only counted). Both may
- * move by as much as the lists allow before they are made again. */
+/* Writes the vertices of a body near a wall, ascending, into rows from `row` on (NULL: only counts
+ * them). Both may move by as much as the lists allow before they are rebuilt. */
 static size_t near_wall(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         size_t k, size_t wall, bool first, gn_wall_contacts *to, size_t row) {
     const gn_rigid *b = &boundary->bodies[k];
@@ -237,7 +237,7 @@ gn_body_wall gn_body_wall_at(const gn_step_context *ctx, const gn_boundary *boun
     return c;
 }
 
-/* Parts of one body add up to 2; more where it is not convex. */
+/* Parts of a body add up to 2, or more if it is not convex. */
 double gn_body_walls_bound(const gn_step_context *ctx, const gn_boundary *boundary) {
     double most = 0.0;
     for (size_t k = 0, v = 0; k < ctx->scene.body_count; k++) {
@@ -253,15 +253,15 @@ double gn_body_walls_bound(const gn_step_context *ctx, const gn_boundary *bounda
 
 /* --- forces --- */
 
-/* The contacts of a body with a wall, and what they are together. */
+/* The contacts of a body with a wall and their common values. */
 typedef struct group {
     const gn_wall *wall;
     gn_rigid *body;
     size_t wall_at, begin, end;
     gn_body_spring spring;
-    double part;              /* of those that press, or did */
-    double inverse_mass;      /* 1/kg, along the normal where all of them press as one */
-    double force[3], turn[3]; /* N, N m: on the body before these contacts */
+    double part;              /* sum over those that press, or did */
+    double inverse_mass;      /* 1/kg, along the normal with all of them pressing together */
+    double force[3], turn[3]; /* N, N m: on the body without these contacts */
 } group;
 
 static group group_at(const gn_step_context *ctx, gn_boundary *boundary, size_t begin) {
@@ -282,8 +282,8 @@ static group group_at(const gn_step_context *ctx, gn_boundary *boundary, size_t 
     return g;
 }
 
-/* One vertex; its velocity is that in the middle of the step, so that the path is right to second
- * order when the body turns. */
+/* The velocity of a vertex is that of the middle of the step, so that the path of a rotating body
+ * is correct to second order. */
 static gn_touch touch_of(const gn_step_context *ctx, const gn_boundary *boundary, const group *g,
                          size_t c, double lever[3]) {
     const gn_wall_contacts *q = &boundary->body_contacts;
@@ -314,8 +314,8 @@ static double compliance_at(const gn_rigid *b, const double lever[3], const doub
     return gn_rigid_compliance(b, turn);
 }
 
-/* Where a face meets a wall its corners are not alone: they have the mass that is behind all of
- * them, as if the wall pressed at their middle. */
+/* The corners of a face on a wall act together: they have the mass behind all of them, as if the
+ * wall pressed at their middle. */
 static void join(const gn_step_context *ctx, const gn_boundary *boundary, group *g) {
     double middle[3] = {0, 0, 0}, lever[3], turning = 0.0, along = 0.0;
     const double *n = g->wall->normal;

@@ -173,7 +173,7 @@ void gn_boundary_measure(const gn_step_context *ctx, const gn_boundary *boundary
     ledger->rotational += rotation;
 }
 
-/* Along what is free. */
+/* Adds the balance of a body along its free directions. */
 static void add_body(const gn_step_context *ctx, const gn_rigid *b, gn_balance *balance) {
     double resultant[3] = {0}, weight[3] = {0}, pressed[3] = {0};
     bool is_free = false;

@@ -1,4 +1,4 @@
-/* The part of a world that particles touch besides each other: plane walls, rigid bodies and the
+/* The part of a world that particles touch besides each other: plane walls, rigid bodies and
  * surfaces of finite elements, and the contacts with them. */
 #ifndef GN_BOUNDARY_BOUNDARY_H
 #define GN_BOUNDARY_BOUNDARY_H
@@ -25,12 +25,12 @@ typedef struct gn_wall {
     double velocity[3];        /* m/s, over the interval that led here */
     double force[3];           /* N, of the particles on the wall at the last evaluation */
     double stiffness;          /* N/m, sum of the touching contacts; only with a servo */
-    double behind; /* N/m, of what it presses, in uniform strain; only with a servo; 0: none */
+    double behind; /* N/m, of the pressed material in uniform strain; only with a servo; 0: none */
     gn_servo_state servo;
     double travel; /* m, path since the lists were made */
 } gn_wall;
 
-/* m, of a centre from the plane; negative: behind it. */
+/* Distance, m, of a centre from the plane; negative: behind it. */
 static inline double gn_wall_distance(const gn_wall *wall, const double x[3]) {
     double d[3];
     for (int a = 0; a < 3; a++) d[a] = x[a] - wall->point[a];
@@ -61,56 +61,59 @@ struct gn_boundary {
     double vertex_rate;  /* 1/s: the same of what contacts do to nodes of finite elements */
 };
 
-/* Walls, bodies and their surfaces; those of finite elements join them (element_contact.c). */
+/* Creates walls, bodies and their surfaces; those of finite elements are added later
+ * (element_contact.c). */
 gneiss_status gn_boundary_create(const gn_step_context *ctx, const gn_dem *dem,
                                  gn_boundary *boundary, gn_solids *solids, gneiss_error *error);
-/* Takes what the scene of another stage says of surfaces; walls and bodies ask in every step. */
+/* Takes the properties of surfaces from the scene of another stage; walls and bodies read it in
+ * every step. */
 void gn_boundary_enter(const gn_step_context *ctx, gn_boundary *boundary);
-/* A surface, of which `first`, `tree` and `force` are made. */
+/* Adds a surface and makes its `first`, `tree` and `force`. */
 gneiss_status gn_boundary_add_surface(gn_boundary *boundary, const gn_surface *surface,
                                       gneiss_error *error);
 void gn_boundary_free(gn_boundary *boundary);
 
-/* Finds what is near each particle, in the order that the particles have; `first`: at the start,
- * where a passive wall takes contacts as they are. */
+/* Lists walls and facets near each particle, in the order of the particles; `first`: at the start,
+ * where overlap with passive walls is free of stress. */
 gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   bool first, gneiss_error *error);
-/* There is another number of particles: what goes by it is made with the next lists. */
+/* Frees arrays that depend on the number of particles; they are made with the next lists. */
 void gn_boundary_resized(gn_boundary *boundary);
-/* All that follows from contacts, which were read. */
+/* Makes everything that follows from contacts that were read. */
 gneiss_status gn_boundary_restore(gn_dem *dem, gn_boundary *boundary, gneiss_error *error);
-/* Particles have other numbers: place[old] is the new one. */
+/* Renumbers particles: place[old] is the new number. */
 gneiss_status gn_boundary_renumber(gn_boundary *boundary, const int32_t *place,
                                    gneiss_error *error);
-/* m: bound on the path of anything since the lists were made. `exact`: looks where surfaces are. */
+/* Returns a bound, m, on the path of anything since the lists were made. `exact`: from the present
+ * positions. */
 double gn_boundary_travel(const gn_step_context *ctx, gn_boundary *boundary, bool exact);
 
-/* Contacts of a block of particles, in the sweep; whether there are any. */
+/* Evaluates the contacts of a block of particles in the sweep; tells whether there are any. */
 bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t block,
                       size_t first, size_t last);
-/* Sums up what particles do to walls, bodies and vertices, after it. */
+/* Sums the forces on walls, bodies and vertices after the sweep. */
 void gn_boundary_forces(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
-/* New velocities of bodies; new velocities of walls, and new places of both. */
+/* Kick: new velocities of bodies; move: new velocities of walls, and new positions of both. */
 void gn_boundary_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                       gn_ledger *ledger);
 void gn_boundary_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                       gn_ledger *ledger);
-/* Works: of the half before, before the kick; of the half after, after the motion. Between kick and
- * motion, adds the kinetic energy of free bodies. */
+/* Books the works: those of the half interval before the kick, and of the half after the motion.
+ * Between kick and motion, measure adds the kinetic energy of free bodies. */
 void gn_boundary_book(const gn_step_context *ctx, const gn_boundary *boundary, gn_half half,
                       gn_energy *ledger);
 void gn_boundary_measure(const gn_step_context *ctx, const gn_boundary *boundary,
                          gn_energy *ledger);
-/* Adds the largest resultant on a free body over its weight, what presses it as a whole, and a mean
- * contact force. */
+/* Adds the largest resultant on a free body over its weight, its load and a mean contact force. */
 void gn_boundary_balance(const gn_step_context *ctx, const gn_boundary *boundary,
                          gn_balance *balance);
-/* That nothing moved too far in the step (paths.c). */
+/* Checks that nothing moved too far in the step (paths.c). */
 gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, gneiss_error *error);
 
-/* What bodies and vertices of elements that give way ask of the step (surface_limit.c): whether
- * that is more than was known, by over a fiftieth; takes it over then, or if `anew`. */
+/* Limits by bodies and vertices of elements that yield (surface_limit.c). The first tells
+ * whether their rates have risen by more than a fiftieth; the second also stores them then, or
+ * if `anew`. */
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
                                       const gn_boundary *boundary, bool *more, gneiss_error *error);
 gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
@@ -123,13 +126,13 @@ size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary
 gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary);
 
-/* N, with which a servo wall shall be pressed. */
+/* Target force, N, of a servo wall. */
 double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
                       double time);
-/* After lists have been made: what servos press. */
+/* Finds the stiffness behind servo walls after lists have been made. */
 void gn_walls_listed(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
-/* J: what the spring of a contact with a wall holds, less half a step of what it gives to the
- * particle and takes of the wall, at the velocities that led here; linear law. */
+/* Energy, J, of the spring of a contact with a wall, less half a step of its power on particle and
+ * wall at the velocities that led here; linear law. */
 double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                     size_t row);
 /* The largest share of the missing force that a servo wall takes up in a step and is stable. */

@@ -1,4 +1,6 @@
-/* Rows of contacts with walls and surfaces as the last step left them. */
+/* Rows of contacts with walls and surfaces as the last step left them, and loads beside a contact
+ * that closes or opens within a step: the force with which the works of such a contact close
+ * depends on the path of the next step. */
 #include "boundary/contact_rows.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
@@ -34,7 +36,7 @@ gn_row_side gn_row_side_of(const gn_step_context *ctx, const gn_dem *dem,
     return s;
 }
 
-/* As gn_touch_hertz counts them. */
+/* Place of the side of a row, as gn_touch_hertz numbers them. */
 static size_t place_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t c) {
     size_t wall = (size_t)boundary->contacts.wall[c], bodies = ctx->scene.body_count;
     if (wall < ctx->scene.wall_count) return wall;
@@ -48,8 +50,8 @@ static double square_of(const double *column, size_t c, size_t stride) {
     return sum;
 }
 
-/* The normal force is another one at the same overlap, the others are carried over. Of the work in
- * the path that follows half is booked with the force that was there, half with the new one. */
+/* The normal force changes at the same overlap, the others are kept. Half of the work of the next
+ * path is booked with the old force, half with the new one. */
 static double gain_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       size_t c, const gn_row_side *s, const gn_hertz_pair *before) {
     const gn_wall_contacts *k = &boundary->contacts;
@@ -83,10 +85,7 @@ double gn_touches_gain(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return sum;
 }
 
-/* Loads beside a contact that closes or opens within a step: the force with which the works of such
- * a contact close depends on the path of the next step. */
-
-/* Adds what the blocks of a list exert on a particle. */
+/* Adds the partial sums of a list on a particle. */
 static void add_rows(const gn_partials *list, size_t particle, int axes, double force[3]) {
     const size_t block = particle / GN_PARTICLE_BLOCK;
     if (!list->blocks) return;
@@ -99,8 +98,8 @@ static void add_rows(const gn_partials *list, size_t particle, int axes, double 
     }
 }
 
-/* Adds what the other walls and surfaces do to the particle of a row along their normals. What has
- * nearly the normal n of the row, on the same surface, shares the particle's mass with it. */
+/* Adds the forces of the other walls and surfaces on the particle of a row along their normals.
+ * Contacts of nearly the normal n on the same surface share the particle's mass with the row. */
 static void add_touches(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         size_t row, const double n[3], double force[3]) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -118,7 +117,7 @@ static void add_touches(const gn_step_context *ctx, const gn_dem *dem, const gn_
     }
 }
 
-/* The body that a row is about, NULL: none. */
+/* Returns the body of a row, NULL: none. */
 static const gn_rigid *body_of_row(const gn_step_context *ctx, const gn_boundary *boundary,
                                    size_t row) {
     if ((size_t)boundary->contacts.wall[row] < ctx->scene.wall_count) return NULL;

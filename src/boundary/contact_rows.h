@@ -1,5 +1,5 @@
-/* Contacts of particles with walls and surfaces, as the contact law sees them. What a contact is
- * like is for walls.c and surfaces.c to find out. */
+/* Contacts of particles with walls and surfaces, as the contact law sees them; walls.c and
+ * surfaces.c find their geometry. */
 #ifndef GN_BOUNDARY_CONTACT_ROWS_H
 #define GN_BOUNDARY_CONTACT_ROWS_H
 
@@ -86,8 +86,8 @@ static inline gn_touch_side gn_surface_side(const gn_step_context *ctx, const gn
     return side;
 }
 
-/* m: how far a particle may be pressed into a wall or surface before the lists are made again, from
- * the present overlap; by Hertz's law until the step is looked at again. */
+/* Largest overlap, m, of a particle with a wall or surface before the lists are rebuilt, from the
+ * present overlap; by Hertz's law until the next check of the step. */
 static inline double gn_touch_reach(const gn_step_context *ctx, const gn_dem *dem, size_t particle,
                                     double overlap) {
     if (ctx->effects & GN_FX_HERTZ) return gn_pressed_touch(dem, particle);
@@ -117,7 +117,7 @@ static inline double gn_touch_force(const gn_step_context *ctx, const gn_dem *de
     return gn_law_of(ctx->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);
 }
 
-/* The largest stiffness of such a contact; `overlap`: how far it can be pressed, m. */
+/* Returns the largest stiffness of such a contact; `overlap`: its largest overlap, m. */
 static inline gn_law_spring gn_touch_spring(const gn_step_context *ctx, const gn_dem *dem,
                                             const gn_touch_side *side, double inverse_mass,
                                             double overlap) {
@@ -129,13 +129,13 @@ static inline gn_law_spring gn_touch_spring(const gn_step_context *ctx, const gn
 
 /* The wall or surface of a row, as its contact force needs it (contact_rows.c). */
 typedef struct gn_row_side {
-    double n[3], v[3]; /* from the particle into it, 0: did not touch; its velocity, m/s */
+    double n[3], v[3]; /* from the particle into it, 0: no contact; its velocity, m/s */
     gn_touch_side law;
 } gn_row_side;
 gn_row_side gn_row_side_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, size_t row);
-/* J by which contacts with walls and surfaces hold more by Hertz's law as it is now than by what
- * particles and sides were to each other before, as gn_touch_hertz counts them. */
+/* Returns the energy, J, that contacts with walls and surfaces gain by the change of Hertz
+ * parameters from `before`, ordered as by gn_touch_hertz. */
 double gn_touches_gain(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_hertz_pair *before);
 

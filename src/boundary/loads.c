@@ -1,4 +1,4 @@
-/* Loads on every particle, for output: the sums of motion_template.c in plain C. */
+/* Loads on every particle for output: the sums of motion_template.c in plain C. */
 #include "boundary/loads.h"
 #include "base/error.h"
 #include "base/memory.h"

@@ -25,7 +25,7 @@
 
 /* --- closed surfaces --- */
 
-/* What two facets share: an edge; in the plane a point, twice. */
+/* Common edge of two facets; in the plane a point, twice. */
 typedef struct rim {
     int32_t low, high;
 } rim;
@@ -45,7 +45,7 @@ static void fill_rims(const gn_facet_set *s, rim *rims) {
     }
 }
 
-/* Every edge belongs to an even number of facets. */
+/* A surface is closed if every edge belongs to an even number of facets. */
 static gneiss_status is_closed(const gn_facet_set *s, bool *closed, gneiss_error *error) {
     const size_t count = (size_t)s->corners * s->count;
     rim *rims = gn_alloc_array(count + 1, sizeof *rims);
@@ -85,7 +85,7 @@ static bool crosses_triangle(const gn_facet_set *s, int32_t facet, const double 
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && gn_dot3(side[1], q) / size > 0.0;
 }
 
-/* Along y in the plane; a corner belongs to one of the two segments that share it. */
+/* The ray runs along y in the plane; a corner belongs to one of the two segments that share it. */
 static bool crosses_segment(const gn_facet_set *s, int32_t facet, const double from[3]) {
     const double *x = corner_of(s, facet, 0), *y = corner_of(s, facet, 1);
     if ((x[0] > from[0]) == (y[0] > from[0])) return false;
@@ -106,7 +106,7 @@ static bool line_meets_box(const gn_facet_box *box, const double from[3]) {
     return box->lower[0] <= from[0] && from[0] <= box->upper[0] && from[1] <= box->upper[1];
 }
 
-/* Facets of the box with number `at`, and of those in it, that the ray crosses. */
+/* Counts the facets of box `at` and of the boxes in it that the ray crosses. */
 static size_t crossings(const gn_surface *s, int32_t at, const double from[3]) {
     const gn_facet_box *box = &s->tree.box[at];
     bool space = s->facets.corners == 3;
@@ -136,7 +136,7 @@ static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const
 
 /* --- touching --- */
 
-/* From the lists, which hold every particle near a surface. */
+/* Reads touches from the lists, which hold every particle near a surface. */
 static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, gn_overlap *overlap) {
     gn_surface_contact contacts[GN_SURFACE_CONTACTS];
@@ -176,7 +176,7 @@ gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_
     return o;
 }
 
-/* Share of the smallest radius: less is what a packing or the weight of a few layers leaves. */
+/* Share of the smallest radius: packings or the weight of a few layers leave smaller overlaps. */
 static const double bursting = 0.02;
 
 bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -186,7 +186,7 @@ bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     const size_t walls = s->wall_count, bodies = s->body_count;
     const char *name = NULL, *kind = "";
     double deepest = bursting * dem->radius_min;
-    /* Particles of another run may rest on what carries them. */
+    /* Particles of another run may rest on their supports. */
     if (!s->has_specimen || *s->specimen.from ||
         gn_stored_matters(ctx, dem, gn_contacts_stored(ctx, dem, box)))
         return false;
@@ -209,10 +209,10 @@ bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return name;
 }
 
-/* The volume of a surface that cuts itself is not what it encloses: what parts have in common would
- * be weighed twice. */
+/* The volume of a surface that intersects itself is not the enclosed one: common parts would count
+ * twice. */
 
-/* A polygon may name a point again behind itself, as where it closes: one node. */
+/* A polygon may repeat a point, as where it closes: one node. */
 static void join_repeated(const gn_body_shape *shape, const double *node, int32_t *corner) {
     for (size_t f = 0; f < shape->facets; f++) {
         const size_t next = f + 1 < shape->facets ? f + 1 : 0;

@@ -1,5 +1,5 @@
-/* How particles lie on the walls and surfaces of the world: what `gneiss check` says of them, and a
- * run of those that begin on the wrong side. */
+/* Overlaps of particles with walls and surfaces, for `gneiss check` and for warnings at the start
+ * of a run; and surfaces of bodies that intersect themselves. */
 #ifndef GN_BOUNDARY_OVERLAP_H
 #define GN_BOUNDARY_OVERLAP_H
 
@@ -30,13 +30,14 @@ bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
                        const gn_periodic_box *box, const gn_overlap *overlap, char *text,
                        size_t size);
 
-/* GNEISS_ERROR_INPUT where the surface of a body that is weighed (gn_body_mass_is_from_surface)
- * cuts itself, with the place. Bodies for contact alone may. */
+/* Returns GNEISS_ERROR_INPUT with the place if the surface of a body whose mass follows from it
+ * (gn_body_mass_is_from_surface) intersects itself. Other bodies may. */
 gneiss_status gn_body_check_cuts(const gn_scene *scene, size_t index, const gn_body_shape *shape,
                                  gneiss_error *error);
 
-/* Closed parts of the surface of a weighed body that lie in others and count as cavities, whichever
- * way their normals point in the file, which is read anew; 0 also where it cannot be read. */
+/* Returns the number of closed parts of the surface of such a body that lie in others and count as
+ * cavities, whatever the direction of their normals in the file, which is read anew; 0 also if it
+ * cannot be read. */
 size_t gn_body_cavities(const gn_scene *scene, size_t index);
 
 #endif

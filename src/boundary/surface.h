@@ -1,5 +1,5 @@
 /* Surfaces of triangles (segments in the plane) that particles touch: of rigid bodies, and of
- * whatever has vertices that move by themselves (nodes of finite elements). */
+ * objects whose vertices move by themselves (nodes of finite elements). */
 #ifndef GN_BOUNDARY_SURFACE_H
 #define GN_BOUNDARY_SURFACE_H
 
@@ -27,11 +27,12 @@ typedef struct gn_rigid {
     double mass, inertia[3];              /* kg, kg m2 about the axes of the frame */
     double inverse_mass[3];               /* 1/kg along x y z; 0: prescribed */
     double inverse_inertia[3];            /* 1/(kg m2) about the axes of the frame; 0: prescribed */
-    double held[3]; /* 1: bearings give the spin about this axis of space, beside free ones; 0 */
+    double held[3]; /* 1: bearings prescribe the spin about this axis of space, beside free ones;
+                     * else 0 */
     double volume;  /* m3, of a free body */
     double reach;   /* m, of the farthest vertex from the reference point */
     double travel;  /* m, bound on the path of any vertex since the lists were made */
-    double ref_position[3], ref_axes[9]; /* where it was then */
+    double ref_position[3], ref_axes[9]; /* position then */
 } gn_rigid;
 
 typedef struct gn_surface {
@@ -40,7 +41,7 @@ typedef struct gn_surface {
     const int32_t *slot;               /* [vertices] in `prescribed`, -1: free; NULL: rigid */
     const gn_prescription *prescribed; /* of vertices; borrowed; NULL: rigid */
     double *force; /* [vertices][4], N, of the particles on vertices; NULL: rigid */
-    int32_t body;  /* that it belongs to; -1: vertices are nodes of `elements` */
+    int32_t body;  /* body of the surface; -1: vertices are nodes of `elements` */
     struct gn_element_model *elements;
     int32_t first; /* place of its first facet among all facets */
     double stiffness, kratio, friction;
@@ -49,26 +50,25 @@ typedef struct gn_surface {
     size_t vertices;
 } gn_surface;
 
-/* Tells whether a particle of this radius is pressed by all of the surface that is in it (patch.h):
- * one that is smaller touches facets at their nearest points, between which it hardly is at once.
- */
+/* Tells whether a particle of this radius is pressed by all facets in it (patch.h): a smaller one
+ * touches facets at their nearest points and hardly lies between several. */
 static inline bool gn_surface_patched(const gn_surface *surface, double radius) {
     const double facets = 3.0;
     return surface->body < 0 && radius > facets * surface->facet_size;
 }
 
-/* v . I^-1 v about the centre. */
+/* Returns v . I^-1 v about the centre. */
 double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
-/* Surfaces of bodies from the arrays that a checkpoint stores as well. */
+/* Makes the surfaces of bodies from the arrays that a checkpoint stores as well. */
 gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *boundary,
                                  gn_solids *solids, gneiss_error *error);
-/* Orientation from the start, w x y z with w >= 0. */
+/* Gives the rotation since the start, w x y z with w >= 0. */
 void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
 
-/* The surface that a row belongs to. */
+/* Returns the surface of a row. */
 const gn_surface *gn_surface_of_row(const gn_step_context *ctx, const gn_boundary *boundary,
                                     size_t row);
-/* A point, a direction from the body's frame, and back. */
+/* Transform a point and a direction from the body's frame to space, and a direction back. */
 void gn_rigid_place(const gn_rigid *body, const double local[3], double point[3]);
 void gn_rigid_direct(const gn_rigid *body, const double local[3], double direction[3]);
 void gn_rigid_local(const gn_rigid *body, const double direction[3], double local[3]);

@@ -1,5 +1,5 @@
-/* Surfaces: from the frames of bodies to space and back, and which facets are near which particle.
- */
+/* Surfaces: frames of bodies, facets near particles, and the history of contacts from one step to
+ * the next. */
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
@@ -79,8 +79,8 @@ void gn_surfaces_refer(gn_boundary *boundary) {
     }
 }
 
-/* |R X - R' X| <= 2 sin(angle/2) |X|, and the Frobenius norm of R - R' is 2 sqrt(2) sin(angle/2).
- */
+/* |R X - R' X| <= 2 sin(angle/2) |X|, and the Frobenius norm of R - R' is 2 sqrt(2)
+ * sin(angle/2). */
 static double body_travel(const gn_rigid *b) {
     double d2 = 0.0, f2 = 0.0;
     for (int a = 0; a < 3; a++)
@@ -112,9 +112,7 @@ const gn_surface *gn_surface_of_row(const gn_step_context *ctx, const gn_boundar
     return &boundary->surfaces[gn_surface_of_facet(boundary, facet)];
 }
 
-/* What contacts of particles with surfaces keep from one step to the next. */
-
-/* Rows hold the normal times the part; one of a contact that shared nothing is left as it is. */
+/* Rows hold the normal times the part; that of an unshared contact is unchanged. */
 static void split_normal(gn_touch_memory *m, double size) {
     m->part = 1.0;
     if (fabs(size - 1.0) < 1e-12) return;
@@ -199,8 +197,8 @@ static void add_part(gn_touch_memory *sum, const gn_touch_memory *m, const doubl
     }
 }
 
-/* The parts of what a contact held go to those of about its direction, by what they bear: on a
- * plane all of them together are one contact, whatever facets they are on. */
+/* The history of a contact is distributed among contacts of about its direction, by their loads: on
+ * a plane all of them together are one contact, whatever facets they are on. */
 void gn_touch_hand_over(const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
                         size_t count, gn_touch_memory *before) {
     double load[GN_PATCH_FACETS], weight[GN_PATCH_FACETS];
@@ -226,7 +224,7 @@ void gn_touch_hand_over(const gn_facet_contact *now, size_t contacts, gn_touch_m
         if (weight[k] > 0.0) before[k].closeness /= weight[k];
 }
 
-/* The first of those that nobody took, with all of about its direction that follow added. */
+/* Takes the first history that is left and adds all later ones of about its direction. */
 bool gn_touch_gather(gn_touch_memory *old, size_t count, gn_touch_memory *sum) {
     size_t first = 0;
     while (first < count && old[first].taken) first++;

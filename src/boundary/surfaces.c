@@ -1,4 +1,4 @@
-/* Contacts of particles with surfaces, worked on particle by particle. */
+/* Contacts of particles with surfaces, particle by particle. */
 #include "boundary/surfaces.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -46,8 +46,8 @@ static void near_of_row(const group *g, const double centre[3], size_t row, gn_f
     gn_facet_set_nearest(&g->s->facets, facet_of(g, row), centre, near);
 }
 
-/* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
- * which to push it. SIZE_MAX: none. */
+/* Returns the row of a facet that contains the centre of its particle, to rounding: there is no
+ * direction in which to push it. SIZE_MAX: none. */
 static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -92,7 +92,7 @@ static void away_in_space(const group *g, gn_facet_near *near) {
     memcpy(near->along, along, sizeof along);
 }
 
-/* Minima of the distance that are nearer than `reach`, nearest first. */
+/* Finds the minima of the distance below `reach`, nearest first. */
 static size_t minima_within(const group *g, double reach, gn_facet_near *minima) {
     double centre[3];
     size_t count = 0;
@@ -107,7 +107,7 @@ static size_t minima_within(const group *g, double reach, gn_facet_near *minima)
     return count;
 }
 
-/* Facets of a surface that deforms of which a part is within `radius` of the centre, in the order
+/* Finds the facets of a deformable surface with a part within `radius` of the centre, in the order
  * of the rows. */
 static size_t patch_within(const group *g, double radius, bool hertz, gn_facet_near *near,
                            gn_facet_contact *contacts) {
@@ -133,7 +133,7 @@ static bool is_patch(const group *g) {
     return gn_surface_patched(g->s, g->dem->particles.pos[4 * g->particle + 3]);
 }
 
-/* Contacts that press now, and where they are. */
+/* Finds the closed contacts and their positions. */
 static size_t contacts_of(const group *g, gn_facet_near *near, gn_facet_contact *contacts) {
     const double radius = g->dem->particles.pos[4 * g->particle + 3];
     if (is_patch(g)) return patch_within(g, radius, g->ctx->effects & GN_FX_HERTZ, near, contacts);
@@ -150,7 +150,7 @@ static void rigid_velocity(const group *g, const double arm[3], double v[3]) {
     for (int a = 0; a < 3; a++) v[a] = g->body->velocity[a] + turn[a];
 }
 
-/* How much of a vertex moves with a contact. */
+/* Weight of a vertex in a contact. */
 typedef struct vertex_part {
     int32_t vertex;
     double weight;
@@ -169,7 +169,7 @@ double gn_vertex_inverse_mass(const gn_surface *s, int32_t vertex, const double 
     return slot < 0 ? inverse : gn_free_share(s->prescribed->mask[slot], n) * inverse;
 }
 
-/* Velocity of the surface at the contact and 1/mass with which it gives way along n. */
+/* Gives the velocity of the surface at the contact; returns its inverse mass along n. */
 static double surface_motion(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                              const double arm[3], double v[3]) {
     if (g->body) {
@@ -196,10 +196,10 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
     return inverse;
 }
 
-/* 1/kg of a particle and of the body of finite elements that it hits, both as wholes, for the
- * dashpot: single nodes would let a heavy particle rebound undamped. 0: none of them gives way, or
- * the surface is rigid. A particle that is driven counts with its own mass, beyond which the step
- * limit knows of no dashpot. */
+/* Inverse mass, 1/kg, of a particle and of the body of finite elements that it hits, both as
+ * wholes, for the dashpot: single nodes would let a heavy particle rebound undamped. 0: neither can
+ * move, or the surface is rigid. A prescribed particle counts with its own mass, beyond which the
+ * step limit knows no dashpot. */
 static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
     if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
     double own = gn_inverse_mass_along(g->dem, g->particle, s->n);
@@ -230,7 +230,7 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
     return s;
 }
 
-/* What turns against each other at a contact, and the moment of the last step: `roll` [3]. */
+/* Sets the relative spin at a contact and the moment of the last step, `roll` [3]. */
 static void take_roll(const group *g, double *roll, double *couple, gn_touch *s) {
     const double *spin = g->dem->particles.spin + 4 * g->particle;
     for (int a = 0; a < 3; a++) s->spin[a] = (g->body ? g->body->spin[a] : 0.0) - spin[a];
@@ -239,13 +239,13 @@ static void take_roll(const group *g, double *roll, double *couple, gn_touch *s)
     s->couple = couple;
 }
 
-/* Of the mass behind a contact, so that the dashpots of those that share add up to one: of a patch
- * by what they bear, whatever their stiffnesses add up to. */
+/* Share of a contact in the mass behind it, so that the dashpots of contacts that share add up to
+ * one: of a patch by load, whatever their stiffnesses add up to. */
 static double mass_share(const group *g, const gn_facet_contact *k) {
     return is_patch(g) ? k->part / (k->crowd * k->crowd) : k->part;
 }
 
-/* One contact: force and history into its row. */
+/* Evaluates one contact: force and history into its row. */
 static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *minima,
                     const gn_facet_contact *k, const gn_touch_memory *before,
                     gn_contact_sums *sums) {
@@ -265,8 +265,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         gn_touch_follow(before->n, k->n, roll);
     }
     gn_touch s = touch_of(g, minima, k, arm);
-    /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
-     * dashpots add up as well. Across, friction bounds what each carries. */
+    /* Contacts that share have parts of the stiffness and of the mass, so that their dashpots add
+     * up as well. Across, friction limits each. */
     gn_touch_side law = gn_surface_side(g->ctx, g->dem, g->s, g->particle, k->part);
     if (q->closeness) {
         q->closeness[own] = before ? before->closeness : 0.0;
@@ -282,7 +282,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         q->row[8 * own + a] = force[a];
         q->touch[own + a * stride] = x[a] + arm[a];
     }
-    /* Along one facet's normal, and to one point of many, the spring has no lever. */
+    /* Along the normal of one facet, or towards one of many points, the spring has no lever. */
     gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
     for (int a = 0; a < 3; a++) q->row[8 * own + 4 + (size_t)a] += couple[a];
     for (size_t a = 0; a < 3; a++) {
@@ -295,8 +295,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += force[a] * arm[b];
 }
 
-/* Where a particle that let go of the surface is nearest to it now, in the direction of the contact
- * that it had; false: nowhere within half its radius. */
+/* Finds the point of the surface nearest to a particle that has separated, in the direction of the
+ * contact that it had; false: there is none within half its radius. */
 static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near *near) {
     gn_facet_near minima[GN_FACET_TOUCHES];
     size_t count = minima_within(g, 1.5 * g->dem->particles.pos[4 * g->particle + 3], minima);
@@ -310,9 +310,9 @@ static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near 
     return best > 0.5;
 }
 
-/* A contact that opened in this step: its spring across and its dashpot let go, and what the last
- * force did beyond the opening is taken back, as at a wall. One that was joined to another is not
- * open. */
+/* A contact that opened in this step: its tangential spring and its dashpot end, and the effect of
+ * the last force beyond the opening is taken back, as at a wall. A contact that was joined to
+ * another one is not open. */
 static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m,
                          gn_contact_sums *sums) {
     double t[3];
@@ -333,7 +333,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
     gn_touch_side law = gn_surface_side(g->ctx, g->dem, g->s, g->particle, m->part);
     s.closeness = &m->closeness;
     double couple[3];
-    if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
+    if (q->roll) take_roll(g, m->roll, couple, &s); /* its moment ends */
     s.inverse_mass /= m->part;
     s.body_inverse_mass /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
     double total = gn_touch_force(g->ctx, g->dem, g->boundary, &law, m->row, &s,
@@ -347,13 +347,13 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
         if (!used) q->touch[near.row + a * stride] = x[a] + k.arm[a];
         for (size_t b = 0; b < 3; b++) sums->stress[3 * a + b] += total * s.n[a] * k.arm[b];
     }
-    /* The dashpot's work closes with the next step. */
+    /* The dashpot's work is closed in the next step. */
     if (used || m->fd == 0.0) return;
     for (size_t a = 0; a < 3; a++) q->normal[near.row + a * stride] = m->part * s.n[a];
     q->fd[near.row] = m->fd;
 }
 
-/* The group that begins with a row, up to `end`. */
+/* Returns the group that begins with a row, up to `end`. */
 static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       size_t begin, size_t end) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -364,8 +364,8 @@ static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     return (group){ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[begin], begin, past};
 }
 
-/* Contacts of a particle that presses all that is within reach, each with its part of k, which add
- * up to k at least. Of more facets than there is room for the nearest are enough for a bound. */
+/* Contacts of a particle with all facets within reach, each with its part of k, which add up to at
+ * least k. If there are more facets than room, the nearest are enough for a bound. */
 static size_t patch_near(const group *g, double skin, gn_facet_near *near,
                          gn_facet_contact *contacts) {
     const double radius = g->dem->particles.pos[4 * g->particle + 3];
@@ -383,7 +383,7 @@ static size_t patch_near(const group *g, double skin, gn_facet_near *near,
     return count;
 }
 
-/* Minima up to `skin` from the particle, each for itself. */
+/* Minima within `skin` of the particle, each alone. */
 static size_t singles_near(const group *g, double skin, gn_facet_near *near,
                            gn_facet_contact *contacts) {
     const double radius = g->dem->particles.pos[4 * g->particle + 3];
@@ -439,7 +439,7 @@ gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem
     return GNEISS_OK;
 }
 
-/* As contacts that open and close, but with what they keep handed on from facet to facet. */
+/* Contacts of a patch open and close like others, but their histories pass from facet to facet. */
 static void work_on_patch(const group *g, gn_wall_contacts *rows, const gn_facet_near *near,
                           const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
                           size_t remembered, gn_contact_sums *sums) {

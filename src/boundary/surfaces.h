@@ -12,21 +12,21 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Contacts with them (surfaces.c). A particle whose centre is on a surface cannot be pushed off it:
- * refused at the start, later the run has gone bad. */
+/* A particle whose centre is on a surface cannot be pushed off it: refused at the start; later the
+ * run has failed. */
 gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem *dem,
                                         const gn_boundary *boundary, gneiss_error *error);
-/* Contacts of the facets of one surface that the particle of row `begin` has, at the present
- * positions; returns the first row behind them. `skin` 0: those that touch; else minima of the
- * distance up to that far from the particle, each for itself, or of a patch the facets up to that
- * far, with parts of the stiffness that add up to all of it. */
+/* Finds the contacts of the particle of row `begin` with the facets of one surface at the present
+ * positions; returns the first row behind them. `skin` 0: closed contacts; else the minima of the
+ * distance within that distance of the particle, each alone, or of a patch the facets within it,
+ * with parts of the stiffness that add up to at least all of it. */
 enum { GN_SURFACE_CONTACTS = GN_PATCH_FACETS };
 typedef struct gn_surface_contact {
     const gn_surface *surface;
     size_t particle;
     gn_facet_contact contact;
     bool patch; /* see gn_surface_patched */
-    int parts;  /* of a surface whose vertices move by themselves */
+    int parts;  /* vertices of a surface whose vertices move by themselves */
     int32_t vertex[3];
     double weight[3];
 } gn_surface_contact;
@@ -38,11 +38,11 @@ size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
 bool gn_surface_contacts_next(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, size_t *row, double skin,
                               gn_surface_contact *contacts, size_t *count);
-/* That there is room for all facets that a particle presses at once (patch.h). */
+/* Checks that there is room for all facets that a particle presses at once (patch.h). */
 gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
                                         const gn_boundary *boundary, gneiss_error *error);
-/* 1/kg with which a vertex that moves by itself gives way along a unit vector: prescribed
- * components do not. */
+/* Inverse mass, 1/kg, along a unit vector of a vertex that moves by itself, without its prescribed
+ * components. */
 double gn_vertex_inverse_mass(const gn_surface *surface, int32_t vertex, const double n[3]);
 
 #endif

@@ -31,8 +31,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A plane may be given by a point far along it, whose coordinates would round the gap and the
- * motion of the wall; then the foot of the perpendicular from the origin takes its place. */
+/* A plane may be given by a distant point, whose coordinates would round the gap and the motion of
+ * the wall; then the foot of the perpendicular from the origin takes its place. */
 static void take_near_point(const gn_dem *dem, gn_wall *wall) {
     const double *p = wall->point;
     double far = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
@@ -67,9 +67,9 @@ static double wall_gap(const gn_dem *dem, const gn_boundary *boundary, size_t pa
     return gn_wall_distance(&boundary->walls[wall], x) - x[3];
 }
 
-/* What overlaps with passive walls as the run begins is free of stress, and so is who wakes in a
- * wall of any kind: the elements that it comes from did not feel it. Who is awake is listed before
- * it touches. */
+/* Overlap with passive walls at the start is free of stress, and so is that of a particle that
+ * becomes active within any wall: its element did not feel the wall. An active particle is listed
+ * before it touches. */
 static double free_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        size_t particle, size_t wall, bool first) {
     const bool is_free = first ? ctx->scene.walls[wall].passive : gn_converts(ctx);
@@ -81,8 +81,8 @@ static bool near_wall(const gn_dem *dem, const gn_boundary *boundary, size_t p, 
            wall_gap(dem, boundary, p, k) <= dem->verlet.skin;
 }
 
-/* Old and new list are both sorted by (particle, wall); the old one is already renumbered. -1: it
- * was not there. */
+/* Finds the row in the old list; both lists are sorted by (particle, wall), and the old one is
+ * already renumbered. -1: there is none. */
 static int32_t place_before(const gn_wall_contacts *old, int32_t i, int32_t wall) {
     size_t low = 0, high = old->soa.count;
     while (low < high) {
@@ -102,7 +102,7 @@ static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_
     if (from >= 0) gn_soa_keep(&gn_wall_contact_record, now, c, 1, old, &from);
 }
 
-/* Walls and facets near a particle, ascending, into `found` (NULL: only counted). */
+/* Writes the walls and facets near a particle, ascending, into `found` (NULL: only counts them). */
 static size_t neighbours(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          size_t p, int32_t *found) {
     size_t count = 0;
@@ -163,7 +163,8 @@ gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_
     return gn_surfaces_check_centres(ctx, dem, boundary, error);
 }
 
-/* What moves along the normal; the gap and the arm of the contact force are given back as well. */
+/* Relative motion along the normal; gives the relative velocity and the arm of the contact force as
+ * well. */
 static gn_touch touch_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          size_t c, double v[3], double *arm) {
     const gn_particles *q = &dem->particles;
@@ -178,13 +179,13 @@ static gn_touch touch_of(const gn_step_context *ctx, const gn_dem *dem, const gn
         v[a] = wall->velocity[a] - q->vel[4 * p + a];
     }
     s.speed = gn_dot3(v, s.n);
-    /* A contact that stays without a dashpot needs no mass. */
+    /* A lasting contact without a dashpot needs no mass. */
     if (ctx->effects & GN_FX_CONTACT_DAMPING || gn_touch_crosses(&s, s.speed * ctx->dt_past))
         s.inverse_mass = gn_inverse_mass_along(dem, p, s.n);
     return s;
 }
 
-/* What moves across it. */
+/* Relative motion across the normal. */
 static void touch_across(const gn_dem *dem, size_t p, const double v[3], double arm, gn_touch *s) {
     const gn_particles *q = &dem->particles;
     double turn[3] = {0, 0, 0};
@@ -195,7 +196,7 @@ static void touch_across(const gn_dem *dem, size_t p, const double v[3], double 
     for (int a = 0; a < 3; a++) s->relative[a] = v[a] - s->speed * s->n[a] - arm * turn[a];
 }
 
-/* Most listed contacts do not touch, and hold nothing from when they did. */
+/* Most listed contacts are open and have no history. */
 static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double path) {
     if (s->gap < 0.0 || s->gap < path || (q->fd && q->fd[c] != 0.0)) return false;
     size_t stride = q->soa.capacity;
@@ -257,8 +258,8 @@ void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary 
     }
 }
 
-/* By Hertz's law of one that is pressed as far as is expected: a servo moves a wall the less, the
- * stiffer it finds the contacts. */
+/* By Hertz's law the stiffness at the expected overlap: a servo moves a wall the less, the stiffer
+ * the contacts are. */
 static double expected_stiffness(const gn_step_context *ctx, const gn_dem *dem, size_t k,
                                  size_t p) {
     gn_touch_side side = gn_wall_side(ctx, dem, k, p);
@@ -266,7 +267,7 @@ static double expected_stiffness(const gn_step_context *ctx, const gn_dem *dem, 
         .kn;
 }
 
-/* Of the spring of a wall contact as far as it is pressed. */
+/* Stiffness of the spring of a wall contact at its overlap. */
 static double spring_stiffness(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, size_t c) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -291,8 +292,8 @@ double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
     return 0.5 * force * (overlap + ctx->dt_past * away);
 }
 
-/* Force that a wall contact gives for a path of the wall made in one step, over that path: the
- * spring, and the dashpot that sees the path as a velocity. (Without it a servo overshoots at small
+/* Force of a wall contact for a path of the wall made in one step, over that path: the spring,
+ * and the dashpot, which sees the path as a velocity. (Without it a servo overshoots at small
  * steps.) */
 static double step_stiffness(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, size_t c) {
@@ -319,7 +320,7 @@ void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *bo
     }
 }
 
-/* The path that led here closes with the force it led to, the coming one begins with it. */
+/* The past path ends with the present force, the coming path begins with it. */
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                    gn_energy *ledger) {
     for (size_t k = 0; k < ctx->scene.wall_count; k++)
@@ -327,7 +328,7 @@ void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, doub
             0.5 * dt * gn_dot3(boundary->walls[k].force, boundary->walls[k].velocity);
 }
 
-/* Sum of the springs alone that press the wall. */
+/* Sum of the springs, without dashpots, that press the wall. */
 static double springs_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          size_t k) {
     double sum = 0.0;
@@ -347,8 +348,8 @@ double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
     return most * stiffness / (2.0 * stiffness - springs_of(ctx, dem, boundary, wall));
 }
 
-/* Stiffness of the contacts that do not press yet but would within `path` of the wall, if their
- * particles go on as they do. */
+/* Stiffness of the open contacts that would close within a path `path` of the wall, if their
+ * particles continue to move as they do. */
 static double stiffness_within(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, size_t k, double path) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -364,11 +365,11 @@ static double stiffness_within(const gn_step_context *ctx, const gn_dem *dem,
     return sum + gn_body_walls_within(ctx, boundary, k, path);
 }
 
-/* K by which the wall goes force/K in a step for `force` more, at most the path `most`: of what
- * presses (one contact's if nothing does) and of what is reached on the way, with the longest way
- * d, to a thousandth, for which d K(d) <= force. So a crowd that is met in one step takes no more
- * than the force that is missing, and the wall goes on as it came: a path for what presses alone
- * would be too long by the number of particles, at any step. */
+/* Stiffness K such that the wall moves by force/K in a step for `force` more, at most by the path
+ * `most`: of the closed contacts (one contact's if there are none) and of those reached on the way,
+ * with the longest path d, to a thousandth, for which d K(d) <= force. So many contacts reached in
+ * one step take no more than the missing force; a path for the closed contacts alone would be too
+ * long by the number of particles, at any step. */
 static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, size_t k, double force, double most) {
     double pressed = boundary->walls[k].stiffness;
@@ -410,8 +411,8 @@ double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, s
     return gn_table_at(&servo->stress, time) * gn_wall_area(ctx, boundary, wall);
 }
 
-/* Servo: the wall is moved along its normal by the share `relaxation`, if that is stable, of what
- * the springs need to take up the missing force. */
+/* Servo: the wall moves along its normal by the share `relaxation`, if that is stable, of the path
+ * in which the springs take up the missing force. */
 static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                            size_t k) {
     const gn_servo *servo = &ctx->scene.walls[k].servo;
@@ -423,11 +424,11 @@ static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_bou
     double stiffness =
         servo_stiffness(ctx, dem, boundary, k, relaxation * (look.wanted - look.found),
                         servo->max_velocity * ctx->dt);
-    /* Springs at the wall and behind them, one after the other. */
+    /* Springs at the wall and behind it in series. */
     double uniform = wall->behind > 0.0 ? 1.0 / (1.0 + stiffness / wall->behind) : 1.0;
     look.pace = relaxation / (stiffness * ctx->dt);
     look.answer = gn_servo_answer(relaxation, uniform);
-    if (!(wall->stiffness > 0.0)) { /* it approaches, and follows nothing */
+    if (!(wall->stiffness > 0.0)) { /* no contact: the wall approaches */
         wall->servo = (gn_servo_state){0};
         look.answer = 0.0;
     }
@@ -435,7 +436,7 @@ static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_bou
     for (int a = 0; a < 3; a++) wall->velocity[a] = speed * wall->normal[a];
 }
 
-/* m: how far centres reach along a direction. */
+/* Extent, m, of the centres along a direction. */
 static double extent_along(const gn_dem *dem, const double n[3]) {
     double low = INFINITY, high = -INFINITY;
     for (size_t p = 0; p < dem->particles.soa.count; p++) {

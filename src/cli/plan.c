@@ -154,7 +154,7 @@ static void print_contacts_to_come(const gn_world *world) {
     else
         printf("  collisions       none that need to be resolved\n");
     if (world->ctx.effects & GN_FX_BONDS && world->ctx.effects & GN_FX_ENERGY &&
-        world->ctx.scene.step == 0.0 && gn_world_rings(&world->ctx, &world->dem))
+        world->ctx.scene.step == 0.0 && gn_world_is_underdamped(&world->ctx, &world->dem))
         printf("  debris           undamped: once bonds have broken, wedged particles may need "
                "steps up to four times shorter\n");
     if (world->dem.listed < INFINITY)
@@ -679,7 +679,7 @@ gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error
         (*warnings)++;
     }
     if (!world->ctx.scene.stage_count &&
-        gn_shear_is_loose(&world->ctx, &world->dem, doubts, sizeof doubts)) {
+        gn_shear_is_unsupported(&world->ctx, &world->dem, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }

@@ -14,7 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* No step may strain the box by more: first-order motion of places and branches would show. */
+/* Largest strain of the box in a step: larger ones would show the first-order motion of positions
+ * and branches. */
 static const double most_strain = 1e-3;
 
 void gn_box_create(const gn_step_context *ctx, gn_periodic_box *box) {
@@ -60,14 +61,14 @@ static double strained_by(const gn_dem *dem, int a) {
     return s->contacts.stress[4 * a];
 }
 
-/* The servo asks for a strain of which the contacts would make up the missing stress, times a
- * share. Stability: let u be what particles do besides, e the strains of the sides that follow a
- * stress, B e what these do to branches, K the springs. The stress answers with T = B^T K (u + B
- * e), the servo with D de = -rho T per step, D diagonal. Without e the springs become K - rho K B
- * ((z - 1) D + rho B^T K B)^-1 B^T K. D - B^T K B has no negative eigenvalue: of one contact B^T K
- * B has the entries k l_a^2 n_a^2 and, beside them, k l^2 n_a^2 n_b^2 at most, so that rows sum up
- * to what `spring` has. So at z = -1, the only place where the unit circle is crossed, it is at
- * most K/(1 - rho/2), as for a wall (gn_world_servo_relaxation), and the same share is stable. */
+/* The servo applies a share of the strain at which the contacts would make up the missing stress.
+ * Stability: let u be other motions of particles, e the strains of the sides that follow a stress,
+ * B e their effect on branches, K the springs. The stress answers with T = B^T K (u + B e), the
+ * servo with D de = -rho T per step, D diagonal. Without e the springs become K - rho K B ((z - 1)
+ * D + rho B^T K B)^-1 B^T K. D - B^T K B has no negative eigenvalue: of one contact B^T K B has the
+ * entries k l_a^2 n_a^2 and, beside them, at most k l^2 n_a^2 n_b^2, so that rows sum up to the
+ * value of `spring`. So at z = -1, the only place where the unit circle is crossed, it is at most
+ * K/(1 - rho/2), as for a wall (gn_world_servo_relaxation), and the same share is stable. */
 static double follow_stress(const gn_step_context *ctx, const gn_dem *dem, gn_periodic_box *box,
                             int a) {
     const gn_box_side *side = &ctx->scene.box[a];
@@ -102,7 +103,7 @@ void gn_box_book(const gn_step_context *ctx, const gn_dem *dem, gn_periodic_box 
         ledger->energy.work_walls += 0.5 * ctx->dt_past * box->flow[a] * strained_by(dem, a);
 }
 
-/* Places, velocities; what the latter take, J. */
+/* Scales positions and velocities; returns the energy, J, that the latter take. */
 static double carry_along(const gn_step_context *ctx, gn_dem *dem, const double grown[3]) {
     gn_particles *q = &dem->particles;
     double taken = 0.0;

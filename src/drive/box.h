@@ -23,7 +23,7 @@
 struct gn_contacts;
 
 void gn_box_create(const gn_step_context *ctx, gn_periodic_box *box);
-/* After lists have been made. */
+/* Updates the stiffness after lists have been made. */
 void gn_box_listed(const gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box);
 /* Sum of f_a l_b over contacts [begin, end) of a list, whose forces stand in their rows, one by one
  * in their order: the kernels add them up lane by lane, so that what follows from their sum would

@@ -39,7 +39,7 @@ double gn_servo_answer(double share, double uniform) {
     return of_uniform * share * fmin(1.0, uniform);
 }
 
-/* The smaller of two of one sign, 0 of two signs. */
+/* Returns the smaller of two values of one sign, 0 if the signs differ. */
 static double common(double x, double y) {
     return x > 0.0 ? fmax(0.0, fmin(x, y)) : fmin(0.0, fmax(x, y));
 }

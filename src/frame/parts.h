@@ -13,7 +13,7 @@ typedef struct gn_most_loaded gn_most_loaded;     /* zones/zone_state.h */
 typedef struct gn_periodic_box gn_periodic_box;   /* drive/box.h */
 typedef struct gn_gauge gn_gauge;                 /* laboratory/strain_gauge.h */
 typedef struct gn_approach gn_approach;           /* laboratory/ends.h */
-typedef struct gn_bar_section gn_bar_section;     /* laboratory/section.h */
+typedef struct gn_bar_section gn_bar_section;     /* laboratory/laboratory.h */
 typedef struct gn_features gn_features;           /* world/features.h */
 typedef struct gn_stages gn_stages;               /* world/world.h */
 typedef struct gn_ending gn_ending;               /* frame/step_context.h */

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Control of the ends of a test (laboratory/control.h). */
+/* Control of the ends of a test (laboratory/ends.h). */
 typedef struct gn_machine {
     double wanted; /* of the reading: m or 1 */
     double factor; /* of the prescribed motion of the ends along the axis */

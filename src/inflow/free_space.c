@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-/* Of the sum of the radii: touching exactly is rounding's affair. */
+/* Share of the sum of the radii within which exact contact is rounding. */
 static const double apart = 1e-9;
 
 static gneiss_status no_memory(gneiss_error *error) {
@@ -59,7 +59,7 @@ static void file(gn_room *r, size_t k) {
     r->first[cell] = (int32_t)k;
 }
 
-/* No more cells than there is use for. */
+/* Makes no more cells than are useful. */
 static gneiss_status make_cells(gn_room *r, const double lower[3], const double upper[3],
                                 double radius, gneiss_error *error) {
     const int dimension = (int)r->ctx->scene.dimension;
@@ -84,7 +84,7 @@ static gneiss_status make_cells(gn_room *r, const double lower[3], const double 
 
 /* --- what is there --- */
 
-/* A sphere and those of its images that come within `reach` of the box. */
+/* Adds a sphere and its images within `reach` of the box. */
 static gneiss_status collect(gn_room *r, const double *x, const double lower[3],
                              const double upper[3], double reach, gneiss_error *error) {
     int64_t least[3] = {0}, most[3] = {0};
@@ -139,7 +139,7 @@ static bool touches(const double *a, const double *b) {
     return d2 < reach * reach;
 }
 
-/* Spheres outside of the box are filed in its outermost cells. */
+/* Spheres outside of the box are stored in its outermost cells. */
 static bool meets_particle(const gn_room *r, const double *s) {
     int64_t low[3], high[3];
     double reach = s[3] + r->most;
@@ -157,8 +157,8 @@ static bool meets_particle(const gn_room *r, const double *s) {
     return false;
 }
 
-/* Boxes of the tree about nodes are those of the last lists, since when they moved by less than the
- * skin. */
+/* Boxes of the tree around nodes are those of the last lists, since when nodes moved by less than
+ * the skin. */
 static bool meets_surface(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *f,
                           const double *s) {
     double d[3], centre[3], reach = s[3] * (1.0 + apart);
@@ -182,7 +182,7 @@ bool gn_room_free(const gn_room *r, const double s[4]) {
 gneiss_status gn_room_take(gn_room *r, const double sphere[4], gneiss_error *error) {
     size_t before = r->count;
     const double *x = sphere;
-    /* Images as well; everything is near enough. */
+    /* Images are included if everything is near enough. */
     double lower[3], upper[3];
     for (int a = 0; a < 3; a++) {
         lower[a] = r->lower[a];

@@ -1,4 +1,4 @@
-/* Where another particle can be without touching anything. */
+/* Search for places where another particle touches nothing. */
 #ifndef GN_INFLOW_FREE_SPACE_H
 #define GN_INFLOW_FREE_SPACE_H
 
@@ -14,7 +14,7 @@ typedef struct gn_room {
     const gn_dem *dem;
     const gn_boundary *boundary;
     size_t count, space;
-    double *sphere;  /* [count][4] particles about the box, and their images */
+    double *sphere;  /* [count][4] particles around the box, and their images */
     double most;     /* m, the largest of their radii */
     double lower[3]; /* m, corner of the first cell */
     double cell;     /* m */
@@ -22,17 +22,17 @@ typedef struct gn_room {
     int32_t *first, *next; /* [cells], [space]: spheres of a cell, -1: no more */
 } gn_room;
 
-/* For centres in the box of spheres up to `radius`. */
+/* Prepares the search for centres in the box, of spheres up to `radius`. */
 gneiss_status gn_room_open(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const double lower[3],
                            const double upper[3], double radius, gn_room *room,
                            gneiss_error *error);
 void gn_room_close(gn_room *room);
 
-/* Whether a sphere touches no particle, stands on the side of all walls where particles are, and
+/* Tells whether a sphere touches no particle, is on the side of all walls where particles are, and
  * touches no surface. */
 bool gn_room_free(const gn_room *room, const double sphere[4]);
-/* Takes a place. */
+/* Occupies a place. */
 gneiss_status gn_room_take(gn_room *room, const double sphere[4], gneiss_error *error);
 
 #endif

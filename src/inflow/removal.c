@@ -1,5 +1,5 @@
-/* Particles that leave the domain, which stop the run, or leave the model with all they hold; and
- * those that sinks take. */
+/* Particles that leave the domain stop the run or leave the model with their energy; sinks take
+ * particles; rows of particles are added and dropped. */
 #include "inflow/removal.h"
 #include "base/ball.h"
 #include "base/error.h"
@@ -32,7 +32,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- who --- */
+/* --- leaving particles --- */
 
 /* Beyond the reach of its coordinates a particle has left the domain, however large that is. */
 static bool in_domain(const gn_step_context *ctx, const double *x, double reach) {
@@ -59,7 +59,7 @@ static gneiss_status left_domain(const gn_step_context *ctx, const gn_dem *dem, 
                    gn_point_text(ctx->scene.origin, x, at), v[0], v[1], v[2], why);
 }
 
-/* How a particle goes: 0 it stays, LEFT the domain, from 1 on by a sink, base 1. */
+/* Ways in which a particle leaves: 0 it stays, LEFT the domain, from 1 on by a sink, base 1. */
 enum { LEFT = -1 };
 
 static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, double reach) {
@@ -71,7 +71,7 @@ static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, 
     return ctx->scene.has_domain && !in_domain(ctx, x, reach) ? LEFT : 0;
 }
 
-/* Marks those that go in `gone` (NULL: only counted). */
+/* Marks leaving particles in `gone` (NULL: only counts them). */
 static size_t mark_gone(const gn_step_context *ctx, const gn_dem *dem, int32_t *gone) {
     double reach = gn_finest_reach(dem->radius_min);
     size_t count = 0;
@@ -87,10 +87,10 @@ static size_t mark_gone(const gn_step_context *ctx, const gn_dem *dem, int32_t *
 /* --- what their contacts held --- */
 
 /* A particle leaves at the end of a step, when velocities are those of the half step before and its
- * contacts will never be looked at where they are now. So what a contact takes with it is what its
- * springs stored at the last instant, and the work that its force of that instant took up over half
- * of the step, which the velocities have had: `power`, at which the two sides move apart against
- * it. That closes the ledger exactly. The dashpot's part of the power is dissipated. */
+ * contacts will not be evaluated at the present positions. So a contact removes the energy that its
+ * springs stored at the last instant, and the work of its force of that instant over half of the
+ * step, which the velocities contain: `power`, at which the two sides separate against it. That
+ * closes the ledger exactly. The dashpot's part of the power is dissipated. */
 static void book_contact(const gn_step_context *ctx, gn_ledger *ledger, double stored, double power,
                          double viscous) {
     ledger->energy.removed += stored + 0.5 * ctx->dt_past * (power - viscous);
@@ -174,7 +174,7 @@ static void book_contacts(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
 
 /* --- leaving --- */
 
-/* What a sink took. */
+/* Records a particle that a sink took. */
 static void note_taken(gn_dem *dem, size_t sink, size_t p, double energy) {
     gn_sink_state *s = &dem->flow.sinks[sink];
     const double *v = dem->particles.vel + 4 * p;
@@ -184,7 +184,8 @@ static void note_taken(gn_dem *dem, size_t sink, size_t p, double energy) {
     for (int a = 0; a < 3; a++) s->momentum[a] += v[a] / v[3];
 }
 
-/* It stays where it was last seen, at rest, without mass. Its energy is booked as carried away. */
+/* A removed particle stays at its last position, at rest, without mass. Its energy is booked as
+ * carried away. */
 static gneiss_status take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, size_t p,
                               int32_t way, gneiss_error *error) {
     gn_particles *q = &dem->particles;
@@ -242,7 +243,7 @@ gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {
     return status;
 }
 
-/* Sinks that are thin: what passes through them between two lists, and what never fits. */
+/* Thin sinks: particles that pass through them between two lists, and particles that never fit. */
 
 double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
     const gn_flow_region *r = &ctx->scene.sinks[sink].region;
@@ -266,7 +267,7 @@ static double largest_radius(const gn_step_context *ctx, const gn_dem *dem) {
     return most;
 }
 
-/* Tells whether a particle can be wholly in it for hardly longer than lists may stand: the skin
+/* Tells whether a particle can be wholly inside for hardly longer than lists may last: the skin
  * grows to six times that of the start. */
 static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
     return ctx->scene.sinks[sink].remove &&
@@ -274,11 +275,10 @@ static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) 
 }
 
 enum { PLACES = 16, HALVINGS = 40 };
-/* Of a radius: as much is a particle inside that only rounding keeps from it. */
+/* Share of a radius within which a particle counts as inside in spite of rounding. */
 static const double rounding = 1e-9;
 
-/* m: how deep a particle's centre was in a region at a share of its last step, counted backwards.
- */
+/* Depth, m, of a particle's centre in a region at a share of its last step, counted backwards. */
 static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const gn_domain *region,
                            size_t particle, double share) {
     const gn_particles *q = &dem->particles;
@@ -303,8 +303,8 @@ static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
     return depth_before(ctx, dem, region, particle, 0.5 * (from + to));
 }
 
-/* Tells whether it was wholly inside at any instant of the last step. Depth changes along the way
- * by no more than the way, which is at most half of the smallest radius (paths.c). */
+/* Tells whether it was wholly inside at any instant of the last step. The depth changes by at most
+ * the path, which is at most half of the smallest radius (paths.c). */
 static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
     const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
     const double *v = dem->particles.vel + 4 * particle,
@@ -329,7 +329,7 @@ bool gn_sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink, s
            (is_thin(ctx, dem, sink) && passed(ctx, dem, sink, particle));
 }
 
-/* Tells whether its centre is in the box about the region, the last way added. */
+/* Tells whether its centre is in the box around the region, extended by the last path. */
 static bool is_near(const gn_step_context *ctx, const gn_dem *dem, const double lower[3],
                     const double upper[3], size_t p) {
     const double *x = dem->particles.pos + 4 * p, *v = dem->particles.vel + 4 * p;
@@ -372,10 +372,11 @@ bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t s
     return true;
 }
 
-/* The number of rows of particles changes: some come in behind the others, rows of those that are
- * gone are left out. */
+/* Changes of the number of rows of particles: new ones are appended, rows of removed ones are
+ * dropped. */
 
-/* What goes by the number of particles or of their blocks is made anew when the lists are. */
+/* Frees arrays that depend on the number of particles or of their blocks; they are made with the
+ * lists. */
 static gneiss_status forget_sizes(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gneiss_error *error) {
     gn_dem *d = dem;
@@ -415,7 +416,7 @@ static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *a, s
     if (dem->loose) dem->loose[q->id[p]] = 1;
 }
 
-/* Tables by id for `ids` of them. */
+/* Enlarges tables by id to `ids` entries. */
 static gneiss_status grow_tables(gn_dem *dem, size_t ids, gneiss_error *error) {
     gn_dem *d = dem;
     int32_t *index = gn_alloc_array(ids + 1, sizeof *index);
@@ -463,7 +464,7 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
     for (size_t k = 0; k < count; k++) {
         const double *v = arrivals[k].velocity;
         fill(ctx, dem, &arrivals[k], before + k);
-        /* What follows flights looks at the fastest. */
+        /* The limit of flights uses the largest speed. */
         dem->done.motion.speed2 = fmax(dem->done.motion.speed2, gn_dot3(v, v));
     }
     gn_dem_number_ids(dem);
@@ -472,7 +473,8 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
 
 /* --- fewer --- */
 
-/* Places of those that stay, -1 of the others; returns how many stay. */
+/* Finds the new places of remaining particles, -1 of the others; returns the number of remaining
+ * ones. */
 static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
     const gn_particles *q = &dem->particles;
     size_t count = 0;
@@ -509,7 +511,7 @@ gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
     if (!place || !order)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     size_t stay = status == GNEISS_OK ? find_stays(dem, place, order) : 0;
-    /* Some rows of nothing cost less than taking them out; one at least is there. */
+    /* A few empty rows cost less than removing them; at least one row remains. */
     if (status == GNEISS_OK && stay > 0 && n - stay > n / 16)
         status = drop(ctx, dem, boundary, order, stay, place, error);
     gn_free(place);

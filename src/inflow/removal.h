@@ -6,8 +6,8 @@
 #include "frame/parts.h"
 
 /* Particles outside the domain (removal.c) fail the run or leave the model, those in sinks leave:
- * without mass and contacts, and what they and their contacts held is booked as carried away. Call
- * with the lists as the last step left them. */
+ * without mass and contacts, with their energy and that of their contacts booked as carried away.
+ * Call with the lists as the last step left them. */
 gneiss_status gn_dem_check_domain(gn_world *world, gneiss_error *error);
 
 #endif

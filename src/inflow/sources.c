@@ -1,4 +1,4 @@
-/* Particles that come in: which are due, where there is room. */
+/* Particles that flow in: those that are due and have room. */
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -17,21 +17,21 @@
 
 #include <string.h>
 
-/* Making lists costs as much as some fifteen steps, and what flows has them made every hundred or
- * so anyway. */
+/* Making lists costs as much as some fifteen steps, and flows have them made every hundred or so
+ * anyway. */
 enum { STEPS_BETWEEN = 50 };
 /* Places that are tried for a particle before it waits. */
 enum { TRIES = 100, SAMPLES = 10000 };
 
 /* --- when --- */
 
-/* How long the rate has run at a time. */
+/* Time for which the rate has run. */
 static double running(const gn_source_def *d, double time) {
     double until = d->end > 0.0 ? fmin(time, d->end) : time;
     return until - d->start;
 }
 
-/* In the unit of the rate: what came in, and how much of it comes in a second. */
+/* Inflow so far in the unit of the rate, and its value per second. */
 static double amount(const gn_source_def *d, const gn_source_state *s) {
     return d->mass_rate > 0.0 ? s->mass : s->number;
 }
@@ -39,8 +39,8 @@ static double rate(const gn_source_def *d) {
     return d->mass_rate > 0.0 ? d->mass_rate : d->rate;
 }
 
-/* What was due by the end of a source comes after it as well, when there is room. Its first
- * particle is due at the start, so that the one after the last would be due at the end. */
+/* Particles due by the end of a source enter later, when there is room. The first particle is due
+ * at the start, so that the one after the last would be due at the end. */
 static bool is_done(const gn_source_def *d, const gn_source_state *s) {
     if (d->total > 0 && s->number >= (double)d->total) return true;
     return d->end > 0.0 && amount(d, s) >= rate(d) * (d->end - d->start) * (1.0 - 1e-12);
@@ -79,7 +79,7 @@ bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem) {
     return false;
 }
 
-/* In the unit of the rate: one particle. */
+/* One particle in the unit of the rate. */
 static double one(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
     const gn_source_state *s = &dem->flow.sources[k];
     if (!(ctx->scene.sources[k].mass_rate > 0.0)) return 1.0;
@@ -111,9 +111,9 @@ double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k)
     return d->total > 0 ? fmin(fed, (double)d->total) : fed;
 }
 
-/* --- who and where --- */
+/* --- sizes and places --- */
 
-/* Numbers of a source's own, apart from those for places and for velocities. */
+/* Random numbers of a source, separate for sizes, places and velocities. */
 enum { FOR_SIZES, FOR_PLACES, FOR_VELOCITIES, PURPOSES };
 static uint64_t seed_of(const gn_step_context *ctx, size_t k, int purpose) {
     return gn_random_bits(ctx->scene.seed ^ UINT64_C(0x736f75726365),
@@ -131,8 +131,8 @@ static double draw_radius(const gn_step_context *ctx, gn_dem *dem, size_t k) {
     return radius;
 }
 
-/* Uniform in the region; false: none was found in it, which takes a region that hardly fills its
- * box. */
+/* Draws a place uniformly in the region; false: none was found, which takes a region that hardly
+ * fills its box. */
 static bool draw_place(const gn_step_context *ctx, gn_dem *dem, size_t k, double x[3]) {
     double lower[3], upper[3];
     gn_source_state *s = &dem->flow.sources[k];
@@ -180,7 +180,7 @@ static gneiss_status keep(arrivals *list, const gn_arrival *a, gneiss_error *err
     return GNEISS_OK;
 }
 
-/* What the energy ledger begins with is stored at the start; later it comes in. */
+/* Energy at the start counts as stored, later as inflow. */
 static void book(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, const gn_arrival *a) {
     gn_source_state *s = &dem->flow.sources[a->source];
     const gn_source_def *d = &ctx->scene.sources[a->source];

@@ -17,10 +17,11 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Stress goes with span and thickness, and with the square of the height. */
+/* Relative tolerance: stress is proportional to span and thickness, and to the square of the
+ * height. */
 static const double tolerance = 0.01;
 
-/* Places along the beam of what an end holds, in all and on either side of their middle. */
+/* Positions along the beam of the parts of an end, in all and on either side of their middle. */
 typedef struct places {
     bool known; /* a wall has none along itself */
     double low, high, left_high, right_low;
@@ -60,7 +61,7 @@ static void visit_motion(const gn_solids *solids, size_t motion, size_t axis, co
         add(v, nodes->start[4 * (size_t)set->node[k] + axis], 0);
 }
 
-/* As far as it reaches from its reference point, however it is turned. */
+/* A body extends to its reach from its reference point, whatever its orientation. */
 static void visit_body(const gn_boundary *boundary, size_t body, size_t axis, const visit *v) {
     size_t first = 0;
     double reach = 0.0;
@@ -72,7 +73,7 @@ static void visit_body(const gn_boundary *boundary, size_t body, size_t axis, co
     add(v, boundary->bodies[body].start[axis], reach);
 }
 
-/* False: a wall is among its parts. */
+/* Returns false if a wall is among the parts of the end. */
 static bool visit_end(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       const gn_solids *solids, const gn_test_end *end, size_t axis,
                       const visit *v) {
@@ -106,10 +107,10 @@ static places places_of(const gn_step_context *ctx, const gn_dem *dem, const gn_
 
 typedef struct report {
     char *text;
-    size_t size, used, before; /* the place comes before what there is to say */
+    size_t size, used, before; /* the place precedes the message */
 } report;
 
-/* A number of the test and the range in which the scene has it. */
+/* Compares a number of the test with its range in the scene. */
 static void hold(report *r, const char *key, double given, double low, double high,
                  const char *what) {
     const double slack = tolerance * fmax(fabs(given), fabs(high));
@@ -124,7 +125,7 @@ static void hold(report *r, const char *key, double given, double low, double hi
     r->used += more > 0 ? (size_t)more : 0;
 }
 
-/* Across z in 2D; in 3D along the longer of the sides that the load is not along. */
+/* Axis of the beam: across the load in 2D; in 3D the longer of the sides across the load. */
 static size_t along_beam(const gn_step_context *ctx, const gn_solids *solids) {
     size_t axis = (size_t)ctx->scene.test.axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
     if (ctx->scene.dimension == 2) return 1 - axis;
@@ -144,7 +145,7 @@ static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_b
         hold(r, "load_span", t->given.load_span, fmax(0.0, apart), loads.high - loads.low,
              "the loads are apart by");
     if (!supports->known || r->used >= r->size) return;
-    /* A single particle, node or body has all of itself on one side. */
+    /* A single particle, node or body is on one side. */
     const bool two = isfinite(supports->left_high) && isfinite(supports->right_low);
     const double slack = tolerance * t->given.span,
                  low = two ? 0.5 * (supports->low + supports->right_low) : supports->low,
@@ -159,14 +160,13 @@ static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     r->used += more > 0 ? (size_t)more : 0;
 }
 
-/* Of particles that are not packed into a shape the surface is known to a radius. */
+/* The surface of particles that are not packed into a shape is known to a radius. */
 static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                         const char *key, double given, size_t axis, report *r) {
     const gn_pack_def *pack = &ctx->scene.specimen.pack;
     double low = gn_world_side(ctx, solids, (int)axis), high = low;
     if (!(given > 0.0)) return;
-    /* Of one body: of elements, or with the particles, which stick out a little where they fill it.
-     */
+    /* Extent of the elements, or of the body with its particles, which protrude a little. */
     if (ctx->scene.has_couple) {
         double side[3];
         gn_elements_sides(solids, side);
@@ -188,8 +188,8 @@ static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_
     hold(r, key, given, low, high, "the specimen has");
 }
 
-/* The deepest corner of an outline between the supports that is neither below nor above; below 0:
- * nothing is known of a notch. */
+/* Depth of the deepest corner of an outline between the supports that is neither lowest nor
+ * highest; below 0: nothing is known of a notch. */
 static double notch_of(const gn_step_context *ctx, size_t along, const places *supports) {
     const gn_scene *s = &ctx->scene;
     const gn_pack_def *pack = &s->specimen.pack;
@@ -231,7 +231,7 @@ bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     if (ctx->scene.dimension == 3)
         hold_extent(ctx, dem, solids, "thickness", t->given.thickness, 3 - axis - along, &r);
     const double notch = notch_of(ctx, along, &supports);
-    /* A shape without one may have it cut otherwise, as by groups that do not bond. */
+    /* A shape without a notch may have one cut by groups that do not bond. */
     const bool whole = notch == 0.0 && ctx->scene.has_elements && ctx->scene.elements.has_beam &&
                        !ctx->scene.has_specimen;
     if (notch > 0.0 || whole)

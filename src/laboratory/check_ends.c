@@ -1,4 +1,5 @@
-/* Whether the two ends of a test are what its kind asks for: one below, one above. */
+/* Checks of the two ends of a test at the start: one below and one above, walls at the specimen,
+ * sides of an oedometer. */
 #include "base/error.h"
 #include "base/point.h"
 #include "base/vec3.h"
@@ -22,8 +23,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Where an end is along a direction at the start: centres of particles, nodes, corners of bodies,
- * points of walls across it. */
+/* Positions of an end along a direction at the start: centres of particles, nodes, corners of
+ * bodies, points of walls across it. */
 typedef struct reach {
     double low, high, sum; /* m */
     size_t count;          /* 0: nothing is known */
@@ -127,7 +128,7 @@ static int64_t shared_nodes(const gn_solids *solids, size_t one, size_t other) {
     return shared;
 }
 
-/* What is in both ends is loaded by neither against the other. */
+/* A particle or node in both ends is loaded by neither. */
 static gneiss_status check_shared(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_solids *solids, const char *lower, const char *upper,
                                   gneiss_error *error) {
@@ -154,7 +155,7 @@ static bool at_one_height(const gn_step_context *ctx, int way, const reach *lowe
     return fabs(middle(upper) - middle(lower)) < (ctx->upper[way] - ctx->lower[way]) / 3.0;
 }
 
-/* Neither is above the other, and both are in the same outer third of the specimen. */
+/* Neither end is above the other, and both are in the same outer third of the specimen. */
 static bool on_one_side(const gn_step_context *ctx, int way, const reach *lower,
                         const reach *upper) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0;
@@ -163,7 +164,7 @@ static bool on_one_side(const gn_step_context *ctx, int way, const reach *lower,
            ((l < low + third && u < low + third) || (l > high - third && u > high - third));
 }
 
-/* Below everything, or above it. */
+/* Tells whether an end is below or above the whole specimen. */
 static bool beside(const gn_step_context *ctx, int way, const reach *r) {
     return r->bodies && (r->high <= ctx->lower[way] || r->low >= ctx->upper[way]);
 }
@@ -171,8 +172,8 @@ static bool beside(const gn_step_context *ctx, int way, const reach *r) {
 /* Bits of a face: the lower one, the upper one. */
 enum { LOWER_FACE = 1, UPPER_FACE = 2 };
 
-/* The faces across a direction that a part of an end is at: in the outer third, and as far out as
- * the outermost particles there, or beyond all of them. */
+/* Faces across a direction at which a part of an end is: in the outer third, and as far out as the
+ * outermost particles there, or beyond all of them. */
 static int face_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                    const gn_solids *solids, int way, const char *name) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0,
@@ -185,7 +186,7 @@ static int face_of(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
            (r.high >= high - slack && r.low > high - third ? UPPER_FACE : 0);
 }
 
-/* All parts of both ends are at the same face: nothing is between them. */
+/* All parts of both ends are at the same face, with nothing between them. */
 static bool on_one_face(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids, int way) {
     const gn_test_end *ends[] = {&ctx->scene.test.lower, &ctx->scene.test.upper};
@@ -196,9 +197,8 @@ static bool on_one_face(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return faces != 0;
 }
 
-/* The ends of a general test may bend a beam across themselves, which is clamped here and pushed
- * there, or pull something out of what it sits in: these are only refused where they are upside
- * down, at one face or press from one side alone. */
+/* The ends of a general test may bend a beam across themselves or pull an inclusion out: they are
+ * only refused if they are upside down, at one face, or press from one side alone. */
 static const char *wrong(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          const gn_solids *solids, int way, const reach *lower, const reach *upper) {
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
@@ -215,7 +215,7 @@ static const char *wrong(const gn_step_context *ctx, const gn_dem *dem, const gn
     return NULL;
 }
 
-/* Whether a wall beside the ends lies on the specimen and presses there, or stands. */
+/* Tells whether a wall beside the ends lies on the specimen and presses there, or is fixed. */
 static bool wall_bears(const gn_step_context *ctx, const gn_dem *dem, size_t wall, double sense) {
     const gn_scene *s = &ctx->scene;
     const gn_wall_def *def = &s->walls[wall];
@@ -225,7 +225,7 @@ static bool wall_bears(const gn_step_context *ctx, const gn_dem *dem, size_t wal
     return def->servo.active || fabs(def->point[way] - face) < gn_dem_mean_radius(dem);
 }
 
-/* Of either end that nothing holds or presses; particles alone meet walls. */
+/* An end that is neither held nor pressed can be loaded by walls; only particles touch walls. */
 static bool walls_bear(const gn_step_context *ctx, const gn_dem *dem) {
     bool below = gn_scene_end_has_normal_load(&ctx->scene, &ctx->scene.test.lower),
          above = gn_scene_end_has_normal_load(&ctx->scene, &ctx->scene.test.upper);
@@ -236,7 +236,8 @@ static bool walls_bear(const gn_step_context *ctx, const gn_dem *dem) {
     return below && above;
 }
 
-bool gn_shear_is_loose(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {
+bool gn_shear_is_unsupported(const gn_step_context *ctx, const gn_dem *dem, char *text,
+                             size_t size) {
     const gn_test *t = &ctx->scene.test;
     if (!gn_scene_shear_ends_may_separate(&ctx->scene) || walls_bear(ctx, dem)) return false;
     snprintf(text, size,
@@ -264,16 +265,16 @@ gneiss_status gn_ends_check(const gn_step_context *ctx, const gn_dem *dem,
     return what ? fail(ctx, way, &lower, &upper, what, error) : GNEISS_OK;
 }
 
-/* How walls that are ends of a test stand to its specimen at the start. */
+/* Walls that are ends of a test, relative to the specimen at the start. */
 
-/* A flat of a disc takes little of it: one of 30 degrees 1.7 % of the diameter. */
+/* A flat removes little of a disc: one of 30 degrees 1.7 % of the diameter. */
 static const double deep = 0.025, far = 0.1, tilted = 2.0; /* shares of the extent, degrees */
 
 static int way_of(const gn_step_context *ctx) {
     return (int)ctx->scene.test.axis;
 }
 
-/* Walls of an end: their mean normal along the axis, over its length; 1: there are none. */
+/* Mean normal of the walls of an end along the axis, over its length; 1: there are none. */
 static double cosine_of(const gn_step_context *ctx, const gn_test_end *end) {
     double sum[3] = {0.0};
     size_t walls = 0;
@@ -286,14 +287,15 @@ static double cosine_of(const gn_step_context *ctx, const gn_test_end *end) {
     return walls && length > 0.0 ? fmin(1.0, fabs(sum[way_of(ctx)]) / length) : 1.0;
 }
 
-/* m by which a wall is inside the specimen, below 0 outside of it. */
+/* Depth, m, of a wall inside the specimen, below 0 outside of it. */
 static double depth_of(const gn_step_context *ctx, const gn_wall_def *wall) {
     const int way = way_of(ctx);
     return wall->normal[way] > 0.0 ? wall->point[way] - ctx->lower[way]
                                    : ctx->upper[way] - wall->point[way];
 }
 
-/* What falls, comes in, is set or is brought by a servo gets there by itself. */
+/* A specimen that falls or flows in, and a wall with a stage or a servo, may come into contact
+ * later. */
 static bool may_come(const gn_step_context *ctx, const gn_wall_def *wall) {
     const gn_scene *s = &ctx->scene;
     return wall->servo.active || s->source_count || gn_dot3(s->gravity, s->gravity) > 0.0;
@@ -336,9 +338,9 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     char doubt[240];
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     if (!d->ends || d->sign > 0 || d->beam) return false;
-    /* What begins loose is another specimen once stages have settled and bonded it. */
+    /* An unbonded beginning becomes another specimen once stages have bonded it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return false;
-    /* Of particles beside elements either may be what is tested. */
+    /* With particles beside elements either may be the specimen. */
     if (!dem->particles.soa.count == !solids->count) return false;
     for (int e = 0; e < 2; e++) {
         if (!doubt_of_end(ctx, dem, ends[e], doubt, sizeof doubt)) continue;
@@ -350,9 +352,10 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     return false;
 }
 
-/* Whether an oedometer holds its specimen at both sides, where the specimen is. */
+/* Tells whether an oedometer has walls at both sides of its specimen. */
 
-/* What is farther from the specimen than this share of its width, or a particle, holds nothing. */
+/* A wall farther from the specimen than this share of its width, or than a particle, does not hold
+ * it. */
 static const double near_by = 0.1;
 
 static double reach_beside(const gn_step_context *ctx, const gn_dem *dem, int a) {
@@ -446,7 +449,7 @@ gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids,
                              gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
-    /* Stages may bring sides closer; elements beside particles may be what holds them. */
+    /* Stages may move sides closer; elements beside particles may be the sides. */
     if (!gn_scene_test(s)->sides_stand || s->stage_count || s->source_count ||
         (s->has_specimen && solids->count))
         return GNEISS_OK;

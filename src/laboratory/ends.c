@@ -1,7 +1,6 @@
-/* The two ends of a test: what loads the specimen there and how far it went. An end may have
- * several parts (two supports under a beam); their forces add up, their travel is the mean over the
- * parts.
- */
+/* The two ends of a test: their forces, their travel, their first contact with the specimen, and
+ * the control of their motion. An end may have several parts (two supports under a beam): forces
+ * are summed, travels averaged. */
 #include "laboratory/ends.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"
@@ -24,7 +23,7 @@
 #include <math.h>
 #include <string.h>
 
-/* From where it stood at the start, along the axis. */
+/* Displacement of a part since the start along the axis. */
 static double part_travel(const gn_world *w, const char *name, int axis) {
     const gn_scene *s = &w->ctx.scene;
     int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
@@ -46,8 +45,8 @@ static double end_travel(const gn_world *w, const gn_test_end *end, int axis) {
     return sum / (double)end->count;
 }
 
-/* A wall along the sheared plane that is not moved along it lies on what is sheared, as a lid with
- * a servo does: it presses there and has no part in how far that went. */
+/* A wall along the sheared plane that does not move along it, as a lid with a servo, only presses
+ * and does not count for the shear displacement. */
 static bool only_presses(const gn_step_context *ctx, const char *name, int axis) {
     const int wall = gn_scene_find_wall(&ctx->scene, name);
     if (wall < 0 || !gn_scene_test(&ctx->scene)->sheared) return false;
@@ -55,7 +54,7 @@ static bool only_presses(const gn_step_context *ctx, const char *name, int axis)
     return !def->motion.velocity[axis].count && fabs(def->normal[axis]) < 0.1;
 }
 
-/* Of an end of the test along its axis; of nothing but such walls all count. */
+/* Travel of an end of the test along its axis; if it has only such walls, all count. */
 static double loaded_travel(const gn_world *w, const gn_test_end *end) {
     const int axis = (int)w->ctx.scene.test.axis;
     double sum = 0.0, count = 0.0;
@@ -114,7 +113,7 @@ void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
     if (!gn_scene_end_drives(&w->ctx.scene, &w->ctx.scene.test.upper)) *upper = *lower;
 }
 
-/* Whether a part can bear or load along an axis. */
+/* Tells whether a part can carry a load along an axis. */
 static bool acts_along(const gn_scene *s, const char *name, int axis) {
     int set = gn_scene_find_set(s, name);
     if (gn_scene_find_wall(s, name) >= 0 || gn_scene_find_body(s, name) >= 0 || set < 0)
@@ -143,7 +142,7 @@ double gn_ends_dilation(const gn_world *w) {
     return end_travel(w, &t->upper, normal) - end_travel(w, &t->lower, normal);
 }
 
-/* The place farthest along `sense` (+1, -1) times the normal, times `sense`; -infinity: not known
+/* Largest position along `sense` (+1, -1) times the normal, times `sense`; -infinity: not known
  * (yet). */
 static double body_reach(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                          double sense) {
@@ -171,7 +170,7 @@ static double motion_reach(const gn_step_context *ctx, const gn_solids *solids, 
                            double sense) {
     double reach = -INFINITY;
     const gn_particles *nodes;
-    if (ctx->scene.has_specimen) return reach; /* particles are what is sheared */
+    if (ctx->scene.has_specimen) return reach; /* the particles are the sheared specimen */
     const gn_fem_set *set = gn_elements_motion_set(solids, motion, &nodes);
     for (size_t k = 0; k < set->count; k++)
         reach = fmax(
@@ -212,19 +211,21 @@ double gn_ends_free(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
     return gap > least && gap < height ? gap : height;
 }
 
-/* Where the ends of a test begin away from the specimen, their way through the air is no strain. */
+/* Ends that begin away from the specimen: their approach is no strain. */
 
-/* Nearer than this share of a mean radius (without particles, of the length) an end touches. */
+/* Distance from which an end touches, as a share of a mean radius (without particles, of the
+ * length). */
 static const double touching = 1e-3, touching_elements = 1e-6;
 
-/* m from the specimen to a wall that stands across the axis. `sense` +1: the lower end. */
+/* Gap, m, from the specimen to a wall across the axis. `sense` +1: the lower end. */
 static double wall_gap(const gn_step_context *ctx, const gn_wall_def *wall, double sense,
                        double surface) {
     const int axis = (int)ctx->scene.test.axis;
     return sense * wall->normal[axis] > 0.99 ? sense * (surface - wall->point[axis]) : 0.0;
 }
 
-/* m to the plane across the axis that touches a body, so that it is no more than the gap. */
+/* Gap, m, to the plane across the axis that touches a body, so that it is never above the real
+ * one. */
 static double body_gap(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                        double sense, double surface) {
     const int axis = (int)ctx->scene.test.axis;
@@ -240,7 +241,7 @@ static double body_gap(const gn_step_context *ctx, const gn_boundary *boundary, 
     return gap;
 }
 
-/* The least of all parts: sets and motions are in the specimen. */
+/* Smallest gap of all parts; sets and motions are in the specimen. */
 static double end_gap(const gn_step_context *ctx, const gn_boundary *boundary,
                       const gn_solids *solids, const gn_test_end *end, double sense) {
     const gn_scene *s = &ctx->scene;
@@ -255,12 +256,13 @@ static double end_gap(const gn_step_context *ctx, const gn_boundary *boundary,
         if (body >= 0) part = body_gap(ctx, boundary, (size_t)body, sense, surface);
         gap = fmin(gap, part);
     }
-    if (gap > 0.0 && s->has_specimen && !s->specimen_given) return INFINITY; /* yet to come in */
+    if (gap > 0.0 && s->has_specimen && !s->specimen_given)
+        return INFINITY; /* particles flow in later */
     return gap;
 }
 
-/* m: of how much it may be away and still count as touching. Loose grains fill the space between
- * their walls: they touch nothing, and the nearest wall no less than each other. */
+/* Largest gap, m, that counts as contact. Loose grains fill the space between their walls: their
+ * gap to the nearest wall is not smaller than that to each other. */
 static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
     const double count = (double)dem->particles.soa.count, d = (double)ctx->scene.dimension;
     if (!(count > 0.0))
@@ -292,12 +294,13 @@ void gn_ends_begin(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
                               .gap = (away[0] ? lower : 0.0) + (away[1] ? upper : 0.0)};
 }
 
-void gn_ends_look(gn_world *w, bool still) {
+void gn_ends_note_contact(gn_world *w, bool still) {
     gn_approach *a = &w->approach;
     double lower, upper;
     if (a->away[0] == 0.0 && a->away[1] == 0.0) return;
     gn_ends_forces(w, &lower, &upper);
-    /* Both in one step: what one end has thrown off flies to the other. */
+    /* Both ends count in one step, because a specimen that one end has pushed off moves to the
+     * other. */
     if ((a->away[0] != 0.0 && lower == 0.0) || (a->away[1] != 0.0 && upper == 0.0)) return;
     a->away[0] = a->away[1] = 0.0;
     a->way = gn_ends_deflection(w);
@@ -309,10 +312,10 @@ double gn_ends_shortening(const gn_world *w) {
     return a->away[0] != 0.0 || a->away[1] != 0.0 ? 0.0 : gn_ends_deflection(w) - a->way;
 }
 
-/* Steps from one look to the next. */
+/* Steps between two readings. */
 enum { LOOK_INTERVAL = 10 };
 
-/* Extension across the axis positive. */
+/* Strain across the axis, extension positive. */
 static double lateral_strain(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              const gn_gauge *gauge) {
     double gradient[9], g[9], sum = 0.0;
@@ -334,29 +337,29 @@ static double rate(const gn_control *c) {
     return c->opening > 0.0 ? c->opening : c->lateral_strain;
 }
 
-/* At full speed at the start: both readings begin at 0. */
+/* The control starts at full speed: both readings begin at 0. */
 void gn_control_create(gn_step_context *ctx) {
     const gn_control *c = &ctx->scene.test.control;
     ctx->machine = (gn_machine){.wanted = rate(c) * c->response, .factor = 1.0};
 }
 
-/* What is wanted grows at the rate, but is never ahead by more than the motion makes up at full
- * speed: a reading that lags behind while all is elastic finds no backlog to jump to when it lets
- * go. The factor is the distance over that, so it is 1 as long as the reading lags, falls as it
- * comes near, and is bounded both ways whatever the reading does. */
-void gn_control_look(gn_world *w) {
+/* The target grows at the rate, but is never ahead of the reading by more than the motion makes up
+ * at full speed: a reading that lags during elastic loading leaves no backlog for the moment of
+ * failure. The factor is the distance over that, so it is 1 while the reading lags, falls as it
+ * approaches, and is bounded both ways for any reading. */
+void gn_control_update(gn_world *w) {
     const gn_control *c = &w->ctx.scene.test.control;
     gn_machine *m = &w->ctx.machine;
     if (!w->ctx.scene.test.has_control || w->ctx.step % LOOK_INTERVAL != 0) return;
     const double now = reading(w), most = rate(c) * c->response;
-    if (isnan(now)) return; /* too little is left of the specimen to be read */
+    if (isnan(now)) return; /* too little of the specimen is left for a reading */
     m->wanted = fmin(m->wanted + rate(c) * (w->ctx.time - m->looked), now + most);
     m->looked = w->ctx.time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));
 }
 
-/* Tells whether a particle counts for the travel of a set: if the set prescribes the velocity,
- * those whose velocity it is, otherwise all that were selected at the start. */
+/* Tells whether a particle counts for the travel of a set: if the set prescribes the velocity, the
+ * particles that take it from the set, else all that were selected at the start. */
 static bool travels(const gn_step_context *ctx, const gn_dem *dem, size_t set, int axis, size_t p) {
     const gn_particles *q = &dem->particles;
     const gn_set_def *s = &ctx->scene.sets[set];

@@ -22,8 +22,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* m2: the mean section across an axis of the particles' volume, and of the body that they fill a
- * part of (`couple`) as much as its sides are longer than theirs. */
+/* Mean section, m2, across an axis of the particles' volume, enlarged for the body of which they
+ * fill a part (`couple`) by the ratio of the sides. */
 static double mean_section(const gn_step_context *ctx, const gn_solids *solids, int axis) {
     double section = ctx->volume / (ctx->upper[axis] - ctx->lower[axis]);
     for (int a = 0; ctx->scene.has_couple && a < (int)ctx->scene.dimension; a++)
@@ -31,15 +31,15 @@ static double mean_section(const gn_step_context *ctx, const gn_solids *solids, 
     return section;
 }
 
-/* m2: the section of the area or the diameter of the scene; 0: neither is given. */
+/* Section, m2, from the area or the diameter of the scene; 0: neither is given. */
 static double given_section(const gn_step_context *ctx) {
     const double area = ctx->scene.test.given.area, d = ctx->scene.test.given.diameter;
     if (area > 0.0) return area;
     return ctx->effects & GN_FX_SPACE ? 0.25 * M_PI * d * d : d;
 }
 
-/* m: the extent along the axis; the distance of the ends for loose grains, which fill the space
- * between them. */
+/* Extent, m, along the axis; for loose grains the distance of the ends, between which they fill the
+ * space. */
 static double prism_length(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const gn_solids *solids) {
     double lower, upper;
@@ -59,8 +59,8 @@ static void add_prism(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
         ctx->scene.has_couple ? mean_section(ctx, solids, x->axis) : ctx->volume / x->length;
 }
 
-/* Between periodic sides the ends leave what is sheared between them, over all of the box. Other
- * ends may hold most of the height, of which the section is the mean all the same. */
+/* Between periodic sides the sheared specimen lies between the ends, over the whole box. Other ends
+ * may hold most of the height, but the section is the mean one all the same. */
 static void add_sheared(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids, gn_tested_specimen *x) {
     const int normal = (int)ctx->scene.test.normal;
@@ -97,7 +97,7 @@ const char *gn_test_area_source(const gn_step_context *ctx) {
 
 /* --- the stress in the middle of a disc --- */
 
-/* The middle of the disc, its radius, and of what is in it. */
+/* Centre and radius of a region. */
 typedef struct region {
     double centre[2], radius;
 } region;
@@ -153,7 +153,7 @@ static void add_contacts(const gn_step_context *ctx, const gn_dem *dem, const re
     }
 }
 
-/* Without memory for it the reading is not a number. */
+/* Without memory the reading is not a number. */
 static bool add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                      const region *r, const gn_contacts *list, double sigma[9]) {
     gn_contacts part = {0};
@@ -181,11 +181,11 @@ void gn_test_centre_stress(const gn_step_context *ctx, const gn_dem *dem,
     for (int k = 0; k < 9; k++) sigma[k] = held ? sigma[k] / volume : NAN;
 }
 
-/* A surface is where it is found to a radius; what is off by less is a matter of taste. */
+/* Relative tolerances: surfaces are known to a radius; larger deviations are reported, and refused
+ * beyond the second. */
 static const double tolerance = 0.1, nonsense = 2.0;
 
-/* A number of a test, and what of it the specimen has, from the least that it may be taken for to
- * the most. */
+/* A number of a test and the range in which the specimen has it. */
 typedef struct size_given {
     const char *key, *unit;
     double given, low, high;
@@ -197,7 +197,7 @@ static double extent(const gn_step_context *ctx, int axis) {
     return ctx->upper[axis] - ctx->lower[axis];
 }
 
-/* Of particles that are not packed into a shape the surface is known to a radius. */
+/* The surface of particles that are not packed into a shape is known to a radius. */
 static size_given length_along(const gn_step_context *ctx, const gn_dem *dem, const char *key,
                                double given, int axis) {
     size_given s = {key, "m", given, extent(ctx, axis), extent(ctx, axis)};
@@ -216,15 +216,15 @@ static double solid_volume(const gn_step_context *ctx, const gn_dem *dem) {
     return sum;
 }
 
-/* A group of its own may cut a notch into any shape. */
+/* A separate group may cut a notch into any shape. */
 static bool cut_by_groups(const gn_scene *s) {
     bool cut = false;
     for (size_t k = 0; k < s->set_count; k++) cut = cut || s->sets[k].group >= 0;
     return cut;
 }
 
-/* The section across an axis: no more than that of the box about it. Of what is the same all along
- * it is the mean one; of others, which may have a waist, nothing is known of the least. */
+/* Section across an axis: at most that of the bounding box. Of prismatic shapes it is the mean one;
+ * of others, which may have a waist, no lower limit is known. */
 static size_given section_across(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_solids *solids, int axis) {
     const gn_test *t = &ctx->scene.test;
@@ -254,9 +254,9 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     size_t count = 0;
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     const int way = (int)(d->sheared ? t->normal : t->axis);
-    /* What begins loose is another specimen once stages have settled and bonded it. */
+    /* An unbonded beginning becomes another specimen once stages have bonded it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return 0;
-    /* Of particles beside elements either may be what is tested. */
+    /* With particles beside elements either may be the specimen. */
     if (!dem->particles.soa.count == !solids->count) return 0;
     if (d->disc) {
         if (t->given.diameter > 0.0)
@@ -268,7 +268,7 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     if (!(d->prism || d->sheared) || ctx->scene.source_count) return 0;
     if (t->given.length > 0.0 && !gn_scene_periodic_along(&ctx->scene, way)) {
         sizes[count] = length_along(ctx, dem, "length", t->given.length, way);
-        /* Or what the ends leave between them, of sets to a radius at each side. */
+        /* Alternatively the distance between the ends, of sets to a radius at each side. */
         const double gap = d->sheared ? gn_ends_gap(ctx, dem, boundary, solids) : INFINITY,
                      sides = dem->particles.soa.count ? 2.0 * gn_dem_mean_radius(dem) : 0.0;
         sizes[count].low = fmin(sizes[count].low, fmax(0.0, gap - sides));
@@ -313,8 +313,8 @@ bool gn_geometry_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return any;
 }
 
-/* A bar that the ends of a general test bend, or something that is pulled out of a block, has
- * lengths and areas of its own, as a sheared specimen has: gn_geometry_doubts warns of these. */
+/* A bar in bending, a pull-out test and a sheared specimen have lengths and areas of their own:
+ * gn_geometry_doubts warns of these. */
 gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, const gn_solids *solids,
                                 gneiss_error *error) {
@@ -363,7 +363,7 @@ static const double pointed = 0.2;
 typedef struct slabs {
     size_t count;
     double lower, thick;       /* m, along the axis */
-    double volume[SLABS_MOST]; /* m3 of solid */
+    double volume[SLABS_MOST]; /* m3 */
 } slabs;
 
 /* Volume of a ball (2D: disc) below the height h over its centre. */
@@ -382,7 +382,7 @@ static void add_ball(slabs *s, int dimension, double x, double r) {
     }
 }
 
-/* As if it had the same section all along. */
+/* Adds an element as if its section were uniform. */
 static void add_element(slabs *s, double low, double high, double volume) {
     for (size_t k = 0; k < s->count; k++) {
         const double from = s->lower + (double)k * s->thick,
@@ -406,7 +406,7 @@ static void add_elements(const gn_solids *solids, int axis, slabs *s) {
     }
 }
 
-/* m: the innermost place of an end that holds a part of the specimen. `sense` +1: the lower end. */
+/* Innermost position, m, of an end that holds a part of the specimen. `sense` +1: the lower end. */
 static double inner(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_test_end *end, double sense, double surface) {
     const int axis = (int)ctx->scene.test.axis;
@@ -464,14 +464,15 @@ static double half_width(const slabs *s, size_t k, int dimension, double solid) 
     return dimension == 2 ? 0.5 * area : sqrt(area / M_PI);
 }
 
-/* Tangent of the angle to the axis of the cone within which stress spreads into a wider part. A
- * plate twice as wide beside a waist of 0.4 of its length is less stiff than a slender bar by 0.11
- * of finite elements and 0.22 of 1600 discs, a cylinder of spheres with a waist of 0.55 by 0.35. */
+/* Tangent of the angle between the axis and the cone within which stress spreads into a wider part.
+ * A plate twice as wide beside a waist of 0.4 of its length is less stiff than a slender bar by
+ * 0.11 of finite elements and 0.22 of 1600 discs, a cylinder of spheres with a waist of 0.55 by
+ * 0.35. */
 static const double spreads_elements = 0.4, spreads_particles = 0.2;
 
-/* Share by which the integral of 1/A is too small: corners beside the cone bear nothing. Where the
- * section changes more slowly than that, shear stresses add their energy, E/G c (slope)^2 with E/G
- * of 2.5 and c of 1/3 in the plane and 1/2 round the axis. */
+/* Share by which the integral of 1/A is too small: corners beside the cone carry nothing. Where the
+ * section changes more slowly, shear stresses add their energy, E/G c (slope)^2 with E/G of 2.5 and
+ * c of 1/3 in the plane and 1/2 around the axis. */
 static double spread_of(const slabs *s, int dimension, double solid, double spreads) {
     const double shear = 2.5 / (dimension == 2 ? 3.0 : 2.0);
     double slender = 0.0, real = 0.0;

@@ -1,7 +1,7 @@
-/* Only outer particles have a weight in the average strain, and those are the ones that chips and
- * debris take along: a single one that has flown off by the size of the specimen is a strain of
- * some per cent. So the gauge is made anew of what is left, with the places of the start: the mean
- * displacement gradient of what still is the specimen. */
+/* Only outer particles have a weight in the average strain, and those are the first to detach as
+ * chips and debris: a single one that has moved by the size of the specimen adds a strain of some
+ * per cent. So the gauge is rebuilt from the rest, with the positions of the start: the mean
+ * displacement gradient of the remaining specimen. */
 #include "laboratory/strain_gauge.h"
 
 #include "base/ball.h"
@@ -19,11 +19,11 @@
 
 #include <string.h>
 
-/* Steps between looks; as of the membrane. */
+/* Steps between checks, as for the membrane. */
 enum { LOOK_INTERVAL = 100 };
 
-/* world.belongs: hardly bonded at the start, so that it never counted; in a small body of its
- * own as yet; of the specimen; came off it or was removed, for good. */
+/* Values of gauge.belongs: hardly bonded at the start, so that it never counted; in a small
+ * separate body; part of the specimen; detached or removed, permanently. */
 enum { LOOSE, APART, BELONGS, LEFT };
 
 static gneiss_status no_room(size_t count, gneiss_error *error) {
@@ -50,7 +50,7 @@ gneiss_status gn_gauge_create(const gn_step_context *ctx, gn_dem *dem, gn_gauge 
     return status;
 }
 
-/* Whether bonds and contacts alone tell what holds together. */
+/* Tells whether bonds and contacts alone define the bodies. */
 static bool tells_bodies(const gn_step_context *ctx, const gn_gauge *gauge) {
     return gauge->count && !ctx->scene.has_couple;
 }
@@ -108,7 +108,7 @@ static bool has_weight_that_left(const gn_dem *dem, const gn_gauge *gauge) {
     return false;
 }
 
-/* Who counts; whether these are half of what did at the start. */
+/* Marks the particles that count; tells whether they are at least half of those of the start. */
 static bool find_rest(const gn_step_context *ctx, const gn_dem *dem, const gn_gauge *gauge,
                       uint8_t *counts) {
     const gn_particles *q = &dem->particles;
@@ -136,8 +136,8 @@ static gneiss_status renew(const gn_step_context *ctx, gn_dem *dem, gn_gauge *ga
     return status;
 }
 
-gneiss_status gn_gauge_look(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
-                            gneiss_error *error) {
+gneiss_status gn_gauge_update(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
+                              gneiss_error *error) {
     if (!gauge->weights.count || ctx->step % LOOK_INTERVAL != 0 || !gn_world_has_loosened(dem))
         return GNEISS_OK;
     mark_off(ctx, dem, gauge);

@@ -1,4 +1,4 @@
-/* Whose displacements tell the average strain of the specimen, while a run goes on. */
+/* The particles whose displacements give the average strain of the specimen during a run. */
 #ifndef GN_LABORATORY_STRAIN_GAUGE_H
 #define GN_LABORATORY_STRAIN_GAUGE_H
 
@@ -17,22 +17,23 @@ struct gn_gauge {
     size_t count;     /* 0: without bonds */
 };
 
-/* The gauge of the start (gn_strain_gauge_create). Writes the gauge and world.belongs alone. */
+/* Makes the gauge of the start (gn_strain_gauge_create). Writes the gauge alone. */
 gneiss_status gn_gauge_create(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                               gneiss_error *error);
 
-/* Once it is there, with contacts known: pieces that lie apart from the start were never of the
- * specimen's, so do not come off it. */
+/* Records, once contacts are known, the pieces that are separate from the start: they never
+ * belonged to the specimen and do not detach from it. */
 void gn_gauge_note_apart(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge);
 
-/* Every 100 steps: what has come off a bonded specimen counts no longer, for good; of what is left
- * there is a new gauge, with the places of the start. None once less than half of the volume is
- * left. Before anything has broken, been dissolved or removed nothing has come off. Beside finite
- * elements, which may hold what looks apart, only what was removed has left. */
-gneiss_status gn_gauge_look(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
-                            gneiss_error *error);
+/* Every 100 steps: particles detached from a bonded specimen are left out permanently, and the
+ * gauge is rebuilt from the rest, with the positions of the start; there is none once less than
+ * half of the volume is left. Before any bond has broken, been dissolved or removed nothing has
+ * detached. Beside finite elements, which may hold separate parts together, only removed particles
+ * are left out. */
+gneiss_status gn_gauge_update(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
+                              gneiss_error *error);
 
-/* The same at once after particles were removed, of these alone. */
+/* Leaves out removed particles at once. */
 gneiss_status gn_gauge_leave(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                              gneiss_error *error);
 

@@ -185,7 +185,7 @@ struct gn_dem {
                           * within a hundredth of the step or below it; else INFINITY */
     double listed_holds; /* s: step of the particles alone at which all that is listed holds */
     gn_resolution resolution;      /* the shortest so far */
-    bool debris_suspected;         /* while it is looked at because the ledger misses something */
+    bool debris_reported;          /* while it is looked at because the ledger misses something */
     bool debris_read;              /* the step is measured because of debris */
     int64_t broken_without_debris; /* bonds that had broken when there was none (debris.c) */
     gn_depth depth;                /* the furthest so far */

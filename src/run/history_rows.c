@@ -174,7 +174,7 @@ gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) 
     double *row = calloc(h->column_count + 1, sizeof *row);
     if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
     note_passed(w);
-    gn_ends_look(w, true);
+    gn_ends_note_contact(w, true);
     put_row(w, GN_BEFORE_STEP, row);
     put_row(w, GN_AFTER_STEP, row);
     gneiss_status status = check_row(w, h, row, error);

@@ -651,7 +651,7 @@ gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     bool save = status == GNEISS_ERROR_MEMORY;
     status = also_write(status, gn_checkpoint_save, run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
-    if (status == GNEISS_OK) status = gn_world_last_look(&run->world, error);
+    if (status == GNEISS_OK) status = gn_world_update_reported_limit(&run->world, error);
     status = also_write(status, write_results, run, error);
     return gn_run_rescue(run, save, status, error);
 }

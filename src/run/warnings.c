@@ -422,7 +422,7 @@ static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     char text[GNEISS_MESSAGE_SIZE];
     if (gn_run_staged(run) && w->stages.now + 1 < w->ctx.scene.stage_count) return;
-    if (!gn_shear_is_loose(&w->ctx, &w->dem, text, sizeof text)) return;
+    if (!gn_shear_is_unsupported(&w->ctx, &w->dem, text, sizeof text)) return;
     gn_warning *to = add(list, "no_normal_stress");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }

@@ -1,8 +1,9 @@
-/* A stable step need not resolve a collision. What particles can meet that they were not bonded to
- * at the start has to be met in enough steps: of those contacts the shortest sets the step. Crowds
- * that no dashpot calms get more. What was bonded keeps its step, but for four cases: half as many
- * steps where it meets a wall that is stiffer than its bonds, or where bonds that soften open and
- * close undamped, all of them once it has come apart, and of debris that is wedged (debris.c). */
+/* A stable step need not resolve a collision. Contacts of particles that were not bonded to each
+ * other at the start have to last a number of steps, and the shortest of them limits the step.
+ * Dense groups without dashpots need more steps. Bonded particles keep their step except in four
+ * cases: half of the steps on a wall that is stiffer than their bonds, or where softening bonds
+ * open and close undamped; all steps once the specimen has disintegrated, and for wedged debris
+ * (debris.c). */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -38,8 +39,8 @@ static double radius(const gn_dem *dem, size_t p) {
     return dem->particles.pos[4 * p + 3];
 }
 
-/* Whether a particle sits in a pore: at least so many bonded ones as can hold it are nearer to it
- * than its radius. */
+/* Tells whether a particle sits in a pore: as many bonded ones as can hold it are closer than its
+ * radius. */
 static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
     const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
@@ -52,9 +53,9 @@ static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     return near >= needed;
 }
 
-/* Without a bond at the start, unless its cohesive group is bonded for the greater part and it sits
- * in a pore: what fell short of a bond in a specimen is part of the specimen. (Pores are looked for
- * one by one: of more than MANY pairs all count as such.) */
+/* A particle without a bond at the start is loose, unless most of its cohesive group is bonded and
+ * it sits in a pore: a particle of a specimen that just missed its bonds belongs to it. (Pores are
+ * searched pair by pair; above MANY pairs all such particles count as part of the specimen.) */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const double MANY = 1e9;
     const gn_particles *q = &dem->particles;
@@ -87,7 +88,7 @@ static bool loose(const gn_dem *dem, size_t p) {
     return dem->loose[dem->particles.id[p]];
 }
 
-/* 1/kg; 0 of what cannot give way. One that is held along some axes only counts as free. */
+/* 1/kg; 0 of a particle that cannot move. One that is held along some axes only counts as free. */
 static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
     unsigned all = ctx->effects & GN_FX_SPACE ? 7 : 3;
@@ -96,25 +97,27 @@ static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t
     return held ? 0.0 : q->vel[4 * p + 3];
 }
 
-/* What the bonds tell. */
+/* Properties of particles that follow from their bonds. */
 typedef struct ties {
     double *stiffest; /* N/m [particles]: of the bonds of each, broken or not; NULL: none */
-    double *inverse;  /* 1/kg [particles]: how each gives way */
-    bool apart;       /* most particles that had bonds have lost them all */
+    double *inverse;  /* 1/kg [particles]: inverse masses */
+    bool apart;       /* most particles with bonds have lost all of them */
     uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
-    double share;     /* of the steps that what is bonded has to last; 0: needs only be stable */
+    double share;     /* of the steps that contacts of bonded particles have to last; 0: stability
+                       * suffices */
 } ties;
 
-/* A damaged bond is softer where it pulls than where it pushes: within a body that holds, any of
- * them opens and closes like a contact at every swing. A part of a step is right up to (w dt)^2 of
- * 1/2, which half of the steps keep to (0.4); at the 0.9 of the limit that lattices take (1.4) the
- * energy of a body that swings on undamped was wrong by 2 to 15 %. Close packings have that many
- * steps by themselves. */
+/* A damaged bond is softer in tension than in compression: within an intact body any of them
+ * opens and closes like a contact at every oscillation. The partial step is accurate up to (w
+ * dt)^2 of 1/2, which half of the steps ensure (0.4); at 0.9 of the limit of lattices (1.4) the
+ * energy of a body that oscillates undamped was wrong by 2 to 15 %. Close packings have that
+ * many steps anyway. */
 static double share_of_bonds(const gn_step_context *ctx, const gn_dem *dem) {
-    return ctx->effects & GN_FX_SOFTENING && gn_world_rings(ctx, dem) ? 0.5 : 0.0;
+    return ctx->effects & GN_FX_SOFTENING && gn_world_is_underdamped(ctx, dem) ? 0.5 : 0.0;
 }
 
-/* `adrift`: who has lost all bonds that it had, or all but one, on which it hangs. */
+/* Marks in `adrift` the particles that have lost all of their bonds, or all but one. Returns
+ * whether most have lost all. */
 static bool come_apart(const gn_dem *dem, const double *stiffest, uint8_t *adrift) {
     size_t had = 0, lost = 0;
     gn_bonds_left(dem, adrift);
@@ -132,9 +135,9 @@ static void free_ties(ties *t) {
     gn_free(t->wedged);
 }
 
-/* What is part of a zone gives way to others as its nodes do: by its own mass, of which it has
- * little at the zone's edge, contacts there would take steps that nothing moves in. Walls press it
- * with their whole stiffness, and where it meets them is found by its own mass. */
+/* A particle of a zone yields to others as its nodes do: with its own mass, which is small at the
+ * edge of the zone, contacts there would need vanishing steps. Walls act on it with their whole
+ * stiffness and are checked with its own mass. */
 static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, double *inverse) {
     for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
@@ -172,17 +175,17 @@ static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
     return status;
 }
 
-/* What has come apart is loose. Before that debris leave the step alone: a lower one changes the
- * energy of bonded vibrations that it hardly resolved (of a ledger that closed to 5 % it left one
- * that missed 25 %), while the collisions of few debris add little. */
-static bool at_large(const gn_dem *dem, const ties *t, size_t p) {
+/* Particles of a disintegrated specimen are loose. Before that debris does not change the step: a
+ * lower one changes the energy of bonded vibrations that it hardly resolved (a ledger that closed
+ * to 5 % then missed 25 %), while collisions of few debris particles add little. */
+static bool is_loose(const gn_dem *dem, const ties *t, size_t p) {
     return t->apart || loose(dem, p) || (t->wedged && t->wedged[p]);
 }
 
 /* --- the shortest contact --- */
 
-/* The contact that asks for the smallest step so far: its w^2, what share of the steps it has to
- * last, and of whom; second < 0: see gn_resolution. */
+/* The contact that needs the smallest step so far: its w^2, the share of the steps that it has to
+ * last, and its two ends; second < 0: see gn_resolution. */
 typedef struct fastest {
     double square, share;
     int64_t first, second;
@@ -196,8 +199,8 @@ static void ask_mass(const fastest *f, const gn_dem *dem, size_t p, double squar
     f->factor[p] = fmax(f->factor[p], square / (f->most * q->own_share[p]));
 }
 
-static void meet(fastest *f, double square, double share, const gn_dem *dem, size_t p,
-                 int64_t second) {
+static void consider(fastest *f, double square, double share, const gn_dem *dem, size_t p,
+                     int64_t second) {
     if (f->factor) {
         ask_mass(f, dem, p, square * share * share);
         if (second >= 0) ask_mass(f, dem, (size_t)dem->index_of_id[second], square * share * share);
@@ -216,16 +219,16 @@ static gn_resolution resolution_of(const gn_step_context *ctx, const fastest *f)
     return (gn_resolution){contact / steps, contact, f->first, f->second};
 }
 
-/* Whether damping takes so little in a collision, at a restitution c of 0.95 or more, that the
- * errors of thousands add up. Non-viscous damping of coefficient a makes the force 1 + a times as
- * large on the way in and 1 - a on the way out: c^2 = (1 - a)/(1 + a). */
-bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem) {
+/* Tells whether collisions are hardly damped: a restitution c of 0.95 or more, at which the errors
+ * of thousands of collisions add up. Non-viscous damping of coefficient a makes the force 1 + a
+ * times as large during approach and 1 - a during separation: c^2 = (1 - a)/(1 + a). */
+bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem) {
     bool active = ctx->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return dem->damping_least < 0.0163 && !(active && ctx->scene.background_coefficient > 0.051);
 }
 
-/* Whether a contact may open or close while others of its particles press: its gap or overlap is no
- * more than what they move in a collision. */
+/* Tells whether a contact may open or close while other contacts of its particles press: its gap or
+ * overlap is at most their path during a collision. */
 static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
                     double square) {
     const double *a = dem->particles.pos + 4 * i, *b = dem->particles.pos + 4 * j;
@@ -234,14 +237,13 @@ static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, siz
     return fabs(gap) <= (sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(u, u))) * M_PI / sqrt(square);
 }
 
-/* Of each particle the sum of k/m over the contacts that rattle: d times the mean square of the
- * frequencies with which it moves when all of them press. *sum NULL: damping does not let it ring.
- */
+/* Sums k/m of each particle over the contacts that may open or close: the number of dimensions
+ * times the mean squared frequency with all of them closed. *sum NULL: collisions are damped. */
 static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
                                  double **sum, gneiss_error *error) {
     const gn_contacts *k = &dem->pairs.contacts;
     *sum = NULL;
-    if (!gn_world_rings(ctx, dem) || !k->soa.count) return GNEISS_OK;
+    if (!gn_world_is_underdamped(ctx, dem) || !k->soa.count) return GNEISS_OK;
     *sum = gn_alloc_array(dem->particles.soa.count, sizeof **sum);
     if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
     for (size_t c = 0; c < k->soa.count; c++) {
@@ -255,10 +257,10 @@ static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, 
     return GNEISS_OK;
 }
 
-/* A contact that opens or closes gets its part of the step as if it were alone: the error is of the
- * third order in y = w dt, and in a crowd w is that of the crowd. Dense lattices without dashpots
- * missed 30 % of their energy after some thousand steps; so they miss 4 %, and three times as many
- * steps would be needed for 1 %. */
+/* A contact that opens or closes gets its part of the step as if it were alone: the error is of
+ * third order in y = w dt, where w is the frequency of the whole group. Dense lattices without
+ * dashpots missed 30 % of their energy after some thousand steps, and 4 % with this share; 1 %
+ * would need three times as many steps. */
 static double share_in(const gn_step_context *ctx, const double *crowd, size_t i, size_t j,
                        double square) {
     if (!crowd) return 1.0;
@@ -266,33 +268,33 @@ static double share_in(const gn_step_context *ctx, const double *crowd, size_t i
     return square > 0.0 && together > square ? sqrt(together / square) : 1.0;
 }
 
-static void meet_pairs(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
-                       const gn_contacts *k, const double *crowd, fastest *f) {
+static void consider_pairs(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
+                           const gn_contacts *k, const double *crowd, fastest *f) {
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        bool free = !gn_contact_bonded(k, c) && (at_large(dem, t, i) || at_large(dem, t, j));
+        bool free = !gn_contact_bonded(k, c) && (is_loose(dem, t, i) || is_loose(dem, t, j));
         if (!free && t->share == 0.0) continue;
         double square = gn_contact_spring(dem, k, c).kn * (t->inverse[i] + t->inverse[j]);
         double share = free ? share_in(ctx, crowd, i, j, square) : t->share;
-        meet(f, square, share, dem, i, dem->particles.id[j]);
+        consider(f, square, share, dem, i, dem->particles.id[j]);
     }
 }
 
-/* What share of the steps a contact with a wall or a surface of this stiffness has to last. What is
- * bonded gives way by its bonds, whose frequencies bound the step: in a close packing a contact no
- * stiffer than one of them lasts some 7 of 0.9 of the limit, 3 if 4 times as stiff, 2.5 if 7 times,
- * and then the energy of a body that rattles was wrong by 0.6 and by 30 %. Half of the steps keep
- * it within 0.2 %. Platens (passive walls) are laid on and mostly stay: three steps are enough for
- * what comes off them once or touches them late; in two and a half a specimen that was pressed
- * gently blew up. */
+/* Returns the share of the steps that a contact with a wall or surface of this stiffness has to
+ * last. Bonded particles yield by their bonds, whose frequencies limit the step: in a close packing
+ * a contact no stiffer than one of them lasts some 7 steps of 0.9 of the limit, 3 if it is 4 times
+ * as stiff, 2.5 if 7 times, with errors of 0.6 and 30 % in the energy of a body that bounces. Half
+ * of the steps keep it within 0.2 %. Platens (passive walls) mostly stay in contact: three steps
+ * are enough for late or single contacts; with two and a half a gently loaded specimen became
+ * unstable. */
 static double share_with(const gn_dem *dem, const ties *t, size_t p, double stiffness,
                          bool platen) {
-    if (at_large(dem, t, p)) return 1.0;
+    if (is_loose(dem, t, p)) return 1.0;
     double bond = t->stiffest ? t->stiffest[p] : 0.0;
     return bond > 0.0 && stiffness > bond ? (platen ? 0.32 : 0.5) : platen ? 0.0 : t->share;
 }
 
-/* 1/kg that a surface adds where a particle touches it. */
+/* Inverse mass, 1/kg, that a surface adds at the contact of a particle. */
 static double give(const gn_dem *dem, const gn_boundary *boundary, const gn_surface_contact *c) {
     const gn_surface *s = c->surface;
     double sum = 0.0, at[3], lever[3];
@@ -317,7 +319,7 @@ static int64_t surface_number(const gn_step_context *ctx, const gn_boundary *bou
     return -1 - (int64_t)ctx->scene.wall_count - (s - boundary->surfaces);
 }
 
-/* Stiffness of a contact with a wall or a surface before the lists are made again. */
+/* Largest stiffness of a contact with a wall or a surface before the lists are rebuilt. */
 static gn_law_spring wall_spring(const gn_step_context *ctx, const gn_dem *dem, size_t p,
                                  size_t wall) {
     gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
@@ -331,58 +333,59 @@ static gn_law_spring surface_spring(const gn_step_context *ctx, const gn_dem *de
                            gn_touch_reach(ctx, dem, p, 0.0));
 }
 
-/* The facets of one surface and one particle from row c; returns the row behind what was done. */
-static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
+/* Contacts of one particle with the facets of a surface, from row c; returns the row behind
+ * them. */
+static size_t consider_surface(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)boundary->contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
     double inverse = inverse_mass(ctx, dem, p), kn = surface_spring(ctx, dem, p, s).kn;
     double share = share_with(dem, t, p, kn, false);
     if (share == 0.0) return c + 1;
     if (!gn_surface_yields(boundary, s)) {
-        meet(f, kn * inverse, share, dem, p, surface_number(ctx, boundary, s));
+        consider(f, kn * inverse, share, dem, p, surface_number(ctx, boundary, s));
         return c + 1;
     }
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     c = gn_surface_contacts_at(ctx, dem, boundary, c, dem->verlet.skin, found, &many);
     for (size_t m = 0; m < many; m++) {
         double square = kn * (inverse + give(dem, boundary, &found[m]));
-        meet(f, square, share, dem, p, surface_number(ctx, boundary, s));
+        consider(f, square, share, dem, p, surface_number(ctx, boundary, s));
     }
     return c;
 }
 
-static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const ties *t, fastest *f) {
+static void consider_walls(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const ties *t, fastest *f) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         if ((size_t)k->wall[c] >= ctx->scene.wall_count) {
-            c = meet_surface(ctx, dem, boundary, t, c, f);
+            c = consider_surface(ctx, dem, boundary, t, c, f);
             continue;
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
         const double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
                      share = share_with(dem, t, p, kn, def->passive);
-        meet(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
+        consider(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
 
-/* The levers of a body that turns change while it is pressed, and the works of a step miss what the
- * springs hold by force times path times a quarter of the turn in it. What is pressed on its way
- * out at another spin than on its way in keeps some of that: with ten steps per contact the energy
- * of 18 in 140 random bodies on walls was off by 0.1 to 0.8 %, with forty of none. Two bodies have
- * a bound that is twice to four times as high as what they show, but friction of two that slide and
- * turn lost 0.1 % with 1.5 times the steps: they get 2.5 times. */
+/* The levers of a rotating body change while it is pressed, and the works of a step miss the energy
+ * of the springs by force times path times a quarter of the rotation. A body that separates with
+ * another spin than it approached with keeps some of that error: with ten steps per contact the
+ * energy of 18 of 140 random bodies on walls was off by 0.1 to 0.8 %, with forty of none. The bound
+ * of two bodies is two to four times their frequency, but friction of two that slide and rotate
+ * lost 0.1 % with 1.5 times the steps: they get 2.5 times. */
 static double share_of_turning(const gn_boundary *boundary, size_t body) {
     const gn_rigid *b = &boundary->bodies[body];
     double give = b->inverse_inertia[0] + b->inverse_inertia[1] + b->inverse_inertia[2];
     return give > 0.0 ? 4.0 : 1.0;
 }
 
-/* Bodies on walls and on each other; their masses are not raised. */
-static void meet_bodies(const gn_step_context *ctx, const gn_boundary *boundary, fastest *f) {
+/* Contacts of bodies with walls and with each other; their masses are not raised. */
+static void consider_bodies(const gn_step_context *ctx, const gn_boundary *boundary, fastest *f) {
     for (size_t c = 0; !f->factor && c < boundary->body_contacts.soa.count;) {
         gn_body_wall k = gn_body_wall_at(ctx, boundary, c);
         double square = gn_body_walls_square(ctx, boundary, &c),
@@ -405,19 +408,19 @@ static void meet_bodies(const gn_step_context *ctx, const gn_boundary *boundary,
     }
 }
 
-static gneiss_status meet_listed(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 const gn_zones *zones, fastest *f, gneiss_error *error) {
+static gneiss_status consider_listed(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids,
+                                     const gn_zones *zones, fastest *f, gneiss_error *error) {
     double *crowd = NULL;
     ties t;
     GN_TRY(find_ties(ctx, dem, solids, zones, &t, error));
     gneiss_status status = find_crowds(ctx, dem, &t, &crowd, error);
     if (status == GNEISS_OK) {
-        meet_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
+        consider_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
         if (t.apart || t.share > 0.0 || t.wedged)
-            meet_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
-        meet_walls(ctx, dem, boundary, &t, f);
-        meet_bodies(ctx, boundary, f);
+            consider_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
+        consider_walls(ctx, dem, boundary, &t, f);
+        consider_bodies(ctx, boundary, f);
     }
     gn_free(crowd);
     free_ties(&t);
@@ -429,7 +432,7 @@ gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error) {
     fastest f = {0.0, 1.0, -1, -1, NULL, 0.0};
-    GN_TRY(meet_listed(ctx, dem, boundary, solids, zones, &f, error));
+    GN_TRY(consider_listed(ctx, dem, boundary, solids, zones, &f, error));
     *resolution = resolution_of(ctx, &f);
     return GNEISS_OK;
 }
@@ -440,15 +443,15 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
                                    gneiss_error *error) {
     double wave = M_PI / (gn_world_contact_steps(ctx) * step);
     fastest f = {0.0, 1.0, -1, -1, factor, wave * wave};
-    return meet_listed(ctx, dem, boundary, solids, zones, &f, error);
+    return consider_listed(ctx, dem, boundary, solids, zones, &f, error);
 }
 
 /* --- what the scene holds --- */
 
-/* The smallest and the largest two of particles that are alike: material, loose, held. For a given
- * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius, as every law
- * has to see to (gn_law.meeting). So the extremes of two classes have the extreme pair among them,
- * and two of each make it one of distinct particles. */
+/* The smallest two and the largest two particles of a class: material, loose, held. For a given
+ * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius, which every
+ * law has to ensure (gn_law.meeting). So the extremes of two classes contain the extreme pair, and
+ * two of each make it a pair of distinct particles. */
 typedef struct extremes {
     size_t count, place[4]; /* two smallest, two largest */
 } extremes;
@@ -488,7 +491,8 @@ static double inverse_across(const gn_step_context *ctx, const gn_dem *dem, size
     return inverse_mass(ctx, dem, p) + (q->spin && !held ? r * r * q->spin[4 * p + 3] : 0.0);
 }
 
-static void fly_pair(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j, flight *f) {
+static void flight_of_pair(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
+                           flight *f) {
     gn_law_spring c = gn_pair_spring(ctx, dem, (int32_t)i, (int32_t)j);
     double square = c.kn * (inverse_mass(ctx, dem, i) + inverse_mass(ctx, dem, j));
     f->normal = fmax(f->normal, square);
@@ -496,26 +500,26 @@ static void fly_pair(const gn_step_context *ctx, const gn_dem *dem, size_t i, si
         f->shear =
             fmax(f->shear, c.kt * (inverse_across(ctx, dem, i) + inverse_across(ctx, dem, j)));
     if (loose(dem, i) || loose(dem, j))
-        meet(&f->resolved, square, 1.0, dem, i, dem->particles.id[j]);
+        consider(&f->resolved, square, 1.0, dem, i, dem->particles.id[j]);
 }
 
-static void fly_pairs(const gn_step_context *ctx, const gn_dem *dem, const extremes *classes,
-                      size_t count, flight *f) {
+static void flight_of_pairs(const gn_step_context *ctx, const gn_dem *dem, const extremes *classes,
+                            size_t count, flight *f) {
     for (size_t a = 0; a < count; a++)
         for (size_t b = a; b < count; b++)
             for (size_t i = 0; i < classes[a].count; i++)
                 for (size_t j = a == b ? i + 1 : 0; j < classes[b].count; j++)
-                    fly_pair(ctx, dem, classes[a].place[i], classes[b].place[j], f);
+                    flight_of_pair(ctx, dem, classes[a].place[i], classes[b].place[j], f);
 }
 
-static void fly_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                      size_t p, flight *f) {
+static void flight_of_walls(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, size_t p, flight *f) {
     double inverse = inverse_mass(ctx, dem, p);
     for (size_t k = 0; k < ctx->scene.wall_count; k++) {
         gn_law_spring c = wall_spring(ctx, dem, p, k);
         f->normal = fmax(f->normal, c.kn * inverse);
         f->shear = fmax(f->shear, c.kt * inverse_across(ctx, dem, p));
-        if (loose(dem, p)) meet(&f->resolved, c.kn * inverse, 1.0, dem, p, -1 - (int64_t)k);
+        if (loose(dem, p)) consider(&f->resolved, c.kn * inverse, 1.0, dem, p, -1 - (int64_t)k);
     }
     for (size_t k = 0; k < boundary->surface_count; k++) {
         const gn_surface *s = &boundary->surfaces[k];
@@ -524,12 +528,12 @@ static void fly_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
         f->normal = fmax(f->normal, square);
         f->shear = fmax(f->shear, c.kt * inverse_across(ctx, dem, p));
         if (loose(dem, p))
-            meet(&f->resolved, square, 1.0, dem, p, surface_number(ctx, boundary, s));
+            consider(&f->resolved, square, 1.0, dem, p, surface_number(ctx, boundary, s));
     }
 }
 
-static gneiss_status fly(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                         flight *f, gneiss_error *error) {
+static gneiss_status find_flight(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, flight *f, gneiss_error *error) {
     size_t count = 4 * ctx->scene.material_count;
     extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
     if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
@@ -537,10 +541,10 @@ static gneiss_status fly(const gn_step_context *ctx, const gn_dem *dem, const gn
         if (!gn_particle_is_active(&dem->particles, p)) continue;
         size_t held = inverse_mass(ctx, dem, p) == 0.0, kind = 2 * held + loose(dem, p);
         keep_extremes(dem, &classes[4 * (size_t)dem->particles.material[p] + kind], p);
-        if (!held) fly_walls(ctx, dem, boundary, p, f);
+        if (!held) flight_of_walls(ctx, dem, boundary, p, f);
     }
-    fly_pairs(ctx, dem, classes, count, f);
-    /* All by itself: as if it met its like, so that there is a step. */
+    flight_of_pairs(ctx, dem, classes, count, f);
+    /* A single particle is taken with an equal one, so that there is a step. */
     for (size_t p = 0; f->normal == 0.0 && p < dem->particles.soa.count; p++)
         f->normal =
             2.0 * gn_pair_spring(ctx, dem, (int32_t)p, (int32_t)p).kn * inverse_mass(ctx, dem, p);
@@ -554,7 +558,7 @@ gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, double *stable,
                                gn_resolution *resolution, gneiss_error *error) {
     flight f = {.resolved = {0.0, 1.0, -1, -1, NULL, 0.0}};
-    GN_TRY(fly(ctx, dem, boundary, &f, error));
+    GN_TRY(find_flight(ctx, dem, boundary, &f, error));
     double alpha = dem->damping_fraction / gn_world_nonviscous_share(ctx);
     *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));
     *resolution = resolution_of(ctx, &f.resolved);
@@ -569,7 +573,7 @@ const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, ch
     int64_t walls = (int64_t)ctx->scene.wall_count, bodies = (int64_t)ctx->scene.body_count,
             k = -1 - r->second;
     if (r->first < 0 && (-1 - r->first >= bodies || k < 0 || k >= walls + bodies))
-        snprintf(text, size, "nothing that has a name"); /* none, or from a file */
+        snprintf(text, size, "nothing that has a name"); /* none, or read from a file */
     else if (r->first < 0 && k >= walls)
         snprintf(text, size, "bodies '%.60s' and '%.60s'", ctx->scene.bodies[-1 - r->first].name,
                  ctx->scene.bodies[k - walls].name);

@@ -1,7 +1,7 @@
-/* The sharp limit of particles and elements as one system: Lanczos on the operator of both and of
- * what ties them. The unknowns are M^1/2 v of the particles that move by themselves and of the
- * nodes with all that they carry; particles of zones take N v, and hand N^T f back. With consistent
- * masses the metric is theirs, over the lump that scales the unknowns. */
+/* The sharp limit of particles and elements as one system, by Lanczos on the operator of both and
+ * of their coupling. The unknowns are M^1/2 v of the particles outside zones and of the nodes with
+ * all mass that they carry; particles of zones take N v and return N^T f. With consistent masses
+ * the metric is theirs, over the lump that scales the unknowns. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -34,8 +34,8 @@ typedef struct whole {
     gn_spring_operator pull;
     gn_fem_linear linear;
     size_t dim, dofs, own, count; /* own: unknowns of particles, which come first */
-    double *moved;                /* [own] what springs see */
-    double *moves;                /* [count] above 0 for what is an unknown */
+    double *moved;                /* [own] velocities of all particles */
+    double *moves;                /* [count] above 0: an unknown */
     double *mode;                 /* [count] the fastest one */
     gn_whole_limit *limit;        /* what comes out */
 } whole;
@@ -51,13 +51,13 @@ static void whole_free(whole *y) {
 
 /* --- between both --- */
 
-/* m/s of a corner of a tie. */
+/* Velocity component, m/s, of a corner of a tie. */
 static double corner_speed(const whole *y, const gn_tie *t, int a, size_t c, const double *x) {
     const size_t k = y->dim * (size_t)t->node[a] + c;
     return y->linear.scale[k] * x[y->own + k];
 }
 
-/* Where the nodes take the particles of zones. */
+/* Sets the velocities of particles of zones from those of the nodes. */
 static void follow(const whole *y, const double *x) {
     const gn_ties *ties = &y->q->ties;
     memcpy(y->moved, x, y->own * sizeof *x);
@@ -137,7 +137,7 @@ static void metric(const void *context, const double *x, double *out) {
 
 /* --- making it --- */
 
-/* Masses of nodes; nothing is fixed but what cannot move. */
+/* Sets the masses of nodes; only components that cannot move are fixed. */
 static void set_masses(const whole *y) {
     gn_consistent *c = &y->q->consistent;
     const gn_fem_solid *b = gn_coupled_solid(y->solids);
@@ -188,7 +188,7 @@ static gneiss_status make(const gn_spectrum *spectrum, whole *y, gneiss_error *e
 
 /* --- what comes out --- */
 
-/* Whether a node has a particle. */
+/* Tells whether a node has a particle. */
 static bool carries(const gn_ties *t, int32_t node) {
     size_t low = 0, high = t->nodes;
     while (low < high) {
@@ -207,7 +207,7 @@ static double size2(const double *x, size_t count) {
     return sum;
 }
 
-/* Where the fastest mode moves most. */
+/* Finds the side, particle and node with the largest part of the fastest mode. */
 static void find_side(const whole *y, const double *mode, gn_whole_limit *limit) {
     const gn_particles *q = &y->dem->particles, *nodes = &gn_coupled_solid(y->solids)->nodes;
     double most[2] = {-1.0, -1.0};
@@ -261,7 +261,7 @@ static gneiss_status find(const gn_spectrum *spectrum, void *context, gneiss_err
 }
 
 bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids) {
-    /* Where elements convert it would have to be found anew with each of them. */
+    /* With conversions it would have to be found anew at each of them. */
     return ctx->scene.has_couple && !gn_converts(ctx) && ctx->scene.estimate == GN_STEP_SHARP &&
            gn_coupled_solid(solids)->form == GN_FEM_DISPLACEMENT;
 }
@@ -287,11 +287,11 @@ const char *gn_side_text(gn_side side) {
 }
 
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size) {
-    char who[64];
+    char place[64];
     if (limit->node >= 0)
-        snprintf(who, sizeof who, "node %d", limit->node);
+        snprintf(place, sizeof place, "node %d", limit->node);
     else
-        snprintf(who, sizeof who, "particle %d", limit->particle);
-    snprintf(text, size, "the %s, %s", gn_side_text(limit->side), who);
+        snprintf(place, sizeof place, "particle %d", limit->particle);
+    snprintf(text, size, "the %s, %s", gn_side_text(limit->side), place);
     return text;
 }

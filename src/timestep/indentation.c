@@ -1,8 +1,8 @@
-/* By Hertz's law a contact is the stiffer the further it is pressed. The step is chosen for the
- * overlap that is expected: one and a half of what there is, or that of a collision at the present
- * speeds, of the contact itself and of those beside it, whichever is most. Kernels count contacts
- * that are pressed further; then all are looked at again before the next step. What is expected of
- * a contact never falls: nor does an automatic step ever rise. */
+/* By Hertz's law the stiffness of a contact grows with its overlap. The step is chosen for an
+ * expected overlap: the largest of one and a half times the present one and that of a collision at
+ * the present speeds, of the contact itself and of its neighbours. Kernels count contacts that
+ * exceed it; then all are checked again before the next step. The expected overlap of a contact
+ * never falls, as an automatic step never rises. */
 #include "timestep/indentation.h"
 #include "base/error.h"
 #include "base/vec3.h"
@@ -25,10 +25,10 @@
 
 #include <math.h>
 
-/* What is expected at least of an overlap that there is, and what is taken in hand besides. */
+/* Factor on the present overlap, and margin added to an expected overlap that grows. */
 static const double growth = 1.2, reserve = 1.25;
 
-/* m/s2, of the applied forces. */
+/* Largest acceleration, m/s2, by applied forces. */
 static double applied(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double most2 = 0.0;
@@ -46,7 +46,7 @@ static void raise(gn_dem *dem, size_t p, double to) {
     if (to > *known) *known = reserve * to;
 }
 
-static void look_at_pairs(gn_step_context *ctx, gn_dem *dem) {
+static void update_pairs(gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const gn_contacts *k = &dem->pairs.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
@@ -73,9 +73,9 @@ static void keep_pairs(gn_dem *dem) {
     }
 }
 
-/* Of a particle and what it touches, which moves at `v` and counts as heavy. */
-static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_side *side,
-                 const double v[3], double overlap) {
+/* Contact of a particle with an object that moves at `v` and counts as heavy. */
+static void consider(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_side *side,
+                     const double v[3], double overlap) {
     const double *own = dem->particles.vel + 4 * p;
     double kn = gn_law_of(ctx->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
     double known = fmax(dem->particles.pressed[p], growth * overlap / side->radius);
@@ -84,7 +84,7 @@ static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_sid
         gn_expected_overlap(ctx, dem, kn, own[3], gn_relative_speed2(own, v), side->radius, known));
 }
 
-/* Where the contact is. */
+/* Velocity of the surface at the contact. */
 static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
                              const gn_surface_contact *c, double v[3]) {
     const gn_surface *s = c->surface;
@@ -103,8 +103,7 @@ static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
     for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
 }
 
-static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                              size_t row) {
+static size_t update_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t row) {
     size_t count = 0, p = (size_t)boundary->contacts.i[row];
     const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
     gn_touch_side side = gn_surface_side(ctx, dem, s, p, 1.0);
@@ -113,46 +112,46 @@ static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *bo
     row = gn_surface_contacts_at(ctx, dem, boundary, row, dem->verlet.skin, found, &count);
     for (size_t k = 0; k < count; k++) {
         surface_velocity(dem, boundary, &found[k], v);
-        meet(ctx, dem, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
+        consider(ctx, dem, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
     }
     return row;
 }
 
-static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
+static void update_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
         if (wall >= ctx->scene.wall_count) {
-            c = look_at_surface(ctx, dem, boundary, c);
+            c = update_surface(ctx, dem, boundary, c);
             continue;
         }
         gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
         const double *x = dem->particles.pos + 4 * p;
         double gap = gn_wall_distance(&boundary->walls[wall], x) - x[3] - k->gap0[c];
-        meet(ctx, dem, p, &side, boundary->walls[wall].velocity, fmax(-gap, 0.0));
+        consider(ctx, dem, p, &side, boundary->walls[wall].velocity, fmax(-gap, 0.0));
         c++;
     }
 }
 
-void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
+void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     dem->push = applied(ctx, dem);
     for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, GN_OVERLAP_LEAST);
-    look_at_pairs(ctx, dem);
-    look_at_walls(ctx, dem, boundary);
+    update_pairs(ctx, dem);
+    update_walls(ctx, dem, boundary);
     keep_pairs(dem);
     gn_near_repack(ctx, dem);
 }
 
 /* --- what is driven --- */
 
-/* Of a wall, a body or a set: where its velocity is prescribed, as it will be in the coming step
- * (at the middle of which tables are read); by how much that changes, and how fast it is then. */
+/* The prescribed motion of a wall, a body or a set in the coming step, at the middle of which
+ * tables are read: its speed, and its change of speed. */
 typedef struct drive {
     const gn_motion *motion;
     const char *name;
     const double *now; /* velocity in the last step; NULL: of the table then */
-    double reach;      /* m, that a spin moves */
+    double reach;      /* m, lever of a spin */
 } drive;
 
 static double speed_of(const gn_step_context *ctx, const drive *d, double *change) {
@@ -170,7 +169,7 @@ static double speed_of(const gn_step_context *ctx, const drive *d, double *chang
     return sqrt(gn_dot3(v, v)) + spin;
 }
 
-/* A servo may be as fast as it may be at once. */
+/* A servo may reach its largest velocity in one step. */
 static double speed_of_wall(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
                             double *change) {
     const gn_wall_def *def = &ctx->scene.walls[k];
@@ -192,8 +191,8 @@ static double speed_of_set(const gn_step_context *ctx, size_t k, double *change)
     return speed_of(ctx, &d, change);
 }
 
-/* By how much what becomes faster than it was looked at changes in the coming step, at most. What
- * slows down and comes back meets nothing at more than it was looked at. */
+/* Largest change of velocity in the coming step of anything that becomes faster than when it was
+ * last checked. A motion that slows down and returns is covered by the last check. */
 static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
     const size_t count[] = {ctx->scene.wall_count, ctx->scene.body_count, ctx->scene.set_count};
     double gain = 0.0, *known = dem->driven;
@@ -209,7 +208,7 @@ static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boun
     return gain;
 }
 
-/* A step that is long because nothing moves must not be the one in which something begins to. */
+/* A step that is long because nothing moves must not be the one in which a motion begins. */
 static gneiss_status check_driven(gn_world *w, gneiss_error *error) {
     if (!w->dem.driven) return GNEISS_OK;
     w->dem.gain = driven_gain(&w->ctx, &w->dem, &w->boundary);
@@ -225,10 +224,10 @@ gneiss_status gn_pressed_check(gn_world *w, gneiss_error *error) {
     return gn_world_check_lists(w, error);
 }
 
-/* Looks cost a third of a step. */
+/* Steps between two checks, each of which takes a third of the time of a step. */
 enum { LOOK_INTERVAL = 50 };
 
-/* m: a smaller overlap is less than what is known. */
+/* Overlaps below this, m, are less than the largest known one. */
 static double known_overlap(const gn_dem *dem, double radius) {
     return dem->depth.excess * GN_DEPTH_LOOSE * radius;
 }
@@ -259,7 +258,8 @@ static void record_pairs(const gn_step_context *ctx, gn_dem *dem) {
         double d[3], d2 = gn_branch(ctx, a, b, d);
         if (!(most > 0.0 && d2 < most * most)) continue;
         if (!(gn_inverse_mass_along(dem, i, d) + gn_inverse_mass_along(dem, j, d) > 0.0)) continue;
-        /* Elements stand for their bond as yet: the packing's own overlap, without force. */
+        /* Elements still represent their bond: the overlap is that of the packing, without
+         * force. */
         if (q->blend && !(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
         record(ctx, dem, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
     }
@@ -302,8 +302,8 @@ static void record_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *b
     }
 }
 
-gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                            gneiss_error *error) {
+gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                              gneiss_error *error) {
     GN_TRY(gn_loose_find(ctx, dem, error));
     record_pairs(ctx, dem);
     record_walls(ctx, dem, boundary);
@@ -311,10 +311,10 @@ gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary
     return GNEISS_OK;
 }
 
-gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gneiss_error *error) {
+gneiss_status gn_depth_update_when_due(const gn_step_context *ctx, gn_dem *dem,
+                                       gn_boundary *boundary, gneiss_error *error) {
     bool due = (double)ctx->step - dem->depth.looked >= LOOK_INTERVAL;
-    return due && ctx->scene.has_specimen ? gn_depth_look(ctx, dem, boundary, error) : GNEISS_OK;
+    return due && ctx->scene.has_specimen ? gn_depth_update(ctx, dem, boundary, error) : GNEISS_OK;
 }
 
 const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {

@@ -1,4 +1,4 @@
-/* Expected overlap of Hertz contacts. */
+/* Expected overlap of Hertz contacts, and the largest overlap of contacts without a bond. */
 #ifndef GN_TIMESTEP_INDENTATION_H
 #define GN_TIMESTEP_INDENTATION_H
 
@@ -10,20 +10,21 @@
 /* Updates the expected overlaps and the step if a kernel has found a larger overlap. */
 gneiss_status gn_pressed_check(gn_world *world, gneiss_error *error);
 
-/* From where Hertz's theory, and any spring between what should hardly touch, misleads: of what was
- * not bonded at the start. Bonded specimens are pressed further by platens, and among debris,
- * without harm to what is read of them; from here on a particle is on its way through. */
+/* Overlap over radius from which Hertz's theory and any spring between hardly touching particles
+ * are misleading, for particles that were not bonded at the start. Bonded specimens are pressed
+ * further by platens and among debris without harm to their readings; beyond this value a particle
+ * is passing through. */
 #define GN_DEPTH_LOOSE  0.1
 #define GN_DEPTH_BONDED 0.5
 
-/* Looks at what is listed, as it is now, into world->dem.depth: whenever lists are made, and in
- * measured steps if that was some steps ago. What cannot move is left out. */
-gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                            gneiss_error *error);
-gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gneiss_error *error);
+/* Updates world->dem.depth from the listed contacts at the present positions: when lists are made,
+ * and in measured steps some steps later. Contacts whose sides cannot move are left out. */
+gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                              gneiss_error *error);
+gneiss_status gn_depth_update_when_due(const gn_step_context *ctx, gn_dem *dem,
+                                       gn_boundary *boundary, gneiss_error *error);
 
-/* Whose contact it was. */
+/* Names the two sides of the contact. */
 const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
 
 #endif

@@ -1,8 +1,8 @@
-/* Masses raised for a longer step. Each particle's mass, and its moment of inertia with it, is
- * multiplied by what its springs ask for at the wanted step: those that act, those that may act
- * before the lists are made again, collisions that have to be resolved. What is asked for by a
- * rigorous bound is more than the sharp limit needs, so the bound is asked at a smaller step, which
- * is looked for until the sharp limit is the wanted one. */
+/* Masses raised for a longer step. Each particle's mass and moment of inertia are multiplied by the
+ * factor that its springs need at the wanted step: active springs, springs that may become active
+ * before the lists are rebuilt, and collisions that have to be resolved. A rigorous bound needs
+ * more than the sharp limit does, so it is evaluated at a smaller step, which is searched until the
+ * sharp limit is the wanted step. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -36,17 +36,18 @@ double gn_dem_added_kinetic(const gn_dem *dem) {
 
 /* --- raising --- */
 
-/* The step over what listed contacts allow: a little below what they are looked at with. */
+/* The step over the limit of listed contacts, slightly below the value with which they are
+ * checked. */
 static const double listed_share = 0.989;
 
-/* What the run's step asks for: of the springs that act it is held against the limit that they
- * have, of those that are listed it only has to hold. */
+/* The requirements of the step of the run: active springs have to hold it with the safety factor,
+ * listed ones just have to hold it. */
 typedef struct wanted {
     double step;          /* s, of the run */
-    double limit, listed; /* s, that the particles have to allow by themselves */
+    double limit, listed; /* s, limits that the particles need alone */
     bool sharp;
     double *factor, *also; /* [particles] of own masses */
-    double *own;           /* [particles][2] inverse mass and moment of inertia without */
+    double *own;           /* [particles][2] unraised inverse mass and moment of inertia */
 } wanted;
 
 static gneiss_status find_factors(const gn_step_context *ctx, const gn_dem *dem,
@@ -75,7 +76,7 @@ static double set_masses(const gn_step_context *ctx, gn_dem *dem, const wanted *
     return most;
 }
 
-/* Dashpots grow with the masses, by their root: what they ask for settles. */
+/* Dashpots grow with the root of the masses: the iteration converges. */
 static gneiss_status raise(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                            const gn_solids *solids, const gn_zones *zones, const wanted *q,
                            double part, gneiss_error *error) {
@@ -92,8 +93,8 @@ static gneiss_status raise(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
 
 /* --- what comes later --- */
 
-/* One mass, and the moment of inertia with it, at the velocities that it has; returns what kinetic
- * energy it takes. */
+/* Raises the mass and moment of inertia of a particle at its present velocities; returns the
+ * kinetic energy that this takes. */
 static double make_heavier(const gn_particles *a, size_t p, double share) {
     const double ratio = share / a->own_share[p];
     double *v = a->vel + 4 * p, *o = a->spin ? a->spin + 4 * p : NULL;
@@ -127,7 +128,7 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
         return GNEISS_OK;
     double step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids,
                                   s->reached / (listed ? listed_share : w->ctx.scene.safety));
-    if (!isfinite(step)) return GNEISS_OK; /* others leave no room */
+    if (!isfinite(step)) return GNEISS_OK; /* other parts leave no room */
     double *factor = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *factor);
     if (!factor)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses",
@@ -140,15 +141,15 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
         if (w->dem.damping_fraction == 0.0) break;
     }
     gn_free(factor);
-    /* What dashpots ask for may not have settled. */
+    /* With dashpots the masses may not have converged. */
     if (w->dem.damping_fraction == 0.0) *held = step;
     return status;
 }
 
 /* --- how much --- */
 
-/* The part of the step that the bound is asked at: the least that does, within half a percent. In
- * packings it is some 0.8 to 0.9. */
+/* Finds the least part of the step at which the bound has to be evaluated, within half a percent;
+ * 0.8 to 0.9 in packings. */
 static gneiss_status search(gn_world *w, const wanted *q, gneiss_error *error) {
     enum { TRIES = 10 };
     double low = 0.5, high = 1.0, part = q->sharp ? 0.85 : 1.0, added = -1.0;

@@ -1,6 +1,8 @@
-/* How far things move in one step. Particles and what they touch may each move half the smallest
- * radius: then the two have come closer by at most a radius, and neither is behind the other before
- * it was seen to press. */
+/* Paths in one step. Particles and what they touch may each move half the smallest radius: then the
+ * two have approached by at most a radius, and neither passes the other before the contact acts. An
+ * automatic step is lowered for bodies in every step, because springs do not limit it where nothing
+ * is near, and falling or driven bodies gain speed between two lists: driven ones are taken with
+ * their tables, free ones with at most twice the gain of the last step, or of free fall. */
 #include "base/error.h"
 #include "base/point.h"
 #include "base/vec3.h"
@@ -47,7 +49,7 @@ static gneiss_status fail_particle(const gn_step_context *ctx, const gn_dem *dem
         v[0], v[1], v[2], x[3], ctx->dt, ctx->stable, behind, remedy);
 }
 
-/* The particle with the largest of vectors in rows of four. */
+/* Returns the particle with the largest vector of rows of four. */
 static size_t largest(const double *rows, size_t count) {
     size_t worst = 0;
     double most = -1.0;
@@ -76,7 +78,7 @@ static gneiss_status check_motion(const gn_step_context *ctx, const gn_dem *dem,
                          "moved farther in one step than half the smallest radius", remedy, error);
 }
 
-/* That the surface of no particle turned farther than half its radius, in measured steps. */
+/* Checks in measured steps that no particle rotated by more than half a radian. */
 static gneiss_status check_spins(const gn_step_context *ctx, const gn_dem *dem,
                                  gneiss_error *error) {
     const gn_particles *q = &dem->particles;
@@ -100,7 +102,7 @@ gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- what they touch --- */
 
-/* Of the farthest vertex. Written so that a path that is not a number is none that may pass. */
+/* Checks the path of the farthest vertex; the comparison fails for a path that is not a number. */
 static gneiss_status check_body(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k, gneiss_error *error) {
     const gn_rigid *b = &boundary->bodies[k];
@@ -119,8 +121,8 @@ static gneiss_status check_body(const gn_step_context *ctx, const gn_dem *dem,
                    ctx->stable, advice);
 }
 
-/* A plane that moves along itself stays where it is, and what moves away from all particles is
- * behind none of them. */
+/* A plane that moves along itself stays where it is, and one that moves away from all particles
+ * passes none. */
 static gneiss_status check_wall(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k, gneiss_error *error) {
     const gn_wall *wall = &boundary->walls[k];
@@ -155,18 +157,13 @@ gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
                    (long long)ctx->step, ctx->time, most, dem->radius_min, ctx->dt, advice);
 }
 
-/* How far bodies go in an automatic step. Springs say nothing of that where nothing is near, and
- * bodies that fall or are driven become faster between two looks at lists: they are looked at in
- * every step, with the velocities that it will have. What is driven has those of its tables; what
- * is free at most gains twice what it did in the last step, or what it falls. */
-
-/* No vertex goes farther than so much of the smallest radius, and no body turns farther (rad); what
- * would is held to half of it, so that the step need not be lowered again before long. */
+/* Largest path of a vertex over the smallest radius, and largest rotation, rad. A step that exceeds
+ * one is lowered to half of it, so that it is not lowered again soon. */
 static const double path_most = 0.25, turn_most = 0.25;
-/* The same of a body that particles are near. A corner that passes a pressed particle turns the
- * normal by this much in a step, and the works of the step miss a share of what the contact holds
- * that goes with the square: a gate that left grains with a quarter of a radius per step missed
- * 20 %, with 0.06 1.4 %, with 0.03 0.3 %. */
+/* Largest path of a body with particles near it. A corner that passes a pressed particle rotates
+ * the normal by this much in a step, and the works of the step miss a share of the contact's energy
+ * that grows with its square: a gate that left grains with a quarter of a radius per step missed 20
+ * %, with 0.06 1.4 %, with 0.03 0.3 %. */
 static const double path_near = 0.05;
 
 /* The largest_value size of a table's values. */
@@ -181,9 +178,10 @@ static double change(const double now[3], const double past[3]) {
     return length(d);
 }
 
-/* Bearings beside free spins: about two free axes, or with bearings that turn, a step is of second
- * order in the turn (rotate_held of bodies.c), which leaves 6e-4 rad after ten turns
- * (of four bodies at most); about one it is exact. */
+/* rad: largest rotation of a body that bearings hold about some axes beside free ones. With two
+ * free axes, or with bearings that rotate, a step is of second order in the rotation (rotate_held
+ * of bodies.c), which leaves an error of 6e-4 rad after ten turns (four bodies at most); with one
+ * free axis it is exact. */
 static const double turn_held = 0.01;
 
 static double largest_turn(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
@@ -196,7 +194,7 @@ static double largest_turn(const gn_step_context *ctx, const gn_boundary *bounda
     return axes == 1.0 || (axes == 2.0 && led > 0.0) ? turn_held : turn_most;
 }
 
-/* m/s and rad/s of a body in a coming step of `dt`. */
+/* Speed (m/s) and spin (rad/s) of a body in a coming step of `dt`. */
 static void speeds_in(const gn_step_context *ctx, const gn_boundary *boundary, size_t k, double dt,
                       double *speed, double *spin) {
     const gn_rigid *b = &boundary->bodies[k];
@@ -229,7 +227,7 @@ static bool has_particles(const gn_step_context *ctx, const gn_boundary *boundar
     return false;
 }
 
-/* m, that a body which would go `path` in a step may go. */
+/* Path, m, allowed to a body that would move by `path` in a step. */
 static double path_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       size_t body, double path) {
     const double radius = dem->radius_min;
@@ -241,7 +239,8 @@ void gn_bodies_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
                       double *dt) {
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
         const double turn = largest_turn(ctx, boundary, k);
-        /* Tables may hold more for the middle of a shorter step; it shrinks every time. */
+        /* A table may have a larger value at the middle of a shorter step; the step shrinks every
+         * time. */
         for (bool far = true; far;) {
             double speed, spin;
             speeds_in(ctx, boundary, k, *dt, &speed, &spin);
@@ -271,7 +270,7 @@ static bool is_pressed(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return false;
 }
 
-/* m/s, along its normal, of a wall in a coming step of `dt`. */
+/* Speed, m/s, of a wall along its normal in a coming step of `dt`. */
 static double wall_speed_in(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
                             double dt) {
     const gn_wall *wall = &boundary->walls[k];
@@ -319,7 +318,7 @@ double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
         step = fmin(step, time_for(0.5 * path_most * dem->radius_min, speed, fall));
         if (spin > 0.0) step = fmin(step, 0.5 * largest_turn(ctx, boundary, k) / spin);
     }
-    /* What hardly moves has some steps all the same. */
+    /* The rest of the run has at least a hundred steps. */
     return isfinite(step) ? fmin(step, 0.01 * (ctx->scene.end - ctx->time)) : step;
 }
 

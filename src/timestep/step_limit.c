@@ -1,4 +1,4 @@
-/* Choosing the step and watching it: what the parts allow, together. */
+/* Choice and supervision of the step that all parts allow together. */
 #include "timestep/step_limit.h"
 #include "base/effects.h"
 #include "base/error.h"
@@ -22,13 +22,13 @@
 
 /* --- together --- */
 
-/* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it slows a particle
- * down and by 1 - a while it speeds it up. In the fastest mode, whose displacement changes sign
- * from step to step, the resultant always slows down: its stiffness is 1 + a times the undamped
- * one, and the limit falls by sqrt(1 + a). The forces of dashpots are in the resultant as well:
+/* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it decelerates a
+ * particle and by 1 - a while it accelerates it. In the fastest mode, whose displacement changes
+ * sign from step to step, the resultant always decelerates: the stiffness is 1 + a times the
+ * undamped one, and the limit falls by sqrt(1 + a). Forces of dashpots are part of the resultant:
  * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
- * a). (Seen in practice: at 0.9 of the undamped limit and a =
- * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
+ * a). (Measured: at 0.9 of the undamped limit and a = 0.7 the kinetic energy 1/2 m v(-) v(+) turns
+ * negative and bonds break before any load.) */
 double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
     bool active = effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
@@ -39,12 +39,11 @@ double gn_world_nonviscous_share(const gn_step_context *ctx) {
     return gn_scene_nonviscous_share(&ctx->scene, ctx->effects);
 }
 
-/* Of two parts with limits p and s (s), of which each is found with the other held fast, and
- * contacts between them. The energy of a contact |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 +
- * 1/e) |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of all
- * is at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
- * up.
- */
+/* Limit of two parts with limits p and s (s), each found with the other held fixed, and contacts
+ * between them. The energy of a contact is |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 + 1/e)
+ * |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of both is
+ * at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
+ * up. */
 static double together(const gn_dem *dem, double p, double s) {
     if (!isfinite(s)) return p;
     return dem->damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
@@ -55,7 +54,8 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
-/* What particles are coupled to: free bodies, finite elements that they touch. */
+/* Limit of the partners of the particles: free bodies, finite elements that they touch, springs of
+ * zones. */
 static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids) {
     const double bodies = limit_of(boundary->surface_rate);
@@ -64,7 +64,7 @@ static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
     return fmin(bodies, together(dem, elements, limit_of(boundary->vertex_rate)));
 }
 
-/* Bodies and elements do not meet each other. */
+/* Bodies and elements do not touch each other. */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_solids *solids, double particles) {
     const double share = gn_world_nonviscous_share(ctx);
@@ -78,7 +78,7 @@ double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
     return together(dem, gn_world_nonviscous_share(ctx) * particles, limit_of(rate));
 }
 
-/* 1/s: what `other` leaves of a rate. */
+/* Returns the rate, 1/s, that the limit `other` leaves of a rate. */
 static double without(const gn_dem *dem, double rate, double other) {
     if (dem->damping_fraction > 0.0) return fmax(0.0, rate - 1.0 / other);
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
@@ -90,8 +90,8 @@ double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(ctx)) : (double)INFINITY;
 }
 
-/* Of particles and elements as one (coupled_limit.c): free bodies give way to them, and strain has
- * stiffened elements, of which all others are a part, by a factor at most. */
+/* Limit of particles and elements as one system (coupled_limit.c): free bodies yield to them, and
+ * strain has stiffened elements at most by a factor. */
 static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids, double whole) {
     double stiffer = 1.0;
@@ -101,9 +101,9 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem,
                     limit_of(boundary->surface_rate));
 }
 
-/* The limit of the springs that act: what both sides by themselves allow, which is never above that
- * of both as one, and that itself where the step may be longer. Without a spring that acts the
- * particles' is that of contacts to come, of which the whole knows nothing. */
+/* Finds the limit of the active springs: that of both sides by themselves, which is never above
+ * that of both as one, and the latter where the step may be longer. Without an active spring the
+ * particles' limit is that of future contacts, which the system of both does not contain. */
 static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
@@ -120,9 +120,10 @@ static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn
 
 /* --- what is done about it --- */
 
-/* What sets the limit. */
-static const char *culprit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                           const gn_zones *zones, char *text, size_t size) {
+/* Names the particle, element or zone that sets the limit. */
+static const char *name_limiting_part(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_solids *solids, const gn_zones *zones, char *text,
+                                      size_t size) {
     const gn_element_model *lead = gn_elements_lead(ctx, dem, solids, zones);
     const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
     if (whole) return gn_whole_culprit(whole, text, size);
@@ -141,7 +142,7 @@ static void set_step(gn_step_context *ctx, gn_dem *dem, double dt) {
     gn_dem_step_changed(ctx, dem);
 }
 
-/* There is no automatic step. */
+/* Reports that nothing gives an automatic step. */
 static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *dem,
                                     gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -162,16 +163,16 @@ static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *de
                    s->sources[source].name);
 }
 
-/* Where no spring limits the step, bodies do that move; INFINITY: there are none. It never rises
- * while a run goes on. */
+/* Without a spring, moving bodies limit the step; INFINITY: there are none. It never rises during a
+ * run. */
 static double step_of_bodies(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary) {
     double step = ctx->scene.has_specimen ? gn_bodies_step(ctx, dem, boundary) : (double)INFINITY;
     return ctx->step > 0 && isfinite(step) ? fmin(step, ctx->dt) : step;
 }
 
-/* A step that is lost in the digits of the time would never come to an end. At the start,
- * gn_world_check_duration asks for more. */
+/* A step below the precision of the time would never end the run. gn_world_check_duration is
+ * stricter at the start. */
 static gneiss_status check_advance(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_solids *solids, const gn_zones *zones,
                                    gneiss_error *error) {
@@ -182,7 +183,7 @@ static gneiss_status check_advance(const gn_step_context *ctx, const gn_dem *dem
         "step %lld, t = %.6g s: expected a time step that changes the time, found %.3g s "
         "(set by %s): stiffnesses and masses do not go together",
         (long long)ctx->step, ctx->time, ctx->dt,
-        culprit(ctx, dem, solids, zones, text, sizeof text));
+        name_limiting_part(ctx, dem, solids, zones, text, sizeof text));
 }
 
 static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
@@ -194,7 +195,7 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
         if (!isfinite(limit)) wanted = step_of_bodies(ctx, dem, boundary);
         if (!isfinite(wanted)) return refuse_endless(ctx, dem, error);
         if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
-        /* Small changes of the stiffest mode are what the safety factor is for. */
+        /* The safety factor covers small changes of the stiffest mode. */
         if (ctx->step > 0 && wanted > 0.97 * ctx->dt) return GNEISS_OK;
         if (ctx->step > 0) ctx->dt_lowered++;
         set_step(ctx, dem, wanted);
@@ -210,8 +211,9 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
                    "set by %s%s), found %.6g s = %.3f of the limit "
                    "(time.on_unstable: warn runs it all the same)",
                    gn_scene_at(&ctx->scene, ctx->scene.time_where, "time.step").text, limit,
-                   (long long)ctx->step, culprit(ctx, dem, solids, zones, text, sizeof text), bound,
-                   ctx->dt, ctx->dt / limit);
+                   (long long)ctx->step,
+                   name_limiting_part(ctx, dem, solids, zones, text, sizeof text), bound, ctx->dt,
+                   ctx->dt / limit);
 }
 
 /* --- what may happen before the lists are made again --- */
@@ -239,7 +241,7 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
     return check_advance(ctx, dem, solids, zones, error);
 }
 
-static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
+static gneiss_status check_rotated(gn_world *w, gneiss_error *error) {
     bool due;
     GN_TRY(gn_dem_limit_turned(w, &due, error));
     if (!due) return GNEISS_OK;
@@ -248,7 +250,7 @@ static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
     return react(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.stable, error);
 }
 
-/* Before the first step, which finds it by itself. */
+/* Largest squared speed before the first step, which finds it itself. */
 static double fastest2(const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double most = 0.0;
@@ -257,7 +259,8 @@ static double fastest2(const gn_dem *dem) {
     return most;
 }
 
-/* m/s, of the farthest vertices; of what is prescribed also before the first step. */
+/* Largest speed, m/s, of the farthest vertices of bodies; prescribed ones count before the first
+ * step too. */
 static double fastest_body(const gn_step_context *ctx, const gn_boundary *boundary) {
     double most = 0.0;
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
@@ -273,9 +276,9 @@ static double fastest_body(const gn_step_context *ctx, const gn_boundary *bounda
     return most;
 }
 
-/* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
- * since: a particle goes a tenth of the smallest radius in a step at most, also one that begins to
- * fall. */
+/* By Hertz's law springs do not limit an automatic step before contact, and speeds may have grown
+ * since the last lists: a particle moves by at most a tenth of the smallest radius in a step, also
+ * one that begins to fall. */
 static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
     const double most = 0.1 * dem->radius_min;
     double speed = sqrt(ctx->step > 0 ? dem->done.motion.speed2 : fastest2(dem));
@@ -286,24 +289,25 @@ static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *
     if (ctx->dt * speed > most) lower(ctx, dem, 0.5 * most / speed);
 }
 
-/* Particles by themselves do not hold the step with all that may touch; with elements they may. */
-static gneiss_status look_at_whole(const gn_step_context *ctx, gn_dem *dem,
-                                   const gn_boundary *boundary, const gn_solids *solids,
-                                   gn_zones *zones, bool *fine, gneiss_error *error) {
+/* Particles alone do not hold the step with all listed contacts; with elements they may. */
+static gneiss_status check_whole(const gn_step_context *ctx, gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids,
+                                 gn_zones *zones, bool *fine, gneiss_error *error) {
     gn_whole_limit whole;
     if (!gn_coupled_has_limit(ctx, solids) || !(zones->state.whole > 0.0)) return GNEISS_OK;
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, true, &whole, error));
     dem->listed = fmax(dem->listed, limit_of_whole(ctx, dem, boundary, solids, whole.sharp));
     double needed = gn_limit_needed(ctx, dem, boundary, solids, ctx->dt / 0.99);
     *fine = ctx->dt <= 0.99 * dem->listed;
-    if (*fine && isfinite(needed)) dem->listed_holds = needed; /* look at what changes from now */
+    if (*fine && isfinite(needed))
+        dem->listed_holds = needed; /* only changes have to be checked from now
+                                     * on */
     return GNEISS_OK;
 }
 
-/* Nodes have lost mass with particles that left. */
-static gneiss_status look_at_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                                     const gn_solids *solids, gn_zones *zones,
-                                     gneiss_error *error) {
+/* Finds the limit anew after nodes have lost mass with removed particles. */
+static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                   const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     if (!(zones->state.whole < 0.0)) return GNEISS_OK;
     zones->state.whole = 0.0;
     GN_TRY(limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error));
@@ -313,19 +317,18 @@ static gneiss_status look_at_lighter(gn_step_context *ctx, gn_dem *dem, const gn
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->ctx.scene.has_specimen) return GNEISS_OK;
-    GN_TRY(look_at_lighter(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    gn_pressed_look(&w->ctx, &w->dem, &w->boundary);
+    GN_TRY(check_lighter(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    gn_pressed_update(&w->ctx, &w->dem, &w->boundary);
     follow_flight(&w->ctx, &w->dem, &w->boundary);
     gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
     GN_TRY(resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     if (!full) GN_TRY(gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, fine, error));
-    if (!full && *fine)
-        return GNEISS_OK; /* the springs at the last look stay those to compare with */
-    GN_TRY(look_at_turned(w, error));
+    if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
+    GN_TRY(check_rotated(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
     if (!*fine)
-        GN_TRY(look_at_whole(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
-    /* To two hundredths less, so that the next lists need not lower it again. */
+        GN_TRY(check_whole(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
+    /* Two hundredths below the limit, so that the next lists need not lower it again. */
     if (!*fine) lower(&w->ctx, &w->dem, 0.98 * w->dem.listed);
     return check_advance(&w->ctx, &w->dem, &w->solids, &w->zones, error);
 }
@@ -335,12 +338,13 @@ gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
     bool fine = true;
     gneiss_status status = check_lists(w, false, &fine, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
-    /* A given step is not held against what may form, but then against what has. */
+    /* A given step is not compared with contacts that may form, but with those that have formed. */
     if (status != GNEISS_OK || fine || w->ctx.scene.step == 0.0) return status;
     return gn_world_check_step(w, false, error);
 }
 
-/* As at the start: from what is near, or from what the scene holds when there is nothing near. */
+/* Chooses the step as at the start: from listed contacts, or from the whole scene if there are
+ * none. */
 static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
     bool fine, shorter;
     gn_dem_limit_anew(&w->dem);
@@ -355,7 +359,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false;
     gneiss_status status = GNEISS_OK;
-    if (w->ctx.scene.has_specimen) gn_pressed_look(&w->ctx, &w->dem, &w->boundary);
+    if (w->ctx.scene.has_specimen) gn_pressed_update(&w->ctx, &w->dem, &w->boundary);
     if (w->ctx.scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK)
         status = gn_elements_limit(&w->ctx, &w->solids, full, &elements_due, error);
@@ -366,17 +370,17 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
             status =
                 react(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.stable, error);
     }
-    /* What rattles or has come apart in lists that stand for long. */
+    /* Resolves loose contacts of lists that are kept for long. */
     if (status == GNEISS_OK && !full && w->ctx.scene.has_specimen)
         status = resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
-    /* A step of next to nothing is no step to look at lists with. */
+    /* Lists are not checked with a vanishing step. */
     if (status == GNEISS_OK && full) status = gn_world_check_duration(&w->ctx, error);
     if (status == GNEISS_OK && full) status = check_anew(w, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
-static gneiss_status look_again(gn_world *w, gneiss_error *error) {
+static gneiss_status check_again(gn_world *w, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status =
         resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
@@ -385,25 +389,25 @@ static gneiss_status look_again(gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
-    if (!gn_debris_suspected(&w->ledger)) return GNEISS_OK;
-    w->dem.debris_suspected = true;
-    gneiss_status status = look_again(w, error);
-    w->dem.debris_suspected = false;
+    if (!gn_debris_exceeds_ledger(&w->ledger)) return GNEISS_OK;
+    w->dem.debris_reported = true;
+    gneiss_status status = check_again(w, error);
+    w->dem.debris_reported = false;
     return status;
 }
 
-/* What has come apart is loose, which lists that stand for long would say late. Where nothing damps
- * the collisions until then it is looked at whenever another sixteenth of the bonds has broken,
- * from the half of them on. */
+/* Unbonded debris would be noticed late by lists that are kept for long. Without damping of
+ * collisions it is checked whenever another sixteenth of the bonds has broken, from half of them
+ * on. */
 gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_error *error) {
     const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
-    if (now == broken_before || 2 * now < all || !gn_world_rings(&w->ctx, &w->dem))
+    if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(&w->ctx, &w->dem))
         return GNEISS_OK;
     if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
-    return look_again(w, error);
+    return check_again(w, error);
 }
 
-gneiss_status gn_world_last_look(gn_world *w, gneiss_error *error) {
+gneiss_status gn_world_update_reported_limit(gn_world *w, gneiss_error *error) {
     bool due;
     if (!w->ctx.scene.has_specimen || w->solids.count || w->ctx.effects & GN_FX_BONDS)
         return GNEISS_OK;
@@ -429,15 +433,16 @@ double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_so
 
 const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
                                   size_t size) {
-    char who[160];
+    char contact[160];
     *text = '\0';
     if (ctx->scene.step == 0.0) return text;
     if (ctx->dt > dem->resolution.step)
         snprintf(text, size,
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
-                 ctx->dt, gn_resolution_text(ctx, dem, who, sizeof who), dem->resolution.contact,
-                 dem->resolution.contact / ctx->dt, dem->resolution.contact / dem->resolution.step);
+                 ctx->dt, gn_resolution_text(ctx, dem, contact, sizeof contact),
+                 dem->resolution.contact, dem->resolution.contact / ctx->dt,
+                 dem->resolution.contact / dem->resolution.step);
     else if (ctx->dt > dem->listed)
         snprintf(text, size,
                  "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "

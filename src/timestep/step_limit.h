@@ -13,29 +13,29 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* s: limit of all parts together, from that of the particles alone (step_limit.c). */
+/* Returns the limit of all parts together, s, from that of the particles alone (step_limit.c). */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_solids *solids, double particles);
-/* s: the limits of the particles and all bodies of elements, each by itself: the least, undamped.
- */
+/* Return the least of the limits, s, of the particles and of all bodies of elements, each alone and
+ * undamped. */
 double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones);
 double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
-/* Updates the limit of loose grains at the end of a run for the output, after the state has been
+/* Updates the limit of unbonded grains at the end of a run for the output, after the state has been
  * saved. The step is unchanged. */
-gneiss_status gn_world_last_look(gn_world *world, gneiss_error *error);
-/* Checks the step, as gn_world_check_step does, after a step in which bonds broke: the specimen may
- * have come apart. */
+gneiss_status gn_world_update_reported_limit(gn_world *world, gneiss_error *error);
+/* Checks the step, as gn_world_check_step does, after a step in which bonds broke and the specimen
+ * may have disintegrated. */
 gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
-/* Checks the step after one that was measured because of debris: debris that makes energy counts.
- */
+/* Checks the step after one that was measured because of debris, which needs smaller steps if it
+ * creates energy. */
 gneiss_status gn_world_check_debris(gn_world *world, gneiss_error *error);
 /* Checks the step against all events that are possible until the new lists are made again. */
 gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
-/* Lowers an automatic step as bodies ask for that move far in it. */
+/* Lowers an automatic step for bodies that move far in it. */
 void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
 /* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
  * need a smaller one. "": there is none. */
@@ -46,46 +46,46 @@ double gn_world_nonviscous_share(const gn_step_context *ctx);
 /* The share for a scene with these effects. */
 double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
 
-/* Lowers *dt (s), of the coming step, as far as bodies ask for: no vertex goes farther in it than a
- * quarter of the smallest radius, and no body turns by more than a quarter of a
- * radian, with bearings about some of its axes by 0.01. */
+/* Lowers *dt (s) of the coming step such that no vertex of a body moves farther than a quarter of
+ * the smallest radius, and no body rotates by more than a quarter of a radian, or 0.01 with
+ * bearings about some of its axes. */
 void gn_bodies_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       double *dt);
 
-/* Lowers *dt as far as walls ask for that leave particles which press them: such a wall goes at
- * most a twentieth of the smallest radius. */
+/* Lowers *dt for walls that move away from particles which press them: such a wall moves by at most
+ * a twentieth of the smallest radius. */
 void gn_walls_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      double *dt);
 
-/* s: as gn_bodies_follow, from the start on, where nothing else limits the step: for the fastest
- * that bodies are driven at any time, and a hundredth of what is left of the run at most. INFINITY:
- * no body moves. */
+/* Returns a step, s, for a scene in which nothing but bodies limits it: for the largest prescribed
+ * velocity of bodies at any time, and at most a hundredth of the rest of the run. INFINITY: no body
+ * moves. */
 double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary);
 
-/* That no spin, at the start or prescribed, moves a vertex faster than light, as velocities are
- * bounded in scenes. */
+/* Checks that no initial or prescribed spin moves a vertex faster than light, which bounds
+ * velocities in scenes. */
 gneiss_status gn_bodies_check_speeds(const gn_step_context *ctx, const gn_boundary *boundary,
                                      gneiss_error *error);
 
-/* The shortest contact that can begin before the lists are made again. */
+/* Finds the shortest contact that can begin before the lists are rebuilt. */
 gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_boundary *boundary, const gn_solids *solids,
                                    const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error);
 /* Tells whether collisions are hardly damped. */
-bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem);
+bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem);
 /* Steps that a collision must last. */
 double gn_world_contact_steps(const gn_step_context *ctx);
 /* Names the two bodies of the shortest collision. */
 const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
                                size_t size);
 
-/* *some: collisions are hardly damped (gn_world_rings), the step is automatic, and a particle has
- * lost all of its bonds or all but one. */
+/* Sets *some if collisions are hardly damped (gn_world_is_underdamped), the step is automatic, and
+ * a particle has lost all of its bonds or all but one. */
 gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
                              gneiss_error *error);
 
-/* Tells whether a surface gives way to particles; its largest inverse mass, 1/kg. */
+/* Tells whether a surface yields to particles; its largest inverse mass, 1/kg. */
 bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *surface);
 double gn_surface_give(const gn_boundary *boundary, const gn_surface *surface);
 /* Names the free body whose contacts need steps a thousand times shorter than those of all other
@@ -94,22 +94,22 @@ const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, char *text, size_t size);
 
 /* Finds the displacements that bring the linearised system into equilibrium with `load`, see
- * gn_equilibrium_solve.
- * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
+ * gn_equilibrium_solve. `slips`: see gn_spectrum, `rate`: gn_viscosity. */
 gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
-/* The limit of the particles alone (particle_limit.c): of what has come to act since the last look,
- * or, `full`, of all. *due: it has changed, or that of what they touch. */
+/* Finds the limit of the particles alone (particle_limit.c): of springs that have become active
+ * since the last check or, with `full`, of all. *due: it has changed, or that of the objects that
+ * they touch. */
 gneiss_status gn_dem_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
-/* The limit of the particles whose contacts have turned since the last look. */
+/* Finds it for contacts that have rotated since. */
 gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *error);
-/* Finds whether the step of the world is stable with all listed contacts in touch; otherwise
- * dem.listed is a step that is. `full`: considers all contacts. */
+/* Tells whether the step of the world holds with all listed contacts closed; else dem.listed is the
+ * step that would. `full`: checks all of them. */
 gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
-/* Finds whether the step is so short that the sums of stiffness of near contacts prove it stable,
- * without a look at changes. */
+/* Tells whether the step is so short that row sums of the listed contacts prove it stable, without
+ * a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids, bool *far,
                                gneiss_error *error);
@@ -124,16 +124,17 @@ gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
 /* Forgets what was found of lists and collisions. */
 void gn_dem_limit_anew(gn_dem *dem);
 
-/* Raises masses, if the scene says so, from the step that the world has found without. */
+/* Raises masses, if the scene asks for it, from the step that the world has found without. */
 gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
 /* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
- * of the bound with own masses, and the added mass over the own one; INFINITY: other parts do not
- * permit such a step. */
+ * of the bound with own masses, and the added mass over the own one; INFINITY: other parts leave no
+ * room for such a step. */
 gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     double step, double *of_bound, double *added,
                                     gneiss_error *error);
-/* Returns the kinetic energy of the added mass, with the velocities of the last half step. */
+/* Returns the share of added mass in the kinetic energy, with the velocities of the last half
+ * step. */
 double gn_dem_added_kinetic(const gn_dem *dem);
 
 /* That no particle went bad or too far in the step (paths.c). */

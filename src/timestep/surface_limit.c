@@ -1,4 +1,4 @@
-/* What surfaces mean for the stability limit. */
+/* Contribution of surfaces to the stability limit. */
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -23,8 +23,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The largest stiffness of one contact before the lists are made again; of a facet of a patch that
- * of a part of it, with as much of the particle behind it. */
+/* The largest stiffness of a contact before the lists are rebuilt; of a facet of a patch that of
+ * its part, with the same part of the particle's mass. */
 static gn_law_spring law_spring(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_surface_contact *c, double part) {
     gn_touch_side side = gn_surface_side(ctx, dem, c->surface, c->particle, part);
@@ -36,7 +36,7 @@ static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_surface_contact *c, bool joined) {
     const gn_facet_contact *k = &c->contact;
     gn_law_spring s = law_spring(ctx, dem, c, c->patch ? k->part : 1.0);
-    /* Of a surface that yields the dashpot is weaker. */
+    /* The dashpot of a yielding surface is weaker. */
     gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = s.kn, .kt = s.kt, .cn = s.cn};
     memcpy(e.n, k->n, sizeof e.n);
     e.arm = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
@@ -44,9 +44,9 @@ static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
     /* Against rolling k_t r^2/I is 2.5 of the 3.5 k_t/m of a tangential spring. */
     if (ctx->effects & GN_FX_ROLLING) e.kt += fmax(e.kt, e.kn);
     if (joined) e.kt += e.kn;
-    /* Contacts that share resist in every direction in which one of them does: with the normals M
-     * by M f^-1 M^T, of which the largest eigenvalue never exceeded the sum of min(1, 2/crowd) over
-     * 60 000 random sets of normals of all spreads. */
+    /* Contacts that share a stiffness resist in every direction in which one of them does: with the
+     * normals M by M f^-1 M^T, whose largest eigenvalue never exceeded the sum of min(1, 2/crowd)
+     * over 60 000 random sets of normals of all spreads. */
     if (!c->patch && k->part < 1.0) {
         e.kn *= fmin(1.0, 2.0 / k->crowd);
         e.kt += e.kn;
@@ -68,7 +68,7 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     size_t row = 0, many;
     while (gn_surface_contacts_next(ctx, dem, boundary, &row, reach, found, &many)) {
-        /* Near several facets: they may yet be joined, into one contact. */
+        /* A particle near several facets may still join them into one contact. */
         for (size_t k = 0; k < many; k++)
             (*springs)[(*count)++] = spring_of(
                 ctx, dem, &found[k], reach > 0.0 && many > 1 && k == 0 && !found[k].patch);
@@ -100,7 +100,7 @@ double gn_surface_give(const gn_boundary *boundary, const gn_surface *s) {
 
 /* --- bodies that are light --- */
 
-/* N/m: by Hertz's law the most of what a particle is pressed with by a hundredth of its radius. */
+/* Largest stiffness, N/m, by Hertz's law at an overlap of a hundredth of the radius. */
 static double hertz_stiffness(const gn_step_context *ctx, const gn_dem *dem) {
     const size_t sides = gn_scene_sides(&ctx->scene);
     const gn_particles *q = &dem->particles;
@@ -111,7 +111,8 @@ static double hertz_stiffness(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.2 * modulus * radius;
 }
 
-/* 1/s2, of a body where it touches; `hertz`: of what touches it by that law, besides its own. */
+/* Squared frequency, 1/s2, of a body at its contacts; `hertz`: stiffness of Hertz contacts, besides
+ * its own. */
 static double square_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                         double hertz) {
     const gn_surface *s = &boundary->surfaces[body];
@@ -119,7 +120,8 @@ static double square_of(const gn_step_context *ctx, const gn_boundary *boundary,
     return gn_surface_yields(boundary, s) ? stiffness * gn_surface_give(boundary, s) : 0.0;
 }
 
-/* The same of particles, on the stiffest of what they touch and among each other. */
+/* Squared frequency, 1/s2, of particles on the stiffest object that they may touch and among each
+ * other. */
 static double particle_square(const gn_step_context *ctx, const gn_dem *dem, double stiffness) {
     const gn_particles *q = &dem->particles;
     bool hertz = ctx->effects & GN_FX_HERTZ;
@@ -157,7 +159,7 @@ const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- rigid bodies --- */
 
-/* Sums over contacts of B^T B and of what dashpots do, scaled by the masses: 6 x 6. */
+/* Sums over contacts of B^T k B and of the dashpots, scaled by the masses: 6 x 6. */
 typedef struct body_block {
     double stiff[36], damp[36];
 } body_block;
@@ -168,7 +170,7 @@ static void add_row(double *block, const double row[6], double value) {
         for (int q = 0; q < 6; q++) block[6 * p + q] += value * row[p] * row[q];
 }
 
-/* Speed at a point along a direction, per unit of the scaled degrees of freedom. */
+/* Speed of a point along a direction per unit of the scaled degrees of freedom. */
 static void scaled_row(const gn_rigid *b, const double at[3], const double direction[3],
                        double row[6]) {
     double lever[3], local[3];
@@ -180,7 +182,7 @@ static void scaled_row(const gn_rigid *b, const double at[3], const double direc
     }
 }
 
-/* A moment of k_r = k_t r^2 per turn about any axis. */
+/* A moment of k_r = k_t r^2 per unit rotation about any axis. */
 static void add_rolling(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_surface_contact *c, double k, body_block *block) {
     const gn_rigid *b = &boundary->bodies[c->surface->body];
@@ -200,7 +202,8 @@ static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_
     const double *x = dem->particles.pos + 4 * c->particle;
     gn_law_spring s = law_spring(ctx, dem, c, 1.0);
     double k = fmax(s.kn, s.kt), at[3], row[6];
-    double mass = 1.0 / dem->particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
+    double mass =
+        1.0 / dem->particles.vel[4 * c->particle + 3]; /* the mass of the dashpot is less */
     for (int a = 0; a < 3; a++) at[a] = x[a] + c->contact.arm[a] - b->position[a];
     for (int a = 0; a < 3; a++) {
         const double unit[3] = {a == 0, a == 1, a == 2};
@@ -224,7 +227,7 @@ static double largest(const double block[36]) {
 
 /* --- bodies on walls --- */
 
-/* 1/kg, with which a contact with a wall gives way along the normal, and the body as a whole. */
+/* Inverse mass, 1/kg, of a contact with a wall along the normal, and of the body as a whole. */
 static double give_along(const gn_rigid *b, const gn_body_wall *c, const double n[3],
                          double *whole) {
     double turn[3];
@@ -234,7 +237,8 @@ static double give_along(const gn_rigid *b, const gn_body_wall *c, const double 
     return *whole + gn_rigid_compliance(b, turn);
 }
 
-/* Row c with its spring along the normal and, with `across`, friction in all directions. */
+/* Adds the spring of a wall contact along the normal and, with `across`, friction in all
+ * directions. */
 static void add_wall_contact(const gn_boundary *boundary, const gn_body_wall *c, bool across,
                              body_block *block) {
     const gn_rigid *b = &boundary->bodies[c->body];
@@ -252,9 +256,9 @@ static void add_wall_contact(const gn_boundary *boundary, const gn_body_wall *c,
     add_row(block->stiff, row, fmax(kn - kt, 0.0));
 }
 
-/* Dashpots of the contacts with one wall that press at an instant are 2 alpha sqrt(m/k) times their
- * springs, with k of these alone and m of all of them together, of 1/m >= `whole`. Their eigenvalue
- * is that much of the springs', which is k times the most by which one of them gives way. */
+/* Dashpots of simultaneous contacts with one wall are 2 alpha sqrt(m/k) times their springs, with k
+ * of these alone and m of all of them together, of 1/m >= `whole`. Their eigenvalue is that factor
+ * times that of the springs, which is k times the largest inverse mass of one of them. */
 typedef struct wall_damping {
     double stiffness, most, whole, fraction;
 } wall_damping;
@@ -265,7 +269,8 @@ static double damping_of(const gn_step_context *ctx, const wall_damping *d) {
     return least > 0.0 ? 2.0 * alpha * sqrt(d->stiffness / least) * d->most : 0.0;
 }
 
-/* All vertices that are near count as pressed; 1/s, what their dashpots add. */
+/* Adds the contacts of a body with walls, all listed vertices closed; returns the rate of their
+ * dashpots, 1/s. */
 static double add_walls(const gn_step_context *ctx, const gn_boundary *boundary, int32_t body,
                         body_block *block) {
     double damping = 0.0;
@@ -306,7 +311,7 @@ static double rate_of(double a, double b) {
     return (b + sqrt(b * b + 4.0 * a)) / 4.0;
 }
 
-/* Of one surface, from the contacts of which each is handed over. */
+/* Sums over the contacts of one surface. */
 typedef struct rate_sums {
     body_block body;
     double walls;         /* 1/s, dashpots at walls and other bodies */
@@ -328,7 +333,7 @@ static void add(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary
     }
 }
 
-/* Tells whether a facet of those before has a vertex. */
+/* Tells whether one of the first `count` facets has a vertex. */
 static bool has_vertex(const gn_surface_contact *found, size_t count, int32_t vertex) {
     for (size_t k = 0; k < count; k++)
         for (int v = 0; v < found[k].parts; v++)
@@ -336,7 +341,7 @@ static bool has_vertex(const gn_surface_contact *found, size_t count, int32_t ve
     return false;
 }
 
-/* What of a patch acts on a vertex: the sum of shape functions, by parts, over facets. */
+/* Part of a patch that acts on a vertex: the sum of shape functions times parts over its facets. */
 static double part_on(const gn_surface_contact *found, size_t count, int32_t vertex) {
     double sum = 0.0;
     for (size_t k = 0; k < count; k++)
@@ -345,7 +350,7 @@ static double part_on(const gn_surface_contact *found, size_t count, int32_t ver
     return sum;
 }
 
-/* The facet that is nearest to the particle, and its shape functions there. */
+/* Finds the facet nearest to the particle and its shape functions there. */
 static size_t find_nearest(const gn_dem *dem, const gn_surface_contact *found, size_t count,
                            gn_facet_near *nearest) {
     const gn_facet_set *f = &found->surface->facets;
@@ -363,8 +368,8 @@ static size_t find_nearest(const gn_dem *dem, const gn_surface_contact *found, s
     return which;
 }
 
-/* A patch is at a point when it begins, the nearest; when it has grown, a stiffness belongs to its
- * rim, which is twice as much on a vertex as over the area at most. */
+/* A patch begins at the nearest point; once grown, its stiffness belongs to its rim, whose part on
+ * a vertex is at most twice that over the area. */
 static void add_patch(const gn_step_context *ctx, const gn_dem *dem,
                       const gn_surface_contact *found, size_t count, rate_sums *sums) {
     const gn_law_spring s = law_spring(ctx, dem, found, 1.0);
@@ -389,8 +394,8 @@ static bool is_held(const gn_surface *s, size_t vertex) {
     return slot >= 0 && (s->prescribed->mask[slot] & all) == all;
 }
 
-/* Vertices: the entries of M^-1 sum k N^T N are not negative, so that its row sums bound it, and
- * the weights of a contact add up to one. */
+/* For vertices the entries of M^-1 sum k N^T N are not negative, so that its row sums bound it; the
+ * weights of a contact add up to one. */
 static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
     double most = 0.0;
     if (s->body >= 0)
@@ -440,8 +445,9 @@ static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices", s->vertices);
 }
 
-/* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
- * be at their limit, from above; the elasticity of what vertices belong to is left out. */
+/* Finds upper bounds of the rates 1/dt, 1/s, at which free bodies and vertices reach their limit
+ * with all particles near them held fixed and closed; the elasticity behind vertices is left
+ * out. */
 static gneiss_status find_rates(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, double *bodies, double *vertices,
                                 gneiss_error *error) {

@@ -157,8 +157,8 @@ static unsigned held_mask(const gn_dem *dem, size_t p) {
     return slot < 0 ? 0u : dem->prescribed.mask[slot];
 }
 
-/* What the engine made of the velocities in a second; viscous damping drags at those of the path.
- */
+/* Reads the loads from the velocities that the engine gave in a second; viscous damping acts on
+ * those of the path. */
 static void read_loads(gn_trial *t, const double *path, double rate) {
     gn_world *w = t->world;
     const gn_particles *q = &w->dem.particles;
@@ -175,13 +175,13 @@ static void read_loads(gn_trial *t, const double *path, double rate) {
     }
 }
 
-/* Loads against the forces that act. */
+/* Compares loads with contact forces. */
 static void weigh_loads(gn_trial *t) {
     const gn_world *w = t->world;
     const gn_dem_sums *s = &w->dem.done;
     double sum = 0.0, most = -1.0, contacts = s->contacts.carrying;
     const unsigned places = w->ctx.effects & GN_FX_SPACE ? 0x7u : 0x3u;
-    size_t free = 0; /* in some direction */
+    size_t free = 0; /* free in some direction */
     for (size_t p = 0; p < t->count; p++) {
         double square = 0.0, r = w->dem.particles.pos[4 * p + 3];
         for (size_t k = 0; k < N; k++) {
@@ -205,8 +205,9 @@ static void note_losses(gn_trial *t) {
     t->broken += s->contacts.broken_tension + s->contacts.broken_shear;
 }
 
-/* First the path, which loads the tangential springs as it is long; what closed or opened on it
- * acted for a part of it only. Then the forces of the state by itself. */
+/* The path is evaluated first and loads the tangential springs along its length; contacts that
+ * closed or opened on it acted for a part of it. Then the forces of the state alone are
+ * evaluated. */
 void gn_trial_go(gn_trial *t, const double *path, double span, bool loads) {
     gn_world *w = t->world;
     const double walls = loads ? 0.0 : span, rate = loads ? 0.0 : 1.0 / span;
@@ -277,8 +278,8 @@ static uint8_t *find_slips(const gn_step_context *ctx, const gn_dem *dem,
     return slips;
 }
 
-/* What nothing holds goes as far as its load is, which may be anywhere: no particle goes further at
- * a time than a part of its radius. */
+/* An unsupported particle may be displaced without bound: no particle moves by more than a part of
+ * its radius at a time. */
 static void add_corrections(const gn_trial *t, const double *u, double *path,
                             gn_equilibrium *found) {
     const double part = 0.02;
@@ -313,7 +314,7 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
 
 /* --- the ledger --- */
 
-/* What is stored, and what is read off with it. */
+/* Evaluates stored energies and the readings of the state. */
 static void read_state(gn_world *w) {
     gn_dem_evaluate(w, 0.0, 0.0, true);
     gn_boundary_forces(&w->ctx, &w->dem, &w->boundary);
@@ -349,7 +350,7 @@ static double work_prescribed(const gn_trial *t, const double *path) {
     return sum;
 }
 
-/* Of gravity and applied forces, and what viscous damping takes. */
+/* Books the works of gravity and applied forces and the loss of viscous damping. */
 static void book_loads(const gn_trial *t, const double *path, double span, bool loads) {
     gn_world *w = t->world;
     const gn_particles *q = &w->dem.particles;
@@ -367,7 +368,7 @@ static void book_loads(const gn_trial *t, const double *path, double span, bool 
     }
 }
 
-/* What the terms do not explain yet. */
+/* Energy that the terms do not explain yet. */
 static double missing(const gn_trial *t) {
     const gn_energy *e = &t->world->ledger.energy;
     double in = 0.0, lost = 0.0;
@@ -383,10 +384,10 @@ static double missing(const gn_trial *t) {
     return gn_energy_stored(e) - t->stored + lost - in;
 }
 
-/* In equilibrium what moves puts in what is stored and lost besides: the trapezoidal sums of its
- * works miss some of that where contacts close on the way, which is made good in the same
- * proportions. Dead loads put in more than is stored, and the rest goes as it would if things came
- * to rest under them: to damping. */
+/* In equilibrium prescribed motions supply the stored and lost energy: trapezoidal sums of their
+ * works miss some of it where contacts close on the way, and the rest is distributed in the same
+ * proportions. Dead loads supply more than is stored; the rest counts as damping, as if the system
+ * came to rest under them. */
 static void close_ledger(gn_trial *t, double walls, double prescribed, bool loads) {
     gn_energy *e = &t->world->ledger.energy;
     e->work_walls += walls;
@@ -439,7 +440,7 @@ gneiss_status gn_trial_take(gn_trial *t, const double *path, double span, bool l
     read_state(w);
     close_ledger(t, walls, prescribed, loads);
     w->ledger.reading = w->ledger.energy;
-    /* The next increment may go as far as the lists reach. */
+    /* The next increment may extend to the reach of the lists. */
     gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
     double own = w->dem.verlet.drift, other = gn_boundary_travel(&w->ctx, &w->boundary, true);
     if (fmax(2.0 * own, own + other) > 0.5 * w->dem.verlet.skin) {

@@ -157,7 +157,7 @@ static bool has_specimen(const gn_world *w) {
 
 GN_HOOK(look_at_depth) {
     if (!w->ctx.measure) return GNEISS_OK;
-    return gn_depth_look_again(&w->ctx, &w->dem, &w->boundary, error);
+    return gn_depth_update_when_due(&w->ctx, &w->dem, &w->boundary, error);
 }
 
 const gn_feature gn_feature_depth = {
@@ -167,7 +167,7 @@ const gn_feature gn_feature_depth = {
 };
 
 GN_HOOK(look_at_gauge) {
-    return gn_gauge_look(&w->ctx, &w->dem, &w->gauge, error);
+    return gn_gauge_update(&w->ctx, &w->dem, &w->gauge, error);
 }
 
 const gn_feature gn_feature_gauge = {
@@ -181,7 +181,7 @@ static bool has_ends(const gn_world *w) {
 }
 
 GN_HOOK(look_at_ends) {
-    gn_ends_look(w, false);
+    gn_ends_note_contact(w, false);
     return GNEISS_OK;
 }
 
@@ -212,7 +212,7 @@ static bool is_controlled(const gn_world *w) {
 }
 
 GN_HOOK(control_ends) {
-    gn_control_look(w);
+    gn_control_update(w);
     return GNEISS_OK;
 }
 

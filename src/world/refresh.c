@@ -20,7 +20,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_refresh(w, error));
     GN_TRY(gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, first, error));
     GN_TRY(gn_features_follow_lists(w, error));
-    GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, error));
+    GN_TRY(gn_depth_update(&w->ctx, &w->dem, &w->boundary, error));
     gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
@@ -29,6 +29,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
     GN_TRY(gn_boundary_restore(&w->dem, &w->boundary, error));
+    gn_world_find_volume_source(&w->ctx, &w->dem, &w->boundary, &w->solids);
     return gn_features_follow_lists(w, error);
 }
 

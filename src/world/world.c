@@ -100,6 +100,11 @@ static gn_volume_source source_of_volume(const gn_step_context *ctx, const gn_de
     return given ? GN_VOLUME_OF_TEST : GN_VOLUME_OF_HULL;
 }
 
+void gn_world_find_volume_source(gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids) {
+    ctx->volume_source = source_of_volume(ctx, dem, boundary, solids);
+}
+
 const char *gn_world_volume_source(const gn_step_context *ctx) {
     static const char *const names[] = {"the elements",
                                         "the periodic box",
@@ -125,7 +130,6 @@ static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
     gn_volume_source source = source_of_volume(ctx, dem, boundary, solids);
-    ctx->volume_source = source;
     if (!ctx->scene.specimen_given)
         gn_flow_bounds(ctx, dem, ctx->lower, ctx->upper);
     else if (source == GN_VOLUME_OF_HULL)
@@ -139,6 +143,7 @@ static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
     if (source == GN_VOLUME_OF_BOX) ctx->volume = box_volume(ctx);
     GN_TRY(measure_test(ctx, dem, boundary, solids, error));
     if (source == GN_VOLUME_OF_TEST) ctx->volume = gn_test_shape(ctx, dem, boundary, solids).volume;
+    gn_world_find_volume_source(ctx, dem, boundary, solids); /* the extent is known now */
     return GNEISS_OK;
 }
 

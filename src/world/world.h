@@ -105,6 +105,10 @@ gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
 
+/* Sets ctx.volume_source, once the particles and their extent are known. */
+void gn_world_find_volume_source(gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids);
+
 /* Returns the body whose volume ctx->volume is: "the shape", "the convex hull of the particles",
  * ... */
 const char *gn_world_volume_source(const gn_step_context *ctx);
