@@ -785,7 +785,7 @@ static void a_full_list_of_warnings_takes_no_more(void **state) {
     } *q = calloc(1, sizeof *q);
     q->guard = 0x5a5a5a5a5a5a5a5aULL;
     for (int k = 0; k < GN_WARNINGS_MAX + 2; k++)
-        gn_warnings_add(&q->list, k == GN_WARNINGS_MAX + 1 ? "last" : "one")->text[639] = '\0';
+        gn_warn(&q->list, k == GN_WARNINGS_MAX + 1 ? "last" : "one", "%700d", k);
     assert_int_equal(q->list.count, GN_WARNINGS_MAX);
     assert_string_equal(q->list.warning[GN_WARNINGS_MAX - 1].name, "last");
     assert_true(q->guard == 0x5a5a5a5a5a5a5a5aULL);

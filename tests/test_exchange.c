@@ -310,7 +310,7 @@ static void assert_bodies_in_file(const gn_world *w, writer *write, const char *
     close(mkstemp(path));
     assert_int_equal(gn_h5_create(path, &file, &error), GNEISS_OK);
     assert_int_equal(write(w, file, &error), GNEISS_OK);
-    assert_int_equal(gn_h5_commit(file, GN_DURABLE, &error), GNEISS_OK);
+    assert_int_equal(gn_h5_commit(&file, GN_DURABLE, &error), GNEISS_OK);
     assert_int_equal(gn_h5_open_whole(path, &file, &error), GNEISS_OK);
     assert_int_equal(rows_of(file, name), w->solids.elements[0]->solid.nodes.soa.count);
     assert_int_equal(rows_of(file, second), w->solids.elements[1]->solid.nodes.soa.count);

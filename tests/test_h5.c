@@ -44,7 +44,7 @@ static void write_sample(const char *path) {
     ok(gn_h5_attribute_i64(file, "/", "whole", whole, 2, error));
     ok(gn_h5_attribute_f64(file, "small", "tau", &tau, 1, error));
     ok(gn_h5_attribute_text(file, "made/here", "empty", "", error));
-    ok(gn_h5_commit(file, GN_DURABLE, error));
+    ok(gn_h5_commit(&file, GN_DURABLE, error));
 }
 
 #define check(condition)                                                                           \
@@ -122,7 +122,7 @@ static void rows_with_a_stride_are_packed_and_unpacked(void **state) {
     ok(gn_h5_create(f->path, &file, error));
     ok(gn_h5_put(file, "xy", GN_F64, 700, 2, sizeof *in, &in[0].x, "m", NULL, error));
     ok(gn_h5_put(file, "id", GN_I32, 700, 1, sizeof *in, &in[0].id, NULL, NULL, error));
-    ok(gn_h5_commit(file, GN_DURABLE, error));
+    ok(gn_h5_commit(&file, GN_DURABLE, error));
     ok(gn_h5_open(f->path, &file, error));
     ok(gn_h5_get(file, "xy", GN_F64, 700, 2, sizeof *out, &out[0].x, error));
     ok(gn_h5_get(file, "id", GN_I32, 700, 1, sizeof *out, &out[0].id, error));
@@ -143,7 +143,7 @@ static void long_texts_are_kept_and_checked(void **state) {
     gn_h5 *file;
     ok(gn_h5_create(f->path, &file, error));
     ok(gn_h5_put_text(file, "scene", text, error));
-    ok(gn_h5_commit(file, GN_DURABLE, error));
+    ok(gn_h5_commit(&file, GN_DURABLE, error));
     ok(gn_h5_open(f->path, &file, error));
     ok(gn_h5_get_text(file, "scene", &back, error));
     assert_string_equal(back, text);
@@ -275,7 +275,7 @@ static void a_full_disk_leaves_the_old_file(void **state) {
         set_file_limit(limit);
         gneiss_status status = gn_h5_create(f->path, &file, &why);
         if (!status) status = gn_h5_put(file, "d", GN_F64, 100000, 1, 0, data, "m", NULL, &why);
-        if (!status) status = gn_h5_commit(file, GN_DURABLE, &why);
+        if (!status) status = gn_h5_commit(&file, GN_DURABLE, &why);
         set_file_limit(before.rlim_cur);
         assert_int_equal(status, GNEISS_ERROR_IO);
         assert_non_null(strstr(why.message, "File too large"));
@@ -329,7 +329,7 @@ static void a_failed_write_cannot_be_committed(void **state) {
     ok(gn_h5_put(file, "one", GN_F64, 1, 1, 0, &one, NULL, NULL, error));
     fails(gn_h5_put(file, "one", GN_F64, 1, 1, 0, &one, NULL, NULL, error), GNEISS_ERROR_INTERNAL,
           "data set one cannot be written");
-    fails(gn_h5_commit(file, GN_DURABLE, error), GNEISS_ERROR_INTERNAL, "a write into it failed");
+    fails(gn_h5_commit(&file, GN_DURABLE, error), GNEISS_ERROR_INTERNAL, "a write into it failed");
     assert_int_equal(entries(f->dir, false), 0);
 }
 
@@ -366,7 +366,7 @@ static void check_record(const char *path, const gn_record *record, void *a, voi
     fill_record(record, a);
     ok(gn_h5_create(path, &file, error));
     ok(gn_h5_put_record(file, "group/r", record, a, error));
-    ok(gn_h5_commit(file, GN_DURABLE, error));
+    ok(gn_h5_commit(&file, GN_DURABLE, error));
     ok(gn_h5_open(path, &file, error));
     ok(gn_h5_get_record(file, "group/r", record, b, effects, error));
     for (size_t k = 0; k < record->field_count; k++) {
@@ -409,7 +409,7 @@ static void columns_are_stored_by_component(void **state) {
         for (int k = 0; k < 5; k++) q.shear[c * q.soa.capacity + k] = 10 * c + k;
     ok(gn_h5_create(f->path, &file, error));
     ok(gn_h5_put_record(file, "pairs", &gn_contact_record, &q, error));
-    ok(gn_h5_commit(file, GN_DURABLE, error));
+    ok(gn_h5_commit(&file, GN_DURABLE, error));
     ok(gn_h5_open(f->path, &file, error));
     ok(gn_h5_get(file, "pairs/shear", GN_F64, 3, 5, 0, shear, error));
     for (int c = 0; c < 3; c++)
@@ -434,7 +434,7 @@ static void a_record_that_does_not_fit_is_refused(void **state) {
     ok(gn_h5_attribute_i64(file, "negative", "count", &negative, 1, error));
     ok(gn_h5_attribute_i64(file, "bare", "count", &seven, 1, error));
     ok(gn_h5_attribute_text(file, "bare", "effects", "rotation", error));
-    ok(gn_h5_commit(file, GN_DURABLE, error));
+    ok(gn_h5_commit(&file, GN_DURABLE, error));
     ok(gn_h5_open(f->path, &file, error));
     const gn_record *record = &gn_particle_record;
     fails(gn_h5_get_record(file, "good", record, &back, GN_FX_ROTATION | GN_FX_BONDS, error),

@@ -1,8 +1,8 @@
 #include "io_helpers.h"
 
-#include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "io/h5.h"
+#include "io/listing.h"
 #include "io/packing.h"
 #include "io/snapshot.h"
 

@@ -260,7 +260,7 @@ static void a_file_of_something_else_is_replaced(void **state) {
     gn_h5 *file = NULL;
     ok(gn_h5_create(path, &file, error));
     ok(gn_h5_attribute_text(file, "/", "kind", "something else", error));
-    ok(gn_h5_commit(file, GN_DURABLE, error));
+    ok(gn_h5_commit(&file, GN_DURABLE, error));
     check_replaced(&s, &good, path, "another kind");
     snprintf(other, sizeof other, "%s/other", f->dir);
     setenv("GNEISS_CACHE", other, 1);

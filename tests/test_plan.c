@@ -1,10 +1,9 @@
 /* Errors by cause, and predictions for a test: src/accuracy, src/plan. */
 #include "world_helpers.h"
 
-#include "accuracy/covers.h"
+#include "accuracy/accuracy.h"
 #include "plan/estimate.h"
 #include "plan/propose.h"
-#include "plan/rewrite.h"
 #include "run/budget.h"
 
 #include <math.h>

@@ -207,7 +207,7 @@ static void results_have_the_final_quantities_of_bodies(void **state) {
     run_steps(w, 10);
     assert_int_equal(gn_h5_create(path, &file, &error), GNEISS_OK);
     assert_int_equal(gn_owners_results(w, file, &error), GNEISS_OK);
-    assert_int_equal(gn_h5_commit(file, GN_DURABLE, &error), GNEISS_OK);
+    assert_int_equal(gn_h5_commit(&file, GN_DURABLE, &error), GNEISS_OK);
     assert_int_equal(gn_h5_open(path, &file, &error), GNEISS_OK);
     assert_int_equal(gn_h5_get(file, "bodies/displacement", GN_F64, 2, 3, 0, displacement, &error),
                      GNEISS_OK);

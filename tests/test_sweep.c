@@ -3,7 +3,7 @@
 
 #include "scene/manifest.h"
 #include "sweep/sample.h"
-#include "sweep/statistics.h"
+#include "sweep/summary.h"
 #include "sweep/sweep.h"
 
 /* ---- Latin hypercube ---- */

@@ -23,7 +23,7 @@ def number(value):
 
 def main(slopes, base):
     print("/* Written from validate/accuracy by tools/slopes_table.py. */")
-    print('#include "accuracy/slopes.h"\n\n#include <math.h>\n')
+    print('#include "accuracy/accuracy.h"\n\n#include <math.h>\n')
     print("const gn_slope gn_slopes[] = {")
     for row in rows(slopes):
         names = ", ".join(text(row[name]) for name in ("case", "reading", "effect", "group"))

@@ -1,6 +1,7 @@
 /* Public API of scenes and worlds. It checks arguments and manages handles; src/sim does the work.
  */
 #include "api/handles.h"
+#include "base/new.h"
 #include "conversion/conversion.h"
 #include "particles/dormant.h"
 #include "timestep/step_limit.h"
@@ -148,8 +149,7 @@ void gneiss_scene_free(gneiss_scene *scene) {
 /* --- worlds --- */
 
 static gneiss_status new_world(gneiss_world **world, gneiss_error *error) {
-    *world = calloc(1, sizeof **world);
-    return *world ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a world");
+    return gn_new(world, 1, "a world", error);
 }
 
 /* Returns the world to the caller, or frees its handle on failure; a failed run owns nothing. */
@@ -164,19 +164,16 @@ static gneiss_status hand_over(gneiss_status status, gneiss_world *made, gneiss_
 gneiss_status gneiss_world_create(const gneiss_scene *scene, const char *folder,
                                   gneiss_world **world, gneiss_error *error) {
     gneiss_world *made;
+    GN_FREED gn_scene *copy = NULL; /* too large for a small stack */
     GN_TRY(gn_api_require(world, "world", error));
     *world = NULL;
     GN_TRY(gn_api_require(scene, "scene", error));
     if (folder) GN_TRY(require_path(folder, "folder", error));
+    GN_TRY(gn_new(&copy, 1, "a copy of the scene", error));
+    GN_TRY(gn_scene_copy(&scene->scene, copy, error));
     GN_TRY(new_world(&made, error));
-    gn_scene *copy = malloc(sizeof *copy); /* too large for a small stack */
-    gneiss_status status =
-        copy ? gn_scene_copy(&scene->scene, copy, error)
-             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a copy of the scene");
-    if (status == GNEISS_OK)
-        status = folder ? gn_run_start(copy, folder, false, &made->run, error)
-                        : gn_run_create(copy, &made->run, error);
-    free(copy);
+    gneiss_status status = folder ? gn_run_start(copy, folder, false, &made->run, error)
+                                  : gn_run_create(copy, &made->run, error);
     return hand_over(status, made, world);
 }
 

@@ -20,7 +20,4 @@ enum { GN_ADVICE_SIZE = 480 };
  * `text`. */
 const char *gn_names_advice(const gn_names *names, char *text, size_t size);
 
-/* Returns the optimal string alignment distance of two names (Levenshtein with transpositions). */
-size_t gn_edit_distance(const char *a, const char *b);
-
 #endif

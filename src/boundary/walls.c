@@ -19,7 +19,7 @@
 #include "particles/dem.h"
 #include "particles/expected_overlap.h"
 #include "particles/law.h"
-#include "scene/facing.h"
+#include "scene/acts.h"
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/field.h"

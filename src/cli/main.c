@@ -1,4 +1,5 @@
 /* The `gneiss` program. */
+#include "base/new.h"
 #include "base/printable.h"
 #include "base/threads.h"
 #include "base/timer.h"
@@ -11,10 +12,10 @@
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/sweep.h"
-#include "cli/wrong_file.h"
 #include "conversion/conversion.h"
 #include "io/files.h"
 #include "run/folder.h"
+#include "scene/tree.h"
 #include "sweep/sweep.h"
 #include "timestep/step_limit.h"
 #include "world/scale.h"
@@ -27,6 +28,95 @@
 #include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* ---- files and folders that are given to the wrong command ---- */
+
+enum { SIZE_MOST = 16 << 20 };
+
+typedef enum kind { OTHER, SCENE, SWEEP, PACKING } kind;
+
+static bool has_any(const gn_node *root, const char *const *keys) {
+    for (; *keys; keys++)
+        if (gn_node_child(root, *keys)) return true;
+    return false;
+}
+
+/* The kind follows from top-level keys that no other kind has. */
+static kind kind_of_root(const gn_node *root) {
+    static const char *const sweep[] = {"parameters", "seeds", "sampling", "combine", NULL},
+                             *const scene[] = {"materials", "law",  "time",   "elements", "walls",
+                                               "bodies",    "test", "stages", NULL};
+    if (!root || root->kind != GN_NODE_MAP) return OTHER;
+    const bool swept = gn_node_child(root, "scene") || has_any(root, sweep);
+    if (has_any(root, scene)) return swept ? OTHER : SCENE;
+    if (gn_node_child(root, "specimen")) return swept ? OTHER : PACKING;
+    return swept ? SWEEP : OTHER;
+}
+
+static kind kind_of_file(const char *path) {
+    char *text = NULL;
+    gneiss_error unsaid = {0};
+    gn_tree *tree = NULL;
+    kind found = OTHER;
+    if (gn_read_text_file(path, SIZE_MOST, &text, &unsaid) != GNEISS_OK) return OTHER;
+    if (gn_tree_read(text, strlen(text), path, &tree, &unsaid) == GNEISS_OK) {
+        found = kind_of_root(gn_tree_root(tree));
+        gn_tree_free(tree);
+    }
+    free(text);
+    return found;
+}
+
+static bool is_one_of(const char *name, const char *const *list) {
+    for (; *list; list++)
+        if (strcmp(name, *list) == 0) return true;
+    return false;
+}
+
+static const char *const takes_scene[] = {"run", "check", "plan", NULL},
+                         *const takes_folder[] = {"resume", "report", NULL},
+                         *const takes_file[] = {"run", "check", "plan", "pack", "sweep", NULL};
+
+/* NULL: the command accepts such a file, and the problem is another. */
+static const char *found_text(const gn_options *options, kind found) {
+    const bool sweep = strcmp(options->command, "sweep") == 0;
+    if (found == SWEEP && !sweep)
+        return "a sweep file, which names a scene and values of its keys: gneiss sweep";
+    if (found == SCENE && (sweep || is_one_of(options->command, takes_folder)))
+        return "a scene: gneiss run";
+    if (found == PACKING && strcmp(options->command, "pack") != 0)
+        return "a specimen alone, without materials and time: gneiss pack";
+    return NULL;
+}
+
+static const char *expected_text(const gn_options *options) {
+    return is_one_of(options->command, takes_scene)    ? "a scene"
+           : is_one_of(options->command, takes_folder) ? "a folder of results"
+           : strcmp(options->command, "sweep") == 0    ? "a sweep file"
+                                                       : "a scene or a specimen";
+}
+
+/* After an input error: if the file or folder belongs to another command, replaces the message by
+ * one that names this command. */
+static void name_wrong_file(const gn_options *options, gneiss_error *error) {
+    struct stat status;
+    if (!options->command || !options->target || stat(options->target, &status) != 0) return;
+    if (S_ISDIR(status.st_mode) && is_one_of(options->command, takes_file)) {
+        gn_fail(error, GNEISS_ERROR_INPUT,
+                "%.1000s: expected a %s file, found a folder: gneiss resume continues a run, "
+                "gneiss report shows it",
+                options->target, strcmp(options->command, "sweep") == 0 ? "sweep" : "scene");
+        return;
+    }
+    if (!S_ISREG(status.st_mode)) return;
+    const char *found = found_text(options, kind_of_file(options->target));
+    if (!found && is_one_of(options->command, takes_folder))
+        gn_fail(error, GNEISS_ERROR_INPUT, "%.1000s: expected %s, found a file", options->target,
+                expected_text(options));
+    if (found)
+        gn_fail(error, GNEISS_ERROR_INPUT, "%.1000s: expected %s, found %s %.1000s",
+                options->target, expected_text(options), found, options->target);
+}
 
 enum { LONG_RUN = 60 }; /* s of computing above which results are replaced only on request */
 
@@ -123,18 +213,12 @@ static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *er
 
 /* The scene is on the heap because it is too large for a small stack. */
 static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
-    *scene = calloc(1, sizeof **scene);
-    if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status =
-        gn_scene_load(options->target, options->overrides, options->override_count, *scene, error);
+    GN_TRY(gn_new(scene, 1, "a scene", error));
+    GN_TRY(
+        gn_scene_load(options->target, options->overrides, options->override_count, *scene, error));
     (*scene)->allow_gmsh = options->allow_gmsh;
-    if (status == GNEISS_OK) {
-        gn_print_notes(&(*scene)->notes);
-        return GNEISS_OK;
-    }
-    free(*scene);
-    *scene = NULL;
-    return status;
+    gn_print_notes(&(*scene)->notes);
+    return GNEISS_OK;
 }
 
 /* A repeated command does not replace hours of computing, and a mistaken folder does not lose other
@@ -169,18 +253,14 @@ static gneiss_status start(const gn_options *options, gn_scene *scene, gn_run *r
 }
 
 static gneiss_status command_run(const gn_options *options, gneiss_error *error) {
-    gn_scene *scene = NULL;
-    gn_run *run = calloc(1, sizeof *run);
-    if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED gn_scene *scene = NULL;
+    GN_FREED gn_run *run = NULL;
+    GN_TRY(gn_new(&run, 1, "a run", error));
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(options, &scene, error);
-    if (status == GNEISS_OK) status = start(options, scene, run, error);
-    free(scene);
-    if (status == GNEISS_OK) {
-        status = go(options, run, error);
-        gn_run_free(run);
-    }
-    free(run);
+    GN_TRY(load_scene(options, &scene, error));
+    GN_TRY(start(options, scene, run, error));
+    gneiss_status status = go(options, run, error);
+    gn_run_free(run);
     return status;
 }
 
@@ -196,25 +276,21 @@ static gneiss_status command_run_all(const gn_options *options, gneiss_error *er
 
 static gneiss_status command_resume(const gn_options *options, gneiss_error *error) {
     char shown[GN_PATH_SIZE];
-    gn_run *run = calloc(1, sizeof *run);
-    if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED gn_run *run = NULL;
+    GN_TRY(gn_new(&run, 1, "a run", error));
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status =
-        gn_run_resume(options->target, options->overrides, options->override_count, run, error);
-    if (status == GNEISS_OK) {
-        run->world.ctx.given.allow_gmsh = run->world.ctx.scene.allow_gmsh = options->allow_gmsh;
-        const int64_t before = run->world.ctx.step;
-        status = go(options, run, error);
-        if (status == GNEISS_OK && run->world.ctx.step == before)
-            fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
-                    gn_printable(options->target, shown, sizeof shown), run->stop_reason,
-                    !options->override_count ? ""
-                    : run->world.outcome.halt[0]
-                        ? "; the model itself ended it, which no setting changes"
-                        : "; a later time.end or removing the stop condition continues it");
-        gn_run_free(run);
-    }
-    free(run);
+    GN_TRY(gn_run_resume(options->target, options->overrides, options->override_count, run, error));
+    run->world.ctx.given.allow_gmsh = run->world.ctx.scene.allow_gmsh = options->allow_gmsh;
+    const int64_t before = run->world.ctx.step;
+    gneiss_status status = go(options, run, error);
+    if (status == GNEISS_OK && run->world.ctx.step == before)
+        fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
+                gn_printable(options->target, shown, sizeof shown), run->stop_reason,
+                !options->override_count ? ""
+                : run->world.outcome.halt[0]
+                    ? "; the model itself ended it, which no setting changes"
+                    : "; a later time.end or removing the stop condition continues it");
+    gn_run_free(run);
     return status;
 }
 
@@ -222,46 +298,35 @@ static gneiss_status command_resume(const gn_options *options, gneiss_error *err
  * `run` reports it. */
 static gneiss_status check_confinements(const gn_options *options, gneiss_error *error) {
     bool several = false;
-    gn_sweep *sweep = calloc(1, sizeof *sweep);
-    if (!sweep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = gn_sweep_of_scene(options->target, options->overrides,
-                                             options->override_count, NULL, sweep, &several, error);
-    if (status == GNEISS_OK && several) gn_sweep_free(sweep);
-    free(sweep);
-    return status;
+    GN_FREED gn_sweep *sweep = NULL;
+    GN_TRY(gn_new(&sweep, 1, "a sweep", error));
+    GN_TRY(gn_sweep_of_scene(options->target, options->overrides, options->override_count, NULL,
+                             sweep, &several, error));
+    if (several) gn_sweep_free(sweep);
+    return GNEISS_OK;
 }
 
 /* `plan` and `check` build the world and write nothing. */
 static gneiss_status command_look(const gn_options *options, bool plan, gneiss_error *error) {
-    gn_scene *scene = NULL;
-    gn_world *world = calloc(1, sizeof *world);
-    if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     int warnings = 0;
     char shown[GN_PATH_SIZE];
+    GN_TRY(gn_new(&world, 1, "a model", error));
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(options, &scene, error);
-    if (status == GNEISS_OK) {
-        status = check_confinements(options, error);
-        if (status == GNEISS_OK) status = gn_pack_ahead(options, scene, error);
-        if (status != GNEISS_OK) gn_scene_free(scene);
-    }
+    GN_TRY(load_scene(options, &scene, error));
+    GN_TRY(check_confinements(options, error));
+    GN_TRY(gn_pack_ahead(options, scene, error));
     double before = gn_process_time();
-    if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
+    GN_TRY(gn_world_create(scene, world, error));
     double setup = gn_process_time() - before;
-    free(scene);
-    if (status == GNEISS_OK && options->error) {
-        status = gn_plan_accuracy(options, world, setup, error);
-        gn_world_free(world);
-    } else if (status == GNEISS_OK) {
-        if (!plan) status = gn_print_check(world, &warnings, error);
-        if (status == GNEISS_OK) status = gn_print_plan(world, error);
-        gn_world_free(world);
-    }
-    if (status == GNEISS_OK && !plan)
+    if (options->error) return gn_plan_accuracy(options, world, setup, error);
+    if (!plan) GN_TRY(gn_print_check(world, &warnings, error));
+    GN_TRY(gn_print_plan(world, error));
+    if (!plan)
         printf("%s: %s\n", gn_printable(options->target, shown, sizeof shown),
                warnings ? "can run; see the warnings above" : "can run");
-    free(world);
-    return status;
+    return GNEISS_OK;
 }
 
 /* The report is a Python script: at the place of installation, in the program's source tree, or
@@ -422,7 +487,7 @@ int main(int argc, char **argv) {
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) {
         status = dispatch(&options, &error);
-        if (status == GNEISS_ERROR_INPUT) gn_name_wrong_file(&options, &error);
+        if (status == GNEISS_ERROR_INPUT) name_wrong_file(&options, &error);
     }
     /* An earlier flush may have failed with nothing left to write now. */
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)

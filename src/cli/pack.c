@@ -1,6 +1,6 @@
 #include "cli/pack.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/printable.h"
 #include "base/threads.h"
@@ -8,8 +8,8 @@
 #include "cli/line.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
-#include "io/checkpoint_files.h"
 #include "io/files.h"
+#include "io/listing.h"
 #include "pack/shape.h"
 #include "pack/sizes.h"
 #include "pack/store.h"
@@ -50,11 +50,10 @@ static void print_line(const pack_display *display, const gn_pack_progress *prog
 static void print_json(const gn_pack_progress *progress) {
     gn_json *json = gn_json_begin();
     gn_json_text(json, "packing", gn_pack_stage_name(progress->stage));
-    gn_json_integer(json, "particles", (int64_t)progress->particles);
-    gn_json_integer(json, "iteration", progress->state.iteration);
-    gn_json_number(json, "fraction", progress->fraction);
-    gn_json_number(json, "gap_rms", progress->state.gap_rms);
-    gn_json_number(json, "overlap_max", progress->state.overlap_max);
+    GN_JSON_NUMBERS(json, {"particles", (double)progress->particles},
+                    {"iteration", (double)progress->state.iteration},
+                    {"fraction", progress->fraction}, {"gap_rms", progress->state.gap_rms},
+                    {"overlap_max", progress->state.overlap_max});
     char *text = gn_json_finish(json, false);
     if (text) puts(text);
     free(text);
@@ -98,12 +97,9 @@ static gneiss_status obtain_shifted(const gn_options *options, gn_scene *scene, 
 gneiss_status gn_pack_ahead(const gn_options *options, gn_scene *scene, gneiss_error *error) {
     if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
     gn_pack_result result;
-    gn_scene *shifted = gn_alloc(sizeof *shifted);
-    if (!shifted) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
-    gneiss_status status = obtain_shifted(options, scene, shifted, &result, error);
-    if (status == GNEISS_OK) gn_scene_free(shifted);
-    gn_free(shifted);
-    GN_TRY(status);
+    GN_FREED_BY(gn_scene_delete) gn_scene *shifted = NULL;
+    GN_TRY(gn_new(&shifted, 1, "a scene", error));
+    GN_TRY(obtain_shifted(options, scene, shifted, &result, error));
     if (!options->quiet && !options->json)
         printf("specimen: %zu particles %s\n", result.packing.count,
                result.from_cache ? "packed before (from the cache)" : "packed");
@@ -189,9 +185,8 @@ static void warn_of_sizes(const gn_scene *scene, const gn_pack_result *result,
 
 static void print_quality_json(const gn_pack_result *result, const gn_pack_quality *quality) {
     gn_json *json = gn_json_begin();
-    gn_json_integer(json, "particles", (int64_t)result->packing.count);
-    gn_json_number(json, "volume", result->volume);
-    gn_json_number(json, "seconds", result->seconds);
+    GN_JSON_NUMBERS(json, {"particles", (double)result->packing.count}, {"volume", result->volume},
+                    {"seconds", result->seconds});
     gn_json_bool(json, "from_cache", result->from_cache);
     gn_json_bool(json, "in_time", result->in_time);
     gn_json_integer(json, "iterations", (int64_t)result->trace_count);
@@ -319,16 +314,11 @@ static gneiss_status pack_scene(const gn_options *options, gn_scene *scene, gnei
 }
 
 gneiss_status gn_command_pack(const gn_options *options, gneiss_error *error) {
-    gn_scene *scene = calloc(1, sizeof *scene); /* too large for a small stack */
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL; /* too large for a small stack */
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
     gn_signals_end_at_once(interrupted, NULL);
-    gneiss_status status = gn_scene_load_specimen(options->target, options->overrides,
-                                                  options->override_count, scene, error);
-    if (status == GNEISS_OK) {
-        scene->allow_gmsh = options->allow_gmsh;
-        status = pack_scene(options, scene, error);
-        gn_scene_free(scene);
-    }
-    free(scene);
-    return status;
+    GN_TRY(gn_scene_load_specimen(options->target, options->overrides, options->override_count,
+                                  scene, error));
+    scene->allow_gmsh = options->allow_gmsh;
+    return pack_scene(options, scene, error);
 }

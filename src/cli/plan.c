@@ -1,20 +1,15 @@
 #include "cli/plan.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/timer.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/overlap.h"
-#include "cli/idle.h"
 #include "cli/plan_convert.h"
-#include "cli/plan_couple.h"
-#include "cli/plan_elements.h"
-#include "cli/plan_flow.h"
-#include "cli/plan_law.h"
-#include "cli/plan_memory.h"
+#include "cli/plan_cost.h"
+#include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
-#include "cli/plan_time.h"
 #include "cli/progress.h"
 #include "conversion/conversion.h"
 #include "laboratory/ends.h"
@@ -22,7 +17,7 @@
 #include "membrane/membrane.h"
 #include "particles/bonds.h"
 #include "particles/specimen.h"
-#include "scene/stops.h"
+#include "scene/stages.h"
 #include "timestep/step_limit.h"
 #include "world/scale.h"
 
@@ -481,21 +476,17 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
 }
 
 static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss_error *error) {
-    gn_overlap *overlaps = gn_alloc_array(world->boundary.surface_count + 1, sizeof *overlaps);
-    if (!overlaps)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
-                       world->boundary.surface_count);
-    gneiss_status status =
-        gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error);
-    if (status == GNEISS_OK) status = print_bodies(world, overlaps, warnings, error);
     char text[GNEISS_MESSAGE_SIZE];
-    if (status == GNEISS_OK && gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary,
-                                                 &world->box, overlaps, text, sizeof text)) {
+    GN_FREED gn_overlap *overlaps = NULL;
+    GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
+    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
+    GN_TRY(print_bodies(world, overlaps, warnings, error));
+    if (gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary, &world->box, overlaps, text,
+                          sizeof text)) {
         printf("  warning: %s\n", text);
         (*warnings)++;
     }
-    gn_free(overlaps);
-    return status;
+    return GNEISS_OK;
 }
 
 /* Unbonded particles have gaps to the ends as they have to each other: these count as strain, which

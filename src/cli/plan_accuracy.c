@@ -1,17 +1,18 @@
 #include "cli/plan_accuracy.h"
 
-#include "base/memory.h"
+#include "base/new.h"
+#include "base/printable.h"
 #include "cli/progress.h"
-#include "cli/shown.h"
 #include "io/files.h"
-#include "plan/rewrite.h"
 #include "plan/setting.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-gneiss_status gn_plan_read_error(const char *text, double *wanted, gneiss_error *error) {
+/* Reads "5%", "5 %" or "0.05". */
+static gneiss_status read_error(const char *text, double *wanted, gneiss_error *error) {
     char *rest;
     *wanted = strtod(text, &rest);
     bool number = rest != text;
@@ -144,17 +145,16 @@ static void print_plan(const gn_plan *plan, const gn_world *world) {
 static void json_proposal(gn_json *json, const char *key, const gn_plan *plan,
                           const gn_proposal *proposal) {
     gn_json_object(json, key);
-    gn_json_number(json, "pace", proposal->pace);
-    gn_json_number(json, "closing", plan->estimate.closing_velocity * proposal->pace);
+    GN_JSON_NUMBERS(json, {"pace", proposal->pace},
+                    {"closing", plan->estimate.closing_velocity * proposal->pace});
     if (!plan->groups.mesh) gn_json_number(json, "particles", proposal->particles);
     gn_json_integer(json, "packings", proposal->packings);
     if (plan->groups.mesh) gn_json_number(json, "cell", proposal->cell);
     gn_json_number(json, "safety", proposal->safety);
     gn_json_text(json, "precision", proposal->mixed ? "mixed" : "double");
     gn_json_text(json, "start", proposal->first_break ? "first_break" : "rest");
-    gn_json_number(json, "mass_scaling", proposal->step_ratio);
-    gn_json_number(json, "added_mass", proposal->added_mass);
-    gn_json_number(json, "error", proposal->error);
+    GN_JSON_NUMBERS(json, {"mass_scaling", proposal->step_ratio},
+                    {"added_mass", proposal->added_mass}, {"error", proposal->error});
     gn_json_object(json, "causes");
     for (size_t k = 0; k < proposal->causes.count; k++)
         gn_json_number(json, proposal->causes.cause[k].name, proposal->causes.cause[k].error);
@@ -163,27 +163,20 @@ static void json_proposal(gn_json *json, const char *key, const gn_plan *plan,
     for (size_t k = 0; k < proposal->causes.note_count; k++)
         gn_json_text(json, NULL, proposal->causes.note[k]);
     gn_json_end(json);
-    gn_json_number(json, "steps", proposal->steps);
-    gn_json_number(json, "seconds", proposal->seconds);
+    GN_JSON_NUMBERS(json, {"steps", proposal->steps}, {"seconds", proposal->seconds});
     gn_json_end(json);
 }
 
 static void json_estimate(gn_json *json, const gn_estimate *estimate) {
     gn_json_object(json, "estimate");
     gn_json_text(json, "study", estimate->study);
-    gn_json_number(json, "closing", estimate->closing_velocity);
-    gn_json_number(json, "path", estimate->path_strain);
-    gn_json_number(json, "end", estimate->end_strain);
-    gn_json_number(json, "uniform_modulus", estimate->uniform_modulus);
-    gn_json_number(json, "uniform_poisson", estimate->poisson);
-    gn_json_number(json, "breaking_strain", estimate->breaking_strain);
-    gn_json_number(json, "modulus", estimate->modulus);
-    gn_json_number(json, "wave", estimate->wave_speed);
-    gn_json_number(json, "strength", estimate->strength);
-    gn_json_number(json, "strain", estimate->strain);
-    gn_json_number(json, "compliance", estimate->compliance);
-    gn_json_number(json, "speed", estimate->speed);
-    gn_json_number(json, "across", estimate->across);
+    GN_JSON_NUMBERS(json, {"closing", estimate->closing_velocity}, {"path", estimate->path_strain},
+                    {"end", estimate->end_strain}, {"uniform_modulus", estimate->uniform_modulus},
+                    {"uniform_poisson", estimate->poisson},
+                    {"breaking_strain", estimate->breaking_strain}, {"modulus", estimate->modulus},
+                    {"wave", estimate->wave_speed}, {"strength", estimate->strength},
+                    {"strain", estimate->strain}, {"compliance", estimate->compliance},
+                    {"speed", estimate->speed}, {"across", estimate->across});
     gn_json_end(json);
 }
 
@@ -192,15 +185,13 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
     gn_json_number(json, "wanted", plan->wanted.error);
     gn_json_text(json, "reading", plan->wanted.reading);
     gn_json_bool(json, "reached", plan->reached);
-    gn_json_number(json, "dt", world->ctx.dt);
-    gn_json_integer(json, "particles", (int64_t)world->dem.particles.soa.count);
-    gn_json_integer(json, "contacts", (int64_t)gn_lists_count(&world->dem));
+    GN_JSON_NUMBERS(json, {"dt", world->ctx.dt},
+                    {"particles", (double)world->dem.particles.soa.count},
+                    {"contacts", (double)gn_lists_count(&world->dem)});
     gn_json_object(json, "cost");
-    gn_json_number(json, "particle", plan->cost[0].particle);
-    gn_json_number(json, "contact", plan->cost[0].contact);
-    gn_json_number(json, "element", plan->cost[0].element);
-    gn_json_number(json, "row", plan->cost[0].row);
-    gn_json_number(json, "setup", plan->setup);
+    GN_JSON_NUMBERS(json, {"particle", plan->cost[0].particle}, {"contact", plan->cost[0].contact},
+                    {"element", plan->cost[0].element}, {"row", plan->cost[0].row},
+                    {"setup", plan->setup});
     gn_json_end(json);
     json_estimate(json, &plan->estimate);
     json_proposal(json, "as_is", plan, &plan->current);
@@ -225,63 +216,77 @@ static gneiss_status all_settings(const gn_options *options, const gn_plan *plan
 /* The number of cells and the step they allow are found by making them. */
 static gneiss_status correct(const gn_options *options, const gn_settings *settings, gn_plan *plan,
                              gneiss_error *error) {
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     if (!plan->groups.mesh) return GNEISS_OK;
-    gn_scene *scene = gn_alloc(sizeof *scene);
-    gn_world *world = gn_alloc(sizeof *world);
-    gneiss_status status =
-        scene && world ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    if (status == GNEISS_OK)
-        status = gn_scene_load(options->target, settings->setting, settings->count, scene, error);
-    if (status == GNEISS_OK) scene->allow_gmsh = options->allow_gmsh;
-    if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
-    if (status == GNEISS_OK) {
-        gn_plan_correct(&world->ctx, &world->solids, plan, &plan->best);
-        gn_world_free(world);
-    }
-    gn_free(scene);
-    gn_free(world);
-    return status;
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_new(&world, 1, "a model", error));
+    GN_TRY(gn_scene_load(options->target, settings->setting, settings->count, scene, error));
+    scene->allow_gmsh = options->allow_gmsh;
+    GN_TRY(gn_world_create(scene, world, error));
+    gn_plan_correct(&world->ctx, &world->solids, plan, &plan->best);
+    return GNEISS_OK;
+}
+
+/* The scene with the settings, resolved, below a list of the settings. */
+static gneiss_status scene_text(const gn_options *options, const gn_settings *settings,
+                                const gn_scene *scene, char **text, gneiss_error *error) {
+    GN_FREED char *resolved = gn_scene_write(scene);
+    char shown[GN_PATH_SIZE];
+    size_t size;
+    FILE *out;
+    if (!resolved) return gn_no_memory(error, "the text of the scene");
+    GN_TRY(gn_text_open(text, &size, &out, "the text of the scene", error));
+    fprintf(out, "# %s with\n", gn_printable(options->target, shown, sizeof shown));
+    for (size_t k = 0; k < settings->count; k++)
+        fprintf(out, "#   --set '%s=%s'\n", settings->setting[k].key, settings->setting[k].value);
+    fprintf(out, "%s", resolved);
+    return gn_text_close(out, "the text of the scene", error);
 }
 
 static gneiss_status write_scene(const gn_options *options, const gn_settings *settings,
                                  gneiss_error *error) {
-    bool plain = false;
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_FREED char *text = NULL;
     if (!options->write) return GNEISS_OK;
-    GN_TRY(gn_scene_rewrite(options->target, settings->setting, settings->count, options->write,
-                            options->force, &plain, error));
+    if (!options->force && access(options->write, F_OK) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected no file, found one: --force replaces it", options->write);
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_scene_load(options->target, settings->setting, settings->count, scene, error));
+    GN_TRY(scene_text(options, settings, scene, &text, error));
+    GN_TRY(gn_write_text_file(options->write, text, GN_DURABLE, error));
     if (!options->json)
-        printf("written: %s%s\n", options->write,
-               plain ? " (resolved, without comments: the form of the scene file could not be kept)"
-                     : "");
+        printf("written: %s, resolved; its first lines give the settings for --set\n",
+               options->write);
     return GNEISS_OK;
 }
 
 static gneiss_status tell(const gn_options *options, const gn_world *world, gn_plan *plan,
                           gneiss_error *error) {
-    gn_settings settings = {0};
-    gneiss_status status = all_settings(options, plan, world, &settings, error);
-    if (status == GNEISS_OK) status = correct(options, &settings, plan, error);
-    if (status == GNEISS_OK && options->json) json_plan(plan, world);
-    if (status == GNEISS_OK && !options->json) print_plan(plan, world);
-    if (status == GNEISS_OK) status = write_scene(options, &settings, error);
-    gn_settings_free(&settings);
-    return status;
+    GN_FREED_BY(gn_settings_free) gn_settings settings = {0};
+    GN_TRY(all_settings(options, plan, world, &settings, error));
+    GN_TRY(correct(options, &settings, plan, error));
+    if (options->json)
+        json_plan(plan, world);
+    else
+        print_plan(plan, world);
+    return write_scene(options, &settings, error);
 }
 
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                gneiss_error *error) {
-    gn_plan *plan = gn_alloc(sizeof *plan);
-    if (!plan) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gn_wanted wanted = {.reading = options->reading ? options->reading : "strength"};
-    wanted.any_particles = options->any_particles;
-    gneiss_status status = gn_plan_read_error(options->error, &wanted.error, error);
-    if (status == GNEISS_OK && !world->ctx.scene.has_specimen && !options->reading)
-        wanted.reading = "stiffness";
-    if (status == GNEISS_OK) status = gn_plan_make(world, &wanted, setup, plan, error);
-    if (status == GNEISS_OK && plan->absent)
-        status = gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", options->target,
-                         plan->absent);
-    if (status == GNEISS_OK) status = tell(options, world, plan, error);
-    gn_free(plan);
-    return status;
+    const bool particles = world->ctx.scene.has_specimen;
+    gn_wanted wanted = {.any_particles = options->any_particles,
+                        .reading = options->reading ? options->reading
+                                   : particles      ? "strength"
+                                                    : "stiffness"};
+    GN_FREED gn_plan *plan = NULL;
+    GN_TRY(gn_new(&plan, 1, "a plan", error));
+    GN_TRY(read_error(options->error, &wanted.error, error));
+    GN_TRY(gn_plan_make(world, &wanted, setup, plan, error));
+    if (plan->absent)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", options->target,
+                       plan->absent);
+    return tell(options, world, plan, error);
 }

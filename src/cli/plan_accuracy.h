@@ -11,7 +11,4 @@
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                gneiss_error *error);
 
-/* Reads "5%", "5 %" or "0.05". */
-gneiss_status gn_plan_read_error(const char *text, double *error_wanted, gneiss_error *error);
-
 #endif

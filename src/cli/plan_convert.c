@@ -1,8 +1,8 @@
 #include "cli/plan_convert.h"
 
 #include "base/timer.h"
-#include "cli/plan_couple.h"
-#include "cli/plan_time.h"
+#include "cli/plan_cost.h"
+#include "cli/plan_parts.h"
 #include "cli/progress.h"
 #include "particles/dormant.h"
 #include "scene/stages.h"

@@ -1,22 +1,86 @@
 #include "cli/progress.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/printable.h"
 #include "boundary/overlap.h"
-#include "cli/budget_show.h"
 #include "cli/line.h"
-#include "cli/plan_elements.h"
+#include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
-#include "cli/shown.h"
 #include "io/files.h"
 #include "plan/estimate.h"
+#include "run/budget.h"
+#include "run/run.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* ---- units of printed readings ---- */
+
+static gn_shown pressure(double value, bool modulus) {
+    static const gn_shown units[] = {{1e9, "GPa"}, {1e6, "MPa"}, {1e3, "kPa"}};
+    /* For rock, moduli and stresses of 0.5 GPa and 0.5 MPa are usual, and strengths of 200 MPa. */
+    for (size_t k = modulus ? 0 : 1; k < sizeof units / sizeof *units; k++)
+        if (fabs(value) >= 0.1 * units[k].factor) return units[k];
+    return (gn_shown){1.0, "Pa"};
+}
+
+static gn_shown shown_unit(const gn_readings *readings, const char *name, const char *unit,
+                           double value) {
+    if (strcmp(unit, "Pa") != 0) return (gn_shown){1.0, strcmp(unit, "1") == 0 ? "" : unit};
+    const bool modulus = strstr(name, "modulus") != NULL;
+    const double kin = modulus ? readings->young_modulus : readings->largest_stress;
+    return pressure(isfinite(kin) && kin != 0.0 ? kin : value, modulus);
+}
+
+double gn_two_digits(double value) {
+    if (!isfinite(value) || value == 0.0) return value;
+    const double unit = pow(10.0, floor(log10(fabs(value))) - 1.0);
+    return round(value / unit) * unit;
+}
+
+/* ---- output of the error budget at the end of a run ---- */
+
+static void print_one(const gn_readings *readings, const char *name, const char *unit, double value,
+                      const gn_error_causes *causes) {
+    char text[512];
+    const gn_shown shown = shown_unit(readings, name, unit, value);
+    printf("    %-22s %.4g%s%s +- %.6g %s\n", name, value / shown.factor, *shown.unit ? " " : "",
+           shown.unit, gn_two_digits(fabs(value) / shown.factor * gn_causes_total(causes)),
+           gn_budget_text(causes, value / shown.factor, text, sizeof text));
+}
+
+/* The causes that no sum includes are the same for most readings, and are printed once. */
+static void print_notes(const gn_budget *budget) {
+    const gn_error_causes *causes = &budget->of[GN_READING_peak_stress];
+    if (!causes->count) causes = &budget->of[GN_READING_young_modulus_average];
+    for (size_t k = 0; k < causes->note_count; k++) printf("    note: %s\n", causes->note[k]);
+}
+
+/* Prints a line for each reading with a budget; if there is a test but no budget, the reason. */
+static gneiss_status gn_print_budget(const gn_run *run, gneiss_error *error) {
+    const gn_readings *readings;
+    const gn_budget *budget;
+    if (!gn_scene_tested(&run->world.ctx.scene)) return GNEISS_OK;
+    GN_TRY(gn_run_readings(run, &readings, error));
+    GN_TRY(gn_run_budget(run, &budget, error));
+    if (budget->absent[0]) {
+        printf("  error budget           %10s   %s\n", "-", budget->absent);
+        return GNEISS_OK;
+    }
+    printf("  error budget, 95 of 100\n");
+#define X(name, unit, text)                                                                        \
+    if (budget->of[GN_READING_##name].count)                                                       \
+        print_one(readings, #name, unit, readings->name, &budget->of[GN_READING_##name]);
+    GN_READINGS(X)
+#undef X
+    print_notes(budget);
+    return GNEISS_OK;
+}
 
 const char *gn_format_seconds(double seconds, char *text, size_t size) {
     if (!isfinite(seconds))
@@ -48,22 +112,19 @@ const char *gn_format_count(double value, char *text, size_t size) {
 
 static void progress_json(const gn_progress *progress) {
     gn_json *json = gn_json_begin();
-    gn_json_integer(json, "step", progress->step);
-    gn_json_number(json, "time", progress->time);
-    gn_json_number(json, "end", progress->end);
+    GN_JSON_NUMBERS(json, {"step", (double)progress->step}, {"time", progress->time},
+                    {"end", progress->end});
     if (progress->stages) gn_json_text(json, "stage", progress->stage);
-    gn_json_number(json, "seconds", progress->seconds);
-    gn_json_number(json, "particle_steps_per_second", progress->particle_steps_per_second);
-    gn_json_number(json, "contact_steps_per_second", progress->contact_steps_per_second);
+    GN_JSON_NUMBERS(json, {"seconds", progress->seconds},
+                    {"particle_steps_per_second", progress->particle_steps_per_second},
+                    {"contact_steps_per_second", progress->contact_steps_per_second});
     if (progress->element_steps_per_second > 0.0)
         gn_json_number(json, "element_steps_per_second", progress->element_steps_per_second);
     gn_json_number(json, "eta", progress->eta);
     gn_json_bool(json, "eta_at_most", progress->eta_at_most);
-    gn_json_number(json, "unbalanced", progress->unbalanced);
-    gn_json_integer(json, "broken", progress->broken);
-    gn_json_number(json, "energy_residual", progress->residual);
-    gn_json_number(json, "stress", progress->stress);
-    gn_json_number(json, "strain", progress->strain);
+    GN_JSON_NUMBERS(json, {"unbalanced", progress->unbalanced},
+                    {"broken", (double)progress->broken}, {"energy_residual", progress->residual},
+                    {"stress", progress->stress}, {"strain", progress->strain});
     gn_json_bool(json, "finished", progress->finished);
     char *text = gn_json_finish(json, false);
     if (text) puts(text);
@@ -153,24 +214,21 @@ static void warn_of_inside(const char *where, const char *name, size_t count) {
 }
 
 static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
+    const gn_scene *scene = &world->ctx.scene;
+    GN_FREED gn_overlap *overlaps = NULL;
     if (world->ctx.step > 0) return GNEISS_OK;
-    for (size_t k = 0; k < world->ctx.scene.wall_count; k++) /* a passive wall expels nothing */
-        if (!world->ctx.scene.walls[k].passive)
-            warn_of_inside("behind wall", world->ctx.scene.walls[k].name,
+    for (size_t k = 0; k < scene->wall_count; k++) /* a passive wall expels nothing */
+        if (!scene->walls[k].passive)
+            warn_of_inside("behind wall", scene->walls[k].name,
                            gn_wall_overlap(&world->dem, &world->boundary, k).inside);
-    gn_overlap *overlaps = gn_alloc_array(world->boundary.surface_count + 1, sizeof *overlaps);
-    if (!overlaps)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
-                       world->boundary.surface_count);
-    gneiss_status status =
-        gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error);
-    for (size_t k = 0; status == GNEISS_OK && k < world->boundary.surface_count; k++)
-        if (k < world->ctx.scene.body_count)
-            warn_of_inside("inside body", world->ctx.scene.bodies[k].name, overlaps[k].inside);
+    GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
+    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
+    for (size_t k = 0; k < world->boundary.surface_count; k++)
+        if (k < scene->body_count)
+            warn_of_inside("inside body", scene->bodies[k].name, overlaps[k].inside);
         else
             warn_of_inside("inside", "elements", overlaps[k].inside);
-    gn_free(overlaps);
-    return status;
+    return GNEISS_OK;
 }
 
 gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneiss_error *error) {
@@ -261,7 +319,7 @@ static void print_reading(const char *label, double value, const char *unit, con
 
 static void print_scaled(const gn_readings *readings, const char *label, const char *name,
                          const char *unit, double value, const char *note, const char *reason) {
-    const gn_shown shown = gn_shown_unit(readings, name, unit, value);
+    const gn_shown shown = shown_unit(readings, name, unit, value);
     print_reading(label, value / shown.factor, shown.unit, note, reason);
 }
 

@@ -38,4 +38,14 @@ const char *gn_format_seconds(double seconds, char *text, size_t size);
 /* Writes 1234567 as "1.23 M". */
 const char *gn_format_count(double value, char *text, size_t size);
 
+/* Divisor of a reading and the resulting unit. All moduli of a run have the unit of Young's
+ * modulus, and all stresses that of the largest stress. */
+typedef struct gn_shown {
+    double factor;
+    const char *unit; /* "" for a plain number */
+} gn_shown;
+
+/* Rounds `value` to two digits that %.6g prints without an exponent. */
+double gn_two_digits(double value);
+
 #endif

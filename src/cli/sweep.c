@@ -1,6 +1,6 @@
 #include "cli/sweep.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/timer.h"
 #include "cli/plan.h"
 #include "cli/progress.h"
@@ -122,28 +122,24 @@ static gneiss_status choose_folder(const gn_options *options, const gn_sweep *sw
  * have to be packed first. */
 static gneiss_status estimate(const gn_sweep *sweep, size_t run, bool allow_gmsh, double *seconds,
                               gneiss_error *error) {
-    gn_scene *scene = calloc(1, sizeof *scene);
-    gn_world *world = calloc(1, sizeof *world);
+    GN_FREED gn_scene *scene = NULL;
+    GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     *seconds = NAN;
-    gneiss_status status = scene && world ? gn_sweep_scene(sweep, run, scene, error)
-                                          : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    if (status == GNEISS_OK) scene->allow_gmsh = allow_gmsh;
-    if (status == GNEISS_OK && scene->specimen.pack.shape != GN_SHAPE_NONE) {
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_new(&world, 1, "a model", error));
+    GN_TRY(gn_sweep_scene(sweep, run, scene, error));
+    scene->allow_gmsh = allow_gmsh;
+    if (scene->specimen.pack.shape != GN_SHAPE_NONE) {
         gn_scene_free(scene);
-    } else if (status == GNEISS_OK) {
-        double start = gn_now();
-        scene->threads = 1;
-        status = gn_world_create(scene, world, error);
-        double made = gn_now() - start;
-        if (status == GNEISS_OK) {
-            status = gn_plan_seconds(world, seconds, error);
-            *seconds += made;
-            gn_world_free(world);
-        }
+        return GNEISS_OK;
     }
-    free(scene);
-    free(world);
-    return status;
+    double start = gn_now();
+    scene->threads = 1;
+    GN_TRY(gn_world_create(scene, world, error));
+    double made = gn_now() - start;
+    GN_TRY(gn_plan_seconds(world, seconds, error));
+    *seconds += made;
+    return GNEISS_OK;
 }
 
 /* Returns a stride that visits all of so many items, and neighbours late. */
@@ -180,18 +176,13 @@ static void estimate_some(const gn_sweep *sweep, const gn_summary *summary, cons
 }
 
 static gneiss_status dry_run(const gn_sweep *sweep, const gn_sweep_way *way, gneiss_error *error) {
-    gn_summary m;
+    GN_FREED_BY(gn_summary_free) gn_summary m = {0};
+    GN_FREED double *seconds = NULL;
     GN_TRY(gn_summary_make(sweep, way->directory, &m, error));
-    double *seconds = gn_alloc_array(sweep->run_count, sizeof *seconds);
-    gneiss_status status =
-        seconds ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the estimates");
-    if (status == GNEISS_OK) {
-        estimate_some(sweep, &m, way, seconds);
-        gn_sweep_print_plan(sweep, &m, way, seconds);
-    }
-    gn_free(seconds);
-    gn_summary_free(&m);
-    return status;
+    GN_TRY(gn_new(&seconds, sweep->run_count, "estimates", error));
+    estimate_some(sweep, &m, way, seconds);
+    gn_sweep_print_plan(sweep, &m, way, seconds);
+    return GNEISS_OK;
 }
 
 /* ---- the command ---- */
@@ -235,16 +226,11 @@ static gneiss_status carry_out(const gn_options *options, const gn_sweep *sweep,
 /* A geometry without permission is refused once, not in every run. */
 static gneiss_status check_geometry(const gn_options *options, const gn_sweep *sweep,
                                     gneiss_error *error) {
-    gn_scene *scene = calloc(1, sizeof *scene);
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = gn_sweep_scene(sweep, 0, scene, error);
-    if (status == GNEISS_OK) {
-        scene->allow_gmsh = options->allow_gmsh;
-        status = gn_pack_check_geometry(scene, error);
-        gn_scene_free(scene);
-    }
-    free(scene);
-    return status;
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_sweep_scene(sweep, 0, scene, error));
+    scene->allow_gmsh = options->allow_gmsh;
+    return gn_pack_check_geometry(scene, error);
 }
 
 static gneiss_status sweep_into(const gn_options *options, const gn_sweep *sweep, gn_sweep_way way,

@@ -40,12 +40,9 @@ static void json_progress(const gn_sweep_display *display, const gn_sweep_progre
         gn_json_integer(json, "code", progress->outcome->code);
         gn_json_text(json, "message", progress->outcome->message);
     }
-    gn_json_integer(json, "total", (int64_t)progress->total);
-    gn_json_integer(json, "done", (int64_t)progress->done);
-    gn_json_integer(json, "failed", (int64_t)progress->failed);
-    gn_json_integer(json, "running", (int64_t)progress->running);
-    gn_json_number(json, "seconds", progress->seconds);
-    gn_json_number(json, "eta", progress->eta);
+    GN_JSON_NUMBERS(json, {"total", (double)progress->total}, {"done", (double)progress->done},
+                    {"failed", (double)progress->failed}, {"running", (double)progress->running},
+                    {"seconds", progress->seconds}, {"eta", progress->eta});
     print_json(json);
 }
 
@@ -248,20 +245,18 @@ static void json_summary(const gn_summary *summary, const gn_envelopes *envelope
     gn_json *json = gn_json_begin();
     gn_json_text(json, "sweep", "summary");
     gn_json_text(json, "directory", summary->directory);
-    gn_json_integer(json, "runs", (int64_t)summary->sweep->run_count);
-    gn_json_integer(json, "done", (int64_t)summary->done);
-    gn_json_integer(json, "failed", (int64_t)summary->failed);
+    GN_JSON_NUMBERS(json, {"runs", (double)summary->sweep->run_count},
+                    {"done", (double)summary->done}, {"failed", (double)summary->failed});
     gn_json_array(json, "combinations");
     for (size_t c = 0; c < summary->sweep->combination_count; c++) {
         gn_json_object(json, NULL);
         for (size_t r = 0; r < summary->reading_count; r++) {
             const gn_statistics *statistics = &summary->statistics[c * summary->reading_count + r];
             gn_json_object(json, summary->readings[r].name);
-            gn_json_integer(json, "count", (int64_t)statistics->count);
-            gn_json_number(json, "mean", statistics->mean);
-            gn_json_number(json, "deviation", statistics->deviation);
-            gn_json_number(json, "rest", gn_summary_rest(summary, c, r));
-            gn_json_number(json, "interval", statistics->interval);
+            GN_JSON_NUMBERS(json, {"count", (double)statistics->count}, {"mean", statistics->mean},
+                            {"deviation", statistics->deviation},
+                            {"rest", gn_summary_rest(summary, c, r)},
+                            {"interval", statistics->interval});
             gn_json_end(json);
         }
         gn_json_end(json);

@@ -26,27 +26,14 @@ void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);
  * F_zz = 1 (stress.c). */
 double gn_fem_deformation(const gn_fem_solid *solid, size_t element, double f[3][3]);
 
-/* Returns the initial area of a facet, m2; a line is 1 m thick (loads.c). */
-double gn_fem_facet_area(const gn_fem_solid *solid, const int32_t *node);
-
 /* Returns the inverse mass of a node without what it carries, 1/kg. */
 static inline double gn_fem_own_inverse(const gn_fem_solid *solid, size_t node) {
     double inverse = solid->nodes.vel[4 * node + 3];
     return solid->carried ? 1.0 / (1.0 / inverse - solid->carried[node]) : inverse;
 }
 
-/* --- the parallel part of a step (sweep.c) --- */
-
-/* Computes the present forces, and moves nodes (with the stabilising pressure) over the coming
- * interval; leaves the sums of all blocks. */
-void gn_fem_sweep(gn_fem_solid *solid, double dt, bool measure);
-/* Moves the nodes that gn_fem_sweep held back. */
-void gn_fem_sweep_held(gn_fem_solid *solid, double dt, bool measure);
-
 /* --- pressure form (pressure.c) --- */
 
-/* Returns the bulk modulus, Pa. */
-double gn_fem_bulk(const gn_elements *elements, size_t e);
 /* Returns the largest eigenvalue of the stabilising term over the lumped pressure mass of a single
  * element. */
 double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e);
@@ -62,16 +49,9 @@ void gn_fem_find_pressures(const gn_fem_solid *solid);
 /* --- the solid linearised at its start (linear.h, limit.c) --- */
 
 void gn_fem_gradients(const gn_elements *elements, size_t e, double gradient[4][3]);
-/* Fills system->stiffness (bound.c). */
-void gn_fem_sum_stiffness(gn_fem_linear *system);
-/* Computes the bound and the element that determines it. */
-gneiss_status gn_fem_find_bound(const gn_fem_linear *system, gn_fem_limit *limit,
-                                gneiss_error *error);
-/* Returns a limit without any result (limit.c). */
-gn_fem_limit gn_fem_limit_none(void);
 void gn_fem_known_free(struct gn_fem_bound_cache *known);
 
-/* The pressure form (linear_pressure.c): operator and metric over M^1/2 u and q, [nodes][dimension]
+/* The pressure form (pressure.c): operator and metric over M^1/2 u and q, [nodes][dimension]
  * and [nodes]. */
 void gn_fem_linear_pressure(const void *system, const double *x, double *out);
 void gn_fem_linear_metric(const void *system, const double *x, double *out);

@@ -19,9 +19,6 @@ typedef struct gn_fem_linear {
  * they carry. */
 gneiss_status gn_fem_linear_make(gn_fem_solid *solid, bool whole, gn_fem_linear *system,
                                  gneiss_error *error);
-/* Like gn_fem_linear_make, but leaves `stiffness` zero. */
-gneiss_status gn_fem_linear_begin(gn_fem_solid *solid, bool whole, gn_fem_linear *system,
-                                  gneiss_error *error);
 void gn_fem_linear_free(gn_fem_linear *system);
 /* out = scale K scale x, [nodes][dimension], of the displacement form, with a gn_fem_linear. The
  * forces use the partial sums of the step, which every step overwrites. */

@@ -1,7 +1,8 @@
 /* Sets of nodes, prescribed motions and loads. */
-#include "base/memory.h"
-#include "base/names.h"
 #include "fem/internal.h"
+
+#include "base/names.h"
+#include "base/new.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -76,12 +77,10 @@ void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in) {
 
 static gneiss_status collect(const uint8_t *chosen, size_t nodes, gn_fem_set *set,
                              gneiss_error *error) {
+    size_t count = 0;
+    for (size_t n = 0; n < nodes; n++) count += chosen[n];
     set->count = 0;
-    for (size_t n = 0; n < nodes; n++) set->count += chosen[n];
-    set->node = gn_alloc_array(set->count + 1, sizeof *set->node);
-    if (!set->node)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a set of %zu nodes", set->count);
-    set->count = 0;
+    GN_TRY(gn_new(&set->node, count, "nodes of a set", error));
     for (size_t n = 0; n < nodes; n++)
         if (chosen[n]) set->node[set->count++] = (int32_t)n;
     return GNEISS_OK;
@@ -91,20 +90,14 @@ static gneiss_status chosen_nodes(const gn_fem_solid *solid, const gn_mesh_group
                                   gn_fem_set *set, gneiss_error *error) {
     gn_mesh mesh = solid->mesh;
     const gn_mesh_elements *list = gn_fem_elements_of(&mesh, group->dimension);
-    uint8_t *chosen = gn_alloc_array(solid->nodes.soa.count + 1, sizeof *chosen);
-    uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
-    gneiss_status status = GNEISS_OK;
-    if (chosen && in) {
-        gn_fem_mark_group(list, group->tag, in);
-        size_t nodes = (size_t)list->nodes;
-        for (size_t k = 0; k < list->count * nodes; k++)
-            if (in[k / nodes]) chosen[list->node[k]] = 1;
-        status = collect(chosen, solid->nodes.soa.count, set, error);
-    } else
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose nodes");
-    gn_free(chosen);
-    gn_free(in);
-    return status;
+    const size_t nodes = (size_t)list->nodes;
+    GN_FREED uint8_t *chosen = NULL, *in = NULL;
+    GN_TRY(gn_new(&chosen, solid->nodes.soa.count, "nodes", error));
+    GN_TRY(gn_new(&in, list->count, "elements", error));
+    gn_fem_mark_group(list, group->tag, in);
+    for (size_t k = 0; k < list->count * nodes; k++)
+        if (in[k / nodes]) chosen[list->node[k]] = 1;
+    return collect(chosen, solid->nodes.soa.count, set, error);
 }
 
 gneiss_status gn_fem_nodes_of_group(const gn_fem_solid *solid, const char *group, gn_fem_set *set,
@@ -119,19 +112,18 @@ gneiss_status gn_fem_nodes_of_group(const gn_fem_solid *solid, const char *group
 
 gneiss_status gn_fem_nodes_in_box(const gn_fem_solid *solid, const double lower[3],
                                   const double upper[3], gn_fem_set *set, gneiss_error *error) {
+    const size_t nodes = solid->nodes.soa.count;
+    GN_FREED uint8_t *chosen = NULL;
     *set = (gn_fem_set){0};
-    size_t nodes = solid->nodes.soa.count;
-    uint8_t *chosen = gn_alloc_array(nodes + 1, sizeof *chosen);
-    if (!chosen) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose nodes");
+    GN_TRY(gn_new(&chosen, nodes, "nodes", error));
     for (size_t n = 0; n < nodes; n++) {
         const double *x = solid->nodes.start + 4 * n;
         chosen[n] = 1;
         for (int k = 0; k < solid->dimension; k++)
             chosen[n] &= gn_fem_between(solid, x, k, lower[k], upper[k]);
     }
-    gneiss_status status = collect(chosen, nodes, set, error);
-    gn_free(chosen);
-    if (status != GNEISS_OK || set->count) return status;
+    GN_TRY(collect(chosen, nodes, set, error));
+    if (set->count) return GNEISS_OK;
     gn_fem_set_free(set);
     return gn_fail(
         error, GNEISS_ERROR_INPUT,
@@ -221,13 +213,8 @@ void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3])
 
 /* --- forces --- */
 
-void gn_fem_add_force(gn_fem_solid *solid, const gn_fem_set *set, const double force[3]) {
-    for (size_t k = 0; k < set->count; k++)
-        for (int a = 0; a < solid->dimension; a++)
-            solid->nodes.applied[4 * (size_t)set->node[k] + (size_t)a] += force[a];
-}
-
-double gn_fem_facet_area(const gn_fem_solid *solid, const int32_t *node) {
+/* Returns the initial area of a facet, m2; a line is 1 m thick (loads.c). */
+static double facet_area(const gn_fem_solid *solid, const int32_t *node) {
     const double *x = solid->mesh.node + 3 * (size_t)node[0];
     const double *y = solid->mesh.node + 3 * (size_t)node[1];
     double a[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
@@ -247,18 +234,124 @@ gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const 
     const gn_mesh_elements *list = gn_fem_elements_of(&solid->mesh, facets);
     const gn_mesh_group *found = gn_fem_find_group(&solid->mesh, group, facets);
     size_t loaded = 0, nodes = (size_t)solid->dimension;
-    uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
-    if (!in) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose facets");
+    GN_FREED uint8_t *in = NULL;
+    GN_TRY(gn_new(&in, list->count, "facets", error));
     if (found) gn_fem_mark_group(list, found->tag, in);
     for (size_t f = 0; f < list->count; f++) {
         if (!in[f]) continue;
         const int32_t *node = list->node + nodes * f;
-        double part = gn_fem_facet_area(solid, node) / (double)nodes;
+        double part = facet_area(solid, node) / (double)nodes;
         for (size_t k = 0; k < nodes * nodes; k++)
             solid->nodes.applied[4 * (size_t)node[k / nodes] + k % nodes] +=
                 part * traction[k % nodes];
         loaded++;
     }
-    gn_free(in);
     return loaded ? GNEISS_OK : gn_fem_no_group(solid->name, &solid->mesh, group, facets, error);
+}
+
+/* ---- loads that may vary with time ---- */
+
+/* Collects nodes with a weight above zero. */
+static gneiss_status collect_load(const double *weight, size_t nodes, gn_fem_load *load,
+                                  gneiss_error *error) {
+    size_t count = 0;
+    for (size_t n = 0; n < nodes; n++) count += weight[n] > 0.0;
+    *load = (gn_fem_load){0};
+    GN_TRY(gn_new(&load->node, count, "nodes of a load", error));
+    if (gn_new(&load->share, count, "nodes of a load", error) != GNEISS_OK) {
+        gn_fem_load_free(load);
+        return GNEISS_ERROR_MEMORY;
+    }
+    for (size_t n = 0; n < nodes; n++) {
+        if (!(weight[n] > 0.0)) continue;
+        load->node[load->count] = (int32_t)n;
+        load->share[load->count++] = weight[n];
+    }
+    return GNEISS_OK;
+}
+
+static bool starts_in(const gn_fem_solid *solid, const int32_t *node, size_t nodes,
+                      const double lower[3], const double upper[3]) {
+    for (size_t k = 0; k < nodes; k++)
+        for (int a = 0; a < solid->dimension; a++) {
+            const double *x = solid->nodes.start + 4 * (size_t)node[k];
+            if (!gn_fem_between(solid, x, a, lower[a], upper[a])) return false;
+        }
+    return true;
+}
+
+static gneiss_status no_facets(const gn_fem_solid *solid, const char *group, const double lower[3],
+                               const double upper[3], gneiss_error *error) {
+    int facets = solid->dimension - 1;
+    if (group) return gn_fem_no_group(solid->name, &solid->mesh, group, facets, error);
+    gn_mesh mesh = solid->mesh;
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected facets in the box from (%.12g, %.12g, %.12g) to (%.12g, %.12g, %.12g) "
+        "m, found none among the %zu %ss that the mesh lists",
+        solid->name, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2],
+        gn_fem_elements_of(&mesh, facets)->count, gn_fem_kind(facets));
+}
+
+gneiss_status gn_fem_load_on_facets(const gn_fem_solid *solid, const char *group,
+                                    const double lower[3], const double upper[3], gn_fem_load *load,
+                                    gneiss_error *error) {
+    gn_mesh mesh = solid->mesh;
+    const gn_mesh_elements *list = gn_fem_elements_of(&mesh, solid->dimension - 1);
+    const gn_mesh_group *found =
+        group ? gn_fem_find_group(&solid->mesh, group, solid->dimension - 1) : NULL;
+    size_t nodes = (size_t)solid->dimension, chosen = 0;
+    GN_FREED uint8_t *in = NULL;
+    GN_FREED double *area = NULL;
+    *load = (gn_fem_load){0};
+    GN_TRY(gn_new(&in, list->count, "facets", error));
+    GN_TRY(gn_new(&area, solid->nodes.soa.count, "nodes", error));
+    if (found) gn_fem_mark_group(list, found->tag, in);
+    for (size_t f = 0; f < list->count; f++) {
+        const int32_t *node = list->node + nodes * f;
+        if (!(group ? in[f] : starts_in(solid, node, nodes, lower, upper))) continue;
+        double part = facet_area(solid, node) / (double)nodes;
+        for (size_t k = 0; k < nodes; k++) area[node[k]] += part;
+        chosen++;
+    }
+    return chosen ? collect_load(area, solid->nodes.soa.count, load, error)
+                  : no_facets(solid, group, lower, upper, error);
+}
+
+gneiss_status gn_fem_load_on_nodes(const gn_fem_solid *solid, const gn_fem_set *set,
+                                   gn_fem_load *load, gneiss_error *error) {
+    GN_FREED double *mass = NULL;
+    *load = (gn_fem_load){0};
+    GN_TRY(gn_new(&mass, solid->nodes.soa.count, "nodes", error));
+    for (size_t k = 0; k < set->count; k++) {
+        size_t n = (size_t)set->node[k];
+        mass[n] = 1.0 / solid->nodes.vel[4 * n + 3];
+    }
+    GN_TRY(collect_load(mass, solid->nodes.soa.count, load, error));
+    gn_fem_load_normalise(load);
+    return GNEISS_OK;
+}
+
+void gn_fem_load_normalise(gn_fem_load *load) {
+    double total = 0.0;
+    for (size_t k = 0; k < load->count; k++) total += load->share[k];
+    for (size_t k = 0; k < load->count; k++) load->share[k] /= total;
+}
+
+void gn_fem_load_free(gn_fem_load *load) {
+    gn_free(load->node);
+    gn_free(load->share);
+    *load = (gn_fem_load){0};
+}
+
+void gn_fem_set_loads(gn_fem_solid *solid, const gn_fem_load *load, const double (*value)[3],
+                      size_t count) {
+    double *applied = solid->nodes.applied;
+    for (size_t l = 0; l < count; l++)
+        for (size_t k = 0; k < load[l].count; k++)
+            for (size_t a = 0; a < 3; a++) applied[4 * (size_t)load[l].node[k] + a] = 0.0;
+    for (size_t l = 0; l < count; l++)
+        for (size_t k = 0; k < load[l].count; k++)
+            for (size_t a = 0; a < (size_t)solid->dimension; a++)
+                applied[4 * (size_t)load[l].node[k] + a] += load[l].share[k] * value[l][a];
 }

@@ -1,7 +1,7 @@
 /* Construction of nodes and elements from a mesh. */
 #include "fem/solid.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/threads.h"
 #include "fem/internal.h"
 #include "neigh/pairs.h"
@@ -131,20 +131,16 @@ static gneiss_status take_nodes(builder *maker, gn_particles *nodes, gneiss_erro
 static gneiss_status order_nodes(builder *maker, const gn_particles *given, gneiss_error *error) {
     gn_fem_solid *solid = maker->solid;
     size_t count = given->soa.count;
-    int32_t *order = gn_alloc_array(count + 1, sizeof *order);
-    gneiss_status status = order ? GNEISS_OK : out_of_memory(maker, error);
-    if (status == GNEISS_OK) status = gn_morton_order(given, solid->dimension, order, error);
-    if (status == GNEISS_OK)
-        status = gn_soa_create(&gn_particle_record, &solid->nodes, count, solid->effects, error);
-    if (status == GNEISS_OK) {
-        gn_soa_permute(&gn_particle_record, &solid->nodes, given, order);
-        memcpy(solid->nodes.start, solid->nodes.pos, 4 * count * sizeof(double));
-        gn_particles_set_null(&solid->nodes, 1.0);
-        for (size_t n = 0; n < solid->mesh.node_count; n++) maker->place[n] = -1;
-        for (size_t n = 0; n < count; n++) maker->place[solid->nodes.id[n]] = (int32_t)n;
-    }
-    gn_free(order);
-    return status;
+    GN_FREED int32_t *order = NULL;
+    GN_TRY(gn_new(&order, count, "nodes", error));
+    GN_TRY(gn_morton_order(given, solid->dimension, order, error));
+    GN_TRY(gn_soa_create(&gn_particle_record, &solid->nodes, count, solid->effects, error));
+    gn_soa_permute(&gn_particle_record, &solid->nodes, given, order);
+    memcpy(solid->nodes.start, solid->nodes.pos, 4 * count * sizeof(double));
+    gn_particles_set_null(&solid->nodes, 1.0);
+    for (size_t n = 0; n < solid->mesh.node_count; n++) maker->place[n] = -1;
+    for (size_t n = 0; n < count; n++) maker->place[solid->nodes.id[n]] = (int32_t)n;
+    return GNEISS_OK;
 }
 
 /* Renumbers facets (or solids) to the solid's nodes; those with an unused node are left out. */

@@ -102,7 +102,7 @@ typedef struct gn_fem_solid {
 
     gn_deal deal; /* work distribution of steps */
     gn_hold hold; /* nodes that wait for an exchange */
-    /* result of the last gn_fem_bound_update (bound.c); NULL: none yet */
+    /* result of the last gn_fem_bound_update; NULL: none yet */
     struct gn_fem_bound_cache *bound_cache;
     bool measured; /* whether the step between gn_fem_forces and gn_fem_move measures */
 
@@ -188,14 +188,12 @@ void gn_fem_set_velocity(gn_fem_solid *solid, int32_t motion, const double veloc
 /* Computes the force that the prescription supplied at the start of the last step, N. */
 void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3]);
 
-/* Adds a force to every node of a set, N. */
-void gn_fem_add_force(gn_fem_solid *solid, const gn_fem_set *set, const double force[3]);
 /* Adds a traction of fixed direction, Pa, on the facets of a group (lines in 2D), lumped to their
  * nodes. */
 gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const double traction[3],
                                   gneiss_error *error);
 
-/* A load that may vary with time (timed_loads.c): its nodes and their shares. */
+/* A load that may vary with time (loads.c): its nodes and their shares. */
 typedef struct gn_fem_load {
     size_t count;
     int32_t *node; /* [count]; gn_alloc'ed, as below */
@@ -253,7 +251,7 @@ gneiss_status gn_fem_bound(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_erro
 gneiss_status gn_fem_bound_update(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
 
 /* Returns the factor by which strain and tension may have reduced the limit since the start
- * (measures.c): the limit is at least `bound`/factor, to first order in the strain. It is 1 without
+ * (stress.c): the limit is at least `bound`/factor, to first order in the strain. It is 1 without
  * strain for any rotation. */
 double gn_fem_stiffening(const gn_fem_solid *solid);
 
@@ -300,14 +298,14 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*elem
 gneiss_status gn_fem_nodal_pressure(const gn_fem_solid *solid, double *pressure,
                                     gneiss_error *error);
 
-/* Returns det F of an element at the present positions (measures.c). */
+/* Returns det F of an element at the present positions (stress.c). */
 double gn_fem_volume_ratio(const gn_fem_solid *solid, size_t element);
 
 /* Computes 2/sqrt of the trace of M_e^-1 K_e of every single element, by place, s: a comparison of
- * the steps that elements allow (measures.c). */
+ * the steps that elements allow (stress.c). */
 void gn_fem_step_scales(const gn_fem_solid *solid, double *scale);
 
-/* --- averages (measures.c) --- */
+/* --- averages (stress.c) --- */
 
 /* Computes the weights of the mean displacement gradient over the solid, which is linear in the
  * displacements: <du_a/dX_b> = sum_n u_a(n) w_b(n), with w(n) = sum_e V_e grad N_n / sum_e V_e.

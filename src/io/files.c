@@ -1,5 +1,7 @@
 #include "io/files.h"
 
+#include "base/new.h"
+
 #include "io/atomic_file.h"
 
 #include <errno.h>
@@ -51,19 +53,15 @@ static void remove_parents(char *path, size_t first) {
 /* access() does not detect quotas, missing inodes and network file systems that map the user:
  * create a file. */
 static gneiss_status check_writable(const char *path, gneiss_error *error) {
-    char *probe = gn_text_format("%s/.gneiss-XXXXXX", path);
-    if (!probe) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", path);
-    gneiss_status status = GNEISS_OK;
+    GN_FREED char *probe = gn_text_format("%s/.gneiss-XXXXXX", path);
+    if (!probe) return gn_no_memory(error, path);
     int descriptor = mkstemp(probe);
-    if (descriptor < 0) {
-        status = gn_fail(error, GNEISS_ERROR_IO, "%s: nothing can be written there: %s", path,
-                         strerror(errno));
-    } else {
-        close(descriptor);
-        unlink(probe);
-    }
-    free(probe);
-    return status;
+    if (descriptor < 0)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: nothing can be written there: %s", path,
+                       strerror(errno));
+    close(descriptor);
+    unlink(probe);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_make_directory(const char *path, gneiss_error *error) {
@@ -197,4 +195,15 @@ gneiss_status gn_read_bytes(const char *path, void **bytes, size_t *size, gneiss
     *bytes = block;
     *size = found;
     return GNEISS_OK;
+}
+
+gneiss_status gn_text_open(char **text, size_t *size, FILE **out, const char *what,
+                           gneiss_error *error) {
+    *out = open_memstream(text, size);
+    return *out ? GNEISS_OK : gn_no_memory(error, what);
+}
+
+gneiss_status gn_text_close(FILE *out, const char *what, gneiss_error *error) {
+    const bool failed = ferror(out) != 0;
+    return fclose(out) == 0 && !failed ? GNEISS_OK : gn_no_memory(error, what);
 }

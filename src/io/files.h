@@ -25,6 +25,12 @@ gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gne
  * it is empty or ends before its size. */
 gneiss_status gn_read_bytes(const char *path, void **bytes, size_t *size, gneiss_error *error);
 
+/* Opens a stream into a text of *size bytes, which *text points to once it is closed and which the
+ * caller frees; closes it. `what` names the text in the message if memory is lacking. */
+gneiss_status gn_text_open(char **text, size_t *size, FILE **out, const char *what,
+                           gneiss_error *error);
+gneiss_status gn_text_close(FILE *out, const char *what, gneiss_error *error);
+
 /* A minimal JSON writer: numbers in full precision, NaN and infinity as null, strings escaped. */
 typedef struct gn_json gn_json;
 gn_json *gn_json_begin(void);                        /* opens an object */
@@ -35,6 +41,15 @@ void gn_json_number(gn_json *json, const char *key, double value);
 void gn_json_integer(gn_json *json, const char *key, int64_t value);
 void gn_json_text(gn_json *json, const char *key, const char *value);
 void gn_json_bool(gn_json *json, const char *key, bool value);
+/* Numbers, integers among them: GN_JSON_NUMBERS(json, {"steps", steps}, {"seconds", seconds}); */
+typedef struct gn_json_pair {
+    const char *key;
+    double value;
+} gn_json_pair;
+void gn_json_numbers(gn_json *json, const gn_json_pair *pairs, size_t count);
+#define GN_JSON_NUMBERS(JSON, ...)                                                                 \
+    gn_json_numbers((JSON), (const gn_json_pair[]){__VA_ARGS__},                                   \
+                    sizeof((const gn_json_pair[]){__VA_ARGS__}) / sizeof(gn_json_pair))
 /* Closes open objects; returns the malloc'ed text (NULL: out of memory) and frees the builder. With
  * `pretty` the text is indented, otherwise one line. */
 char *gn_json_finish(gn_json *json, bool pretty);

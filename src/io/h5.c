@@ -271,7 +271,9 @@ gneiss_status gn_h5_open_whole(const char *path, gn_h5 **out, gneiss_error *erro
     return open_with(open_image, path, out, error);
 }
 
-gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *error) {
+gneiss_status gn_h5_commit(gn_h5 **handle, gn_durability durability, gneiss_error *error) {
+    gn_h5 *file = *handle;
+    *handle = NULL;
     gn_h5_quiet();
     gneiss_status status = GNEISS_OK;
     if (!file->writing || file->failed)
@@ -303,4 +305,8 @@ void gn_h5_close(gn_h5 *file) {
     free(file->image.data);
     free(file->path);
     free(file);
+}
+
+void gn_h5_close_at(gn_h5 **file) {
+    gn_h5_close(*file);
 }

@@ -28,7 +28,7 @@ static uint64_t mix(uint64_t z) {
 
 /* Mixes every word of eight bytes with its place and adds it: terms are independent, so that the
  * sum runs at the speed of memory, and a single changed word always changes it. */
-uint64_t gn_h5_digest(const void *bytes, size_t size, uint64_t seed) {
+static uint64_t h5_digest(const void *bytes, size_t size, uint64_t seed) {
     const unsigned char *from = bytes;
     uint64_t sum = 0, place = 0;
     for (size_t k = 0; k < size; k += 8) {
@@ -43,7 +43,7 @@ uint64_t gn_h5_digest(const void *bytes, size_t size, uint64_t seed) {
 }
 
 static uint64_t digest_of_text(const char *text) {
-    return gn_h5_digest(text, strlen(text), 0);
+    return h5_digest(text, strlen(text), 0);
 }
 
 /* Writes "f8", "i4", "u1", "S12": the type names of NumPy. */
@@ -58,7 +58,7 @@ static void type_code(hid_t type, char out[32]) {
 
 /* ---- values ---- */
 
-uint64_t gn_h5_digest_of_values(const char *name, hid_t set, const void *bytes, size_t size) {
+static uint64_t digest_of_values(const char *name, hid_t set, const void *bytes, size_t size) {
     char head[768], code[32] = "";
     hsize_t extent[H5S_MAX_RANK] = {0};
     hid_t type = H5Dget_type(set), space = H5Dget_space(set);
@@ -70,7 +70,7 @@ uint64_t gn_h5_digest_of_values(const char *name, hid_t set, const void *bytes, 
                          (unsigned long long)extent[k]);
     if (type >= 0) H5Tclose(type);
     if (space >= 0) H5Sclose(space);
-    return gn_h5_digest(bytes, size, digest_of_text(head));
+    return h5_digest(bytes, size, digest_of_text(head));
 }
 
 /* Objects are named by their paths within the file, the root by ".". */
@@ -109,8 +109,7 @@ static bool write_number(hid_t object, const char *name, uint64_t value) {
 
 gneiss_status gn_h5_put_digest(gn_h5 *file, const char *name, hid_t set, const void *bytes,
                                size_t size, gneiss_error *error) {
-    if (!file->digested ||
-        write_number(set, of_values, gn_h5_digest_of_values(name, set, bytes, size)))
+    if (!file->digested || write_number(set, of_values, digest_of_values(name, set, bytes, size)))
         return GNEISS_OK;
     file->failed = true;
     return gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "the digest of %s cannot be written",
@@ -131,7 +130,7 @@ gneiss_status gn_h5_check_digest(const gn_h5 *file, const char *name, hid_t set,
     uint64_t written;
     if (!file->digested) return GNEISS_OK;
     GN_TRY(read_number(file, set, name, of_values, &written, error));
-    if (written == gn_h5_digest_of_values(name, set, bytes, size)) return GNEISS_OK;
+    if (written == digest_of_values(name, set, bytes, size)) return GNEISS_OK;
     return changed(file, false, name, error);
 }
 
@@ -166,7 +165,7 @@ static gneiss_status add_values(attribute_sum *sum, const char *name, hid_t id, 
                                : unreadable(sum->file, sum->object, sum->error);
     type_code(type, code);
     snprintf(head, sizeof head, "%.400s %s %llu", name, code, (unsigned long long)points);
-    sum->sum += mix(gn_h5_digest(bytes, size, digest_of_text(head)));
+    sum->sum += mix(h5_digest(bytes, size, digest_of_text(head)));
     free(bytes);
     return status;
 }

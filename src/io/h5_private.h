@@ -69,10 +69,6 @@ gneiss_status gn_h5_check_finite(const gn_h5 *file, const char *name, gn_type ty
 gneiss_status gn_h5_check(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
                           gneiss_error *error);
 
-/* Return digests (h5_digest.c) of bytes, and of the values of a data set with its name, type and
- * shape. */
-uint64_t gn_h5_digest(const void *bytes, size_t size, uint64_t seed);
-uint64_t gn_h5_digest_of_values(const char *name, hid_t set, const void *bytes, size_t size);
 /* Writes the digest of a data set that was just written; checks one that was just read. */
 gneiss_status gn_h5_put_digest(gn_h5 *file, const char *name, hid_t set, const void *bytes,
                                size_t size, gneiss_error *error);

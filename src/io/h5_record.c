@@ -1,4 +1,5 @@
 /* Records in HDF5 files, field by field from their manifest. */
+#include "base/new.h"
 #include "io/h5_private.h"
 
 #include <stdlib.h>
@@ -35,13 +36,11 @@ static size_t field_stride(const gn_field *field, const gn_soa *soa) {
 static gneiss_status put_field(gn_h5 *file, const char *group, const gn_field *field,
                                const void *soa, gneiss_error *error) {
     const gn_soa *head = soa;
-    char *name = gn_text_format("%s/%s", group, field->name);
-    if (!name) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", file->path);
-    gneiss_status status = gn_h5_put_shape(file, name, field->type, field_shape(field, head->count),
-                                           field_stride(field, head), gn_field_data(field, soa),
-                                           field->unit, field->text, error);
-    free(name);
-    return status;
+    GN_FREED char *name = gn_text_format("%s/%s", group, field->name);
+    if (!name) return gn_no_memory(error, "a name");
+    return gn_h5_put_shape(file, name, field->type, field_shape(field, head->count),
+                           field_stride(field, head), gn_field_data(field, soa), field->unit,
+                           field->text, error);
 }
 
 gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *record,
@@ -49,45 +48,34 @@ gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *r
     const gn_soa *head = soa;
     int64_t count = (int64_t)head->count;
     GN_TRY(gn_h5_attribute_i64(file, name, "count", &count, 1, error));
-    char *effects = effects_text(head->effects);
-    if (!effects) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", file->path);
-    gneiss_status status = gn_h5_attribute_text(file, name, "effects", effects, error);
-    free(effects);
-    for (size_t f = 0; f < record->field_count && status == GNEISS_OK; f++)
+    GN_FREED char *effects = effects_text(head->effects);
+    if (!effects) return gn_no_memory(error, "names of effects");
+    GN_TRY(gn_h5_attribute_text(file, name, "effects", effects, error));
+    for (size_t f = 0; f < record->field_count; f++)
         if (is_kept(&record->fields[f], head->effects))
-            status = put_field(file, name, &record->fields[f], soa, error);
-    return status;
+            GN_TRY(put_field(file, name, &record->fields[f], soa, error));
+    return GNEISS_OK;
 }
 
 static gneiss_status check_effects(const gn_h5 *file, const char *group, gn_effects effects,
                                    gneiss_error *error) {
-    char *found;
+    GN_FREED char *found = NULL, *expected = effects_text(effects);
     GN_TRY(gn_h5_get_attribute_text(file, group, "effects", &found, error));
-    char *expected = effects_text(effects);
-    gneiss_status status = GNEISS_OK;
-    if (!expected)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", file->path);
-    else if (strcmp(found, expected) != 0)
-        status =
-            gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s: expected the effects %s, found %s",
-                    file->path, group, *expected ? expected : "(none)", *found ? found : "(none)");
-    free(expected);
-    free(found);
-    return status;
+    if (!expected) return gn_no_memory(error, "names of effects");
+    if (strcmp(found, expected) == 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s: expected the effects %s, found %s",
+                   file->path, group, *expected ? expected : "(none)", *found ? found : "(none)");
 }
 
 /* With soa NULL only checks that the field exists as expected. */
 static gneiss_status get_field(const gn_h5 *file, const char *group, const gn_field *field,
                                size_t count, void *soa, gneiss_error *error) {
-    char *name = gn_text_format("%s/%s", group, field->name);
-    if (!name) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", file->path);
-    gn_h5_shape shape = field_shape(field, count);
-    gneiss_status status =
-        soa ? gn_h5_get_shape(file, name, field->type, shape, field_stride(field, soa),
-                              gn_field_data(field, soa), error)
-            : gn_h5_check(file, name, field->type, shape, error);
-    free(name);
-    return status;
+    GN_FREED char *name = gn_text_format("%s/%s", group, field->name);
+    const gn_h5_shape shape = field_shape(field, count);
+    if (!name) return gn_no_memory(error, "a name");
+    return soa ? gn_h5_get_shape(file, name, field->type, shape, field_stride(field, soa),
+                                 gn_field_data(field, soa), error)
+               : gn_h5_check(file, name, field->type, shape, error);
 }
 
 static gneiss_status get_fields(const gn_h5 *file, const char *group, const gn_record *record,

@@ -146,6 +146,10 @@ void gn_json_number(gn_json *json, const char *key, double value) {
     append_raw(json, key, text);
 }
 
+void gn_json_numbers(gn_json *json, const gn_json_pair *pairs, size_t count) {
+    for (size_t k = 0; k < count; k++) gn_json_number(json, pairs[k].key, pairs[k].value);
+}
+
 void gn_json_integer(gn_json *json, const char *key, int64_t value) {
     char text[24];
     snprintf(text, sizeof text, "%" PRId64, value);

@@ -1,5 +1,7 @@
 #include "io/listing.h"
 
+#include "base/error.h"
+#include "base/new.h"
 #include "io/atomic_file.h"
 
 #include <dirent.h>
@@ -7,6 +9,9 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,14 +22,10 @@ char *gn_step_path(const char *directory, const char *prefix, int64_t step, cons
 
 gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t step,
                              const char *suffix, gneiss_error *error) {
-    char *path = gn_step_path(directory, prefix, step, suffix);
-    if (!path) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
-    gneiss_status status = GNEISS_OK;
-    if (unlink(path) != 0 && errno != ENOENT)
-        status =
-            gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
-    free(path);
-    return status;
+    GN_FREED char *path = gn_step_path(directory, prefix, step, suffix);
+    if (!path) return gn_no_memory(error, "a name");
+    if (unlink(path) == 0 || errno == ENOENT) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
 }
 
 /* Returns the step in `name`, -1 if it does not have exactly the form of gn_step_path. *rest is the
@@ -109,4 +110,61 @@ gneiss_status gn_step_list(const char *directory, const char *prefix, const char
     if (status == GNEISS_ERROR_MEMORY)
         return gn_fail(error, status, "%s: no memory to list it", directory);
     return gn_fail(error, status, "%s: cannot be listed: %s", directory, strerror(code));
+}
+
+/* ---- the checkpoints of a run: DIRECTORY/checkpoint_<step, 10 digits or more>.h5 ---- */
+
+static const char prefix[] = "checkpoint", suffix[] = ".h5";
+
+gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **path,
+                                 gneiss_error *error) {
+    *path = NULL;
+    if (step < 0)
+        return gn_fail(error, GNEISS_ERROR_INTERNAL, "checkpoint of step %" PRId64 " < 0", step);
+    *path = gn_step_path(directory, prefix, step, suffix);
+    return *path ? GNEISS_OK : gn_no_memory(error, "a name");
+}
+
+gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,
+                                 gneiss_error *error) {
+    int64_t *all;
+    size_t found;
+    *count = 0;
+    GN_TRY(gn_step_list(directory, prefix, suffix, &all, &found, error));
+    *count = found < max ? found : max;
+    for (size_t k = 0; k < *count; k++) steps[k] = all[found - 1 - k];
+    free(all);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error) {
+    int64_t *steps;
+    size_t count;
+    GN_TRY(gn_step_list(directory, prefix, suffix, &steps, &count, error));
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; k + keep < count && status == GNEISS_OK; k++)
+        status = gn_step_remove(directory, prefix, steps[k], suffix, error);
+    free(steps);
+    return status;
+}
+
+/* Returns an unused name, as a checkpoint of this step may have been damaged before. NULL: out of
+ * memory. */
+static char *free_name(const char *path) {
+    char *name = gn_text_format("%s.damaged", path);
+    for (int k = 2; name && access(name, F_OK) == 0; k++) {
+        free(name);
+        name = gn_text_format("%s.damaged-%d", path, k);
+    }
+    return name;
+}
+
+gneiss_status gn_checkpoint_set_aside(const char *directory, int64_t step, gneiss_error *error) {
+    GN_FREED char *path = NULL;
+    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
+    GN_FREED char *name = free_name(path);
+    if (!name) return gn_no_memory(error, "a name");
+    if (rename(path, name) == 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be renamed to %s: %s", path, name,
+                   strerror(errno));
 }

@@ -18,4 +18,20 @@ gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t 
 gneiss_status gn_step_list(const char *directory, const char *prefix, const char *suffix,
                            int64_t **steps, size_t *count, gneiss_error *error);
 
+/* Makes the name of a checkpoint; *path is malloc'ed. step >= 0. */
+gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **path,
+                                 gneiss_error *error);
+
+/* Lists the steps of up to `max` checkpoints, newest first, and their number in *count. Names are
+ * examined, not contents. Temporary files that no process writes are removed. */
+gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,
+                                 gneiss_error *error);
+
+/* Removes all but the newest `keep` checkpoints. */
+gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error);
+
+/* Appends ".damaged" to the name (".damaged-2", ... if that exists): the file is kept for
+ * inspection, but no longer listed. */
+gneiss_status gn_checkpoint_set_aside(const char *directory, int64_t step, gneiss_error *error);
+
 #endif

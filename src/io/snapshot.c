@@ -1,7 +1,7 @@
 /* VTKHDF 1.0, "UnstructuredGrid" (VTK file formats, https://docs.vtk.org). */
 #include "io/snapshot.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "io/atomic_file.h"
 #include "io/files.h"
 #include "io/h5.h"
@@ -62,11 +62,9 @@ static gneiss_status put_topology(gn_h5 *file, const gn_snapshot *snapshot, size
 
 static gneiss_status put_cells(gn_h5 *file, const gn_snapshot *snapshot, gneiss_error *error) {
     size_t cells = is_lines(snapshot) ? snapshot->line_count : snapshot->point_count;
-    int64_t *work = gn_alloc_array(cell_points(snapshot) * cells + 1, sizeof *work);
-    if (!work) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu cells", cells);
-    gneiss_status status = put_topology(file, snapshot, cells, work, error);
-    gn_free(work);
-    return status;
+    GN_FREED int64_t *work = NULL;
+    GN_TRY(gn_new(&work, cell_points(snapshot) * cells + 1, "corners of cells", error));
+    return put_topology(file, snapshot, cells, work, error);
 }
 
 static gneiss_status put_arrays(gn_h5 *file, const char *group, const gn_snapshot_array *arrays,
@@ -107,22 +105,18 @@ static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *snapshot, gneiss_e
 
 gneiss_status gn_snapshot_write(const char *directory, const char *name,
                                 const gn_snapshot *snapshot, gneiss_error *error) {
+    GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
     if (snapshot->step < 0 || strchr(name, '/') || !name[0])
         return gn_fail(error, GNEISS_ERROR_INTERNAL, "snapshot '%s' of step %" PRId64, name,
                        snapshot->step);
     GN_TRY(check_lines(snapshot, error));
-    char *path = gn_step_path(directory, name, snapshot->step, ".hdf");
-    if (!path) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
-    gn_h5 *file;
-    gneiss_status status = gn_h5_create(path, &file, error);
-    free(path);
-    if (status != GNEISS_OK) return status;
+    GN_FREED char *path = gn_step_path(directory, name, snapshot->step, ".hdf");
+    if (!path) return gn_no_memory(error, "a name");
+    GN_TRY(gn_h5_create(path, &file, error));
     gn_h5_omit_digests(file);
     gn_h5_demand_finite(file, !snapshot->bad);
-    status = put_grid(file, snapshot, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
-    gn_h5_close(file);
-    return status;
+    GN_TRY(put_grid(file, snapshot, error));
+    return gn_h5_commit(&file, GN_SYNCED, error);
 }
 
 gneiss_status gn_snapshot_is_own(const char *path, bool *own, gneiss_error *error) {

@@ -1,6 +1,6 @@
 #include "mesh/h5_mesh.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -24,38 +24,31 @@ static gneiss_status put(gn_h5 *file, const char *group, const char *kind, const
 
 static gneiss_status put_list(gn_h5 *file, const char *name, const char *kind,
                               const gn_mesh_elements *list, gneiss_error *error) {
+    GN_FREED int64_t *also = NULL;
     if (!list->count) return GNEISS_OK;
-    int64_t *also = gn_alloc_array(2 * list->also_count + 1, sizeof *also);
-    if (!also) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to write a mesh");
+    GN_TRY(gn_new(&also, 2 * list->also_count, "elements of a mesh", error));
     for (size_t k = 0; k < list->also_count; k++) {
         also[2 * k] = (int64_t)list->also[k].element;
         also[2 * k + 1] = list->also[k].group;
     }
-    gneiss_status status = put(file, name, kind, "node", GN_I32, list->count, (size_t)list->nodes,
-                               0, list->node, error);
-    if (status == GNEISS_OK)
-        status = put(file, name, kind, "group", GN_I32, list->count, 1, 0, list->group, error);
-    if (status == GNEISS_OK)
-        status = put(file, name, kind, "also", GN_I64, list->also_count, 2, 0, also, error);
-    gn_free(also);
-    return status;
+    GN_TRY(put(file, name, kind, "node", GN_I32, list->count, (size_t)list->nodes, 0, list->node,
+               error));
+    GN_TRY(put(file, name, kind, "group", GN_I32, list->count, 1, 0, list->group, error));
+    return put(file, name, kind, "also", GN_I64, list->also_count, 2, 0, also, error);
 }
 
 gneiss_status gn_h5_put_mesh(gn_h5 *file, const char *name, const gn_mesh *from,
                              gneiss_error *error) {
     gn_mesh mesh = *from;
+    GN_FREED int32_t *group = NULL;
     GN_TRY(put(file, name, "", "node", GN_F64, mesh.node_count, 3, 0, mesh.node, error));
     for (int d = 0; d <= 3; d++) GN_TRY(put_list(file, name, kinds[d], list_of(&mesh, d), error));
-    int32_t(*group)[2] = gn_alloc_array(mesh.group_count + 1, sizeof *group);
-    if (!group) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to write a mesh");
+    GN_TRY(gn_new(&group, 2 * mesh.group_count, "groups of a mesh", error));
     for (size_t k = 0; k < mesh.group_count; k++) {
-        group[k][0] = mesh.groups[k].dimension;
-        group[k][1] = mesh.groups[k].tag;
+        group[2 * k] = mesh.groups[k].dimension;
+        group[2 * k + 1] = mesh.groups[k].tag;
     }
-    gneiss_status status =
-        put(file, name, "", "groups", GN_I32, mesh.group_count, 2, 0, group, error);
-    gn_free(group);
-    GN_TRY(status);
+    GN_TRY(put(file, name, "", "groups", GN_I32, mesh.group_count, 2, 0, group, error));
     return put(file, name, "", "group_names", GN_U8, mesh.group_count, GN_MESH_NAME_SIZE,
                sizeof *mesh.groups, mesh.group_count ? mesh.groups->name : NULL, error);
 }
@@ -77,23 +70,18 @@ static gneiss_status get(const gn_h5 *file, const char *group, const char *kind,
 
 static gneiss_status get_memberships(const gn_h5 *file, const char *name, const char *kind,
                                      gn_mesh_elements *list, gneiss_error *error) {
-    void *data = NULL;
-    gneiss_status status =
-        get(file, name, kind, "also", GN_I64, 2, &list->also_count, &data, error);
+    GN_FREED void *data = NULL;
+    GN_TRY(get(file, name, kind, "also", GN_I64, 2, &list->also_count, &data, error));
     const int64_t *also = data;
-    if (status == GNEISS_OK) {
-        list->also = gn_alloc_array(list->also_count + 1, sizeof *list->also);
-        if (!list->also) status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh");
-    }
-    for (size_t k = 0; status == GNEISS_OK && k < list->also_count; k++) {
+    GN_TRY(gn_new(&list->also, list->also_count, "elements of a mesh", error));
+    for (size_t k = 0; k < list->also_count; k++) {
         if (also[2 * k] < 0 || (size_t)also[2 * k] >= list->count)
-            status = gn_fail(error, GNEISS_ERROR_INPUT,
-                             "%s/%s_also: expected elements below %zu, found %lld", name, kind,
-                             list->count, (long long)also[2 * k]);
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s/%s_also: expected elements below %zu, found %lld", name, kind,
+                           list->count, (long long)also[2 * k]);
         list->also[k] = (gn_mesh_membership){(size_t)also[2 * k], (int32_t)also[2 * k + 1]};
     }
-    gn_free(data);
-    return status;
+    return GNEISS_OK;
 }
 
 static gneiss_status get_list(const gn_h5 *file, const char *name, int dimension, gn_mesh *mesh,
@@ -125,31 +113,25 @@ static gneiss_status get_list(const gn_h5 *file, const char *name, int dimension
 
 static gneiss_status get_groups(const gn_h5 *file, const char *name, gn_mesh *mesh,
                                 gneiss_error *error) {
-    void *group = NULL, *names = NULL;
+    GN_FREED void *group = NULL, *names = NULL;
     size_t rows = 0, count = 0;
-    gneiss_status status = get(file, name, "", "groups", GN_I32, 2, &count, &group, error);
-    if (status == GNEISS_OK)
-        status = get(file, name, "", "group_names", GN_U8, GN_MESH_NAME_SIZE, &rows, &names, error);
-    if (status == GNEISS_OK && rows != count)
-        status = gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected %zu names of groups, found %zu",
-                         name, count, rows);
-    if (status == GNEISS_OK) {
-        mesh->groups = gn_alloc_array(count + 1, sizeof *mesh->groups);
-        if (!mesh->groups) status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh");
-    }
-    for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
+    GN_TRY(get(file, name, "", "groups", GN_I32, 2, &count, &group, error));
+    GN_TRY(get(file, name, "", "group_names", GN_U8, GN_MESH_NAME_SIZE, &rows, &names, error));
+    if (rows != count)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected %zu names of groups, found %zu",
+                       name, count, rows);
+    GN_TRY(gn_new(&mesh->groups, count, "groups of a mesh", error));
+    for (size_t k = 0; k < count; k++) {
         const int32_t *g = (const int32_t *)group + 2 * k;
         mesh->groups[k] = (gn_mesh_group){.dimension = g[0], .tag = g[1]};
         memcpy(mesh->groups[k].name, (const char *)names + GN_MESH_NAME_SIZE * k,
                GN_MESH_NAME_SIZE - 1);
-        if (g[0] < 0 || g[0] > 3)
-            status = gn_fail(error, GNEISS_ERROR_INPUT,
-                             "%s: expected groups of dimension 0 to 3, found %d", name, g[0]);
         mesh->group_count = k + 1;
+        if (g[0] < 0 || g[0] > 3)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected groups of dimension 0 to 3, found %d", name, g[0]);
     }
-    gn_free(group);
-    gn_free(names);
-    return status;
+    return GNEISS_OK;
 }
 
 gneiss_status gn_h5_get_mesh(const gn_h5 *file, const char *name, gn_mesh *mesh,

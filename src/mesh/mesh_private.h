@@ -113,8 +113,6 @@ typedef struct gn_msh {
 gneiss_status gn_msh_read_entities(gn_msh *msh);
 gneiss_status gn_msh_read_nodes(gn_msh *msh);
 gneiss_status gn_msh_read_elements(gn_msh *msh);
-/* msh_doubles.c: merges elements with the same nodes into one with all their groups. */
-gneiss_status gn_msh_merge_doubles(gn_msh *msh);
 
 static inline void gn_mesh_between(const double *from, const double *to, double out[3]) {
     for (int d = 0; d < 3; d++) out[d] = to[d] - from[d];

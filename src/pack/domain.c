@@ -1,6 +1,6 @@
 #include "pack/domain.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "pack/domain_facets.h"
 
 #include <math.h>
@@ -21,10 +21,8 @@ struct gn_domain {
 static const double pi = 3.14159265358979323846;
 
 static gneiss_status new_domain(const gn_domain *from, gn_domain **domain, gneiss_error *error) {
-    gn_domain *d = gn_alloc(sizeof *d);
-    if (!d) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a body");
-    *d = *from;
-    *domain = d;
+    GN_TRY(gn_new(domain, 1, "a body", error));
+    **domain = *from;
     return GNEISS_OK;
 }
 
@@ -121,29 +119,22 @@ static double turned_area(const double *corners, size_t count) {
 
 gneiss_status gn_domain_polygon(const double *corners, size_t count, gn_domain **domain,
                                 gneiss_error *error) {
+    GN_FREED double *node = NULL;
+    GN_FREED int32_t *edge = NULL;
     if (count < 3 || count > INT32_MAX / 16)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "polygon: expected 3 corners or more (at most %d), found %zu",
                        INT32_MAX / 16, count);
-    double *node = gn_alloc_array(count, 3 * sizeof *node);
-    int32_t *edge = gn_alloc_array(count, 2 * sizeof *edge);
-    gneiss_status status = GNEISS_OK;
-    if (node && edge) {
-        int last = turned_area(corners, count) < 0 ? 0 : 1;
-        for (size_t i = 0; i < count; i++) {
-            node[3 * i] = corners[2 * i];
-            node[3 * i + 1] = corners[2 * i + 1];
-            edge[2 * i + (size_t)(1 - last)] = (int32_t)i;
-            edge[2 * i + (size_t)last] = (int32_t)((i + 1) % count);
-        }
-        status = make_faceted(node, count, edge, count, 2, "polygon", domain, error);
-    } else {
-        status =
-            gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a polygon of %zu corners", count);
+    GN_TRY(gn_new(&node, 3 * count, "coordinates of a polygon", error));
+    GN_TRY(gn_new(&edge, 2 * count, "edges of a polygon", error));
+    int last = turned_area(corners, count) < 0 ? 0 : 1;
+    for (size_t i = 0; i < count; i++) {
+        node[3 * i] = corners[2 * i];
+        node[3 * i + 1] = corners[2 * i + 1];
+        edge[2 * i + (size_t)(1 - last)] = (int32_t)i;
+        edge[2 * i + (size_t)last] = (int32_t)((i + 1) % count);
     }
-    gn_free(node);
-    gn_free(edge);
-    return status;
+    return make_faceted(node, count, edge, count, 2, "polygon", domain, error);
 }
 
 gneiss_status gn_domain_surface(const gn_mesh *mesh, int dimension, const char *name,

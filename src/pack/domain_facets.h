@@ -82,16 +82,11 @@ typedef bool gn_tree_visit(const gn_facets *facets, int32_t first, int32_t count
 bool gn_tree_within(const gn_facets *facets, const double lower[3], const double upper[3],
                     double reach, gn_tree_visit *visit, void *context);
 
-/* domain_cuts.c: checks that facets do not intersect. */
+/* Checks that facets do not intersect. */
 gneiss_status gn_facets_check_cuts(const gn_facets *facets, const char *name, gneiss_error *error);
 
-/* domain_sign.c: returns the distance of x from the foot, positive inside. */
-double gn_facets_signed(const gn_facets *surface, const double x[3], const gn_foot *foot);
 /* Computes the grid of known depths. */
 gneiss_status gn_facets_know(gn_facets *surface, gneiss_error *error);
-/* Looks up the depth at the centre of the cell of x and the distance to that centre; returns false
- * outside the grid. */
-bool gn_facets_known(const gn_facets *surface, const double x[3], double *depth, double *offset);
 
 static inline double gn_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -1,7 +1,335 @@
 /* The boundary near a point, for bodies bounded by facets. */
 #include "pack/domain_facets.h"
 
+#include "base/memory.h"
+
 #include <math.h>
+
+/* ---- signed distance from the boundary ---- */
+
+/* Approximate number of cells of the grid of known depths. */
+enum { KNOWN_CELLS = 1 << 16 };
+
+/* Returns the squared distance of p from edge k of f. */
+static double edge_distance2(const gn_facet *facet, int k, const double p[3]) {
+    double edge[3], v[3];
+    gn_minus(facet->corner[gn_next(k)], facet->corner[k], edge);
+    gn_minus(p, facet->corner[k], v);
+    double t = gn_dot(v, edge) / gn_dot(edge, edge);
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    for (int i = 0; i < 3; i++) v[i] -= t * edge[i];
+    return gn_dot(v, v);
+}
+
+/* Finds the facet with area on the other side of an edge at p, past needles. */
+static const gn_facet *facet_across(const gn_facets *surface, int32_t half, const double p[3]) {
+    for (int hops = 0; hops < 16 && (surface->facet[half >> 2].flags & GN_FACET_NEEDLE); hops++) {
+        const gn_facet *needle = &surface->facet[half >> 2];
+        int a = gn_next(half & 3), b = gn_next(a);
+        half =
+            needle->neighbour[edge_distance2(needle, a, p) <= edge_distance2(needle, b, p) ? a : b];
+    }
+    return &surface->facet[half >> 2];
+}
+
+/* Tells whether x is inside by the solid angle of all facets (Van Oosterom & Strackee 1983, eq. 8)
+ * or the angle of all segments. This is slow, but needs no topology. */
+static bool winds_round(const gn_facets *surface, const double x[3]) {
+    double sum = 0;
+    for (size_t i = 0; i < surface->count; i++) {
+        double v[3][3], cross[3], r[3] = {0, 0, 0};
+        for (int c = 0; c < surface->corners; c++) {
+            gn_minus(surface->facet[i].corner[c], x, v[c]);
+            r[c] = sqrt(gn_dot(v[c], v[c]));
+        }
+        gn_cross(v[0], v[1], cross);
+        if (surface->corners == 2) {
+            sum += atan2(cross[2], gn_dot(v[0], v[1]));
+            continue;
+        }
+        double below = r[0] * r[1] * r[2] + gn_dot(v[0], v[1]) * r[2] + gn_dot(v[1], v[2]) * r[0] +
+                       gn_dot(v[2], v[0]) * r[1];
+        sum += 2 * atan2(gn_dot(cross, v[2]), below);
+    }
+    double whole = acos(-1.0) * (surface->corners == 2 ? 2 : 4);
+    return sum > 0.5 * whole;
+}
+
+/* Returns the distance of x from the foot, positive inside. */
+static double facets_signed(const gn_facets *surface, const double x[3], const gn_foot *foot) {
+    const gn_facet *f = &surface->facet[foot->facet];
+    double v[3], side, distance = sqrt(foot->distance2);
+    gn_minus(x, foot->at, v);
+    if (foot->feature == 0) {
+        /* The foot is a projection: its offset is round-off if x is close to the facet. */
+        gn_minus(x, f->corner[0], v);
+        side = gn_dot(v, f->normal);
+    } else if (foot->feature < 4) {
+        const gn_facet *g = facet_across(surface, f->neighbour[foot->feature - 1], foot->at);
+        side = gn_dot(v, f->normal) + gn_dot(v, g->normal);
+    } else {
+        int corner = foot->feature - 4;
+        if (f->flags & ((uint32_t)GN_FACET_PINCHED_0 << corner))
+            return winds_round(surface, x) ? distance : -distance;
+        side = gn_dot(v, surface->node_normal + 3 * f->node[corner]);
+    }
+    return side > 0 ? -distance : distance;
+}
+
+/* Looks up the depth at the centre of the cell of x and the distance to that centre; returns false
+ * outside the grid. */
+static bool facets_known(const gn_facets *surface, const double x[3], double *depth,
+                         double *offset) {
+    if (!surface->known) return false;
+    size_t index = 0;
+    double sum = 0;
+    for (int k = surface->corners - 1; k >= 0; k--) {
+        double place = (x[k] - surface->origin[k]) / surface->cell;
+        if (!(place >= 0 && place < surface->cells[k])) return false;
+        int i = (int)place;
+        index = index * (size_t)surface->cells[k] + (size_t)i;
+        double off = (place - i - 0.5) * surface->cell;
+        sum += off * off;
+    }
+    *depth = (double)surface->known[index];
+    /* The addition covers the rounding of the stored depth. */
+    *offset = sqrt(sum) + 1e-6 * surface->size;
+    return true;
+}
+
+gneiss_status gn_facets_know(gn_facets *surface, gneiss_error *error) {
+    int dimension = surface->corners;
+    double product = 1;
+    for (int k = 0; k < dimension; k++)
+        product *= fmax(surface->upper[k] - surface->lower[k], 1e-3 * surface->size);
+    double cell = pow(product / KNOWN_CELLS, 1.0 / dimension);
+    size_t count = 1;
+    for (int k = 0; k < 3; k++) {
+        surface->cells[k] =
+            k < dimension ? (int)ceil((surface->upper[k] - surface->lower[k]) / cell + 0.01) : 1;
+        double middle = 0.5 * (surface->lower[k] + surface->upper[k]);
+        surface->origin[k] = middle - 0.5 * cell * surface->cells[k];
+        count *= (size_t)surface->cells[k];
+    }
+    float *known = gn_alloc_array(count, sizeof *known);
+    if (!known)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a grid of %zu depths", count);
+    double last = 0;
+    for (size_t i = 0; i < count; i++) {
+        size_t row = i / (size_t)surface->cells[0];
+        size_t place[3] = {i % (size_t)surface->cells[0], row % (size_t)surface->cells[1],
+                           row / (size_t)surface->cells[1]};
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = surface->origin[k] + ((double)place[k] + 0.5) * cell;
+        if (dimension == 2) x[2] = 0;
+        /* The previous centre is one cell away, so that the boundary is at most that much
+         * farther. */
+        double limit = place[0] ? fabs(last) + 1.001 * cell : INFINITY;
+        gn_foot foot = gn_tree_nearest(surface, x, limit);
+        last = facets_signed(surface, x, &foot);
+        known[i] = (float)last;
+    }
+    surface->cell = cell;
+    surface->known = known;
+    return GNEISS_OK;
+}
+
+/* ---- detection of intersecting facets, which do not define an inside ---- */
+
+/* Relative to the extent. Edges of a polygon may not touch; triangles may, up to the tolerance of
+ * welding. */
+static const double touch_tolerance = 1e-12, cut_tolerance = 1e-6;
+
+typedef struct cut_search {
+    int32_t facet, other; /* the result is the other's index */
+    double tolerance, at[3];
+} cut_search;
+
+static int shared_nodes(const gn_facet *a, const gn_facet *b, int corners) {
+    int shared = 0;
+    for (int i = 0; i < corners; i++)
+        for (int j = 0; j < corners; j++) shared += a->node[i] == b->node[j];
+    return shared;
+}
+
+/* Tells whether p is within `tolerance` of the segment, and then copies it to `at`. */
+static bool on_segment(const gn_facet *facet, const double p[3], double tolerance, double at[3]) {
+    double edge[3], v[3];
+    gn_minus(facet->corner[1], facet->corner[0], edge);
+    gn_minus(p, facet->corner[0], v);
+    double t = gn_dot(v, edge) / gn_dot(edge, edge);
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    for (int k = 0; k < 3; k++) {
+        v[k] -= t * edge[k];
+        at[k] = p[k];
+    }
+    return gn_dot(v, v) <= tolerance * tolerance;
+}
+
+/* Returns z of (b - a) x (p - a), whose sign is the side of the segment on which p is. */
+static double side_of(const gn_facet *facet, const double p[3]) {
+    const double *a = facet->corner[0], *b = facet->corner[1];
+    return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+}
+
+static bool segments_meet(const gn_facet *a, const gn_facet *b, double tolerance, double at[3]) {
+    int shared = shared_nodes(a, b, 2);
+    for (int c = 0; c < 2; c++) {
+        bool free_b = b->node[c] != a->node[0] && b->node[c] != a->node[1];
+        bool free_a = a->node[c] != b->node[0] && a->node[c] != b->node[1];
+        if (free_b && on_segment(a, b->corner[c], tolerance, at)) return true;
+        if (free_a && on_segment(b, a->corner[c], tolerance, at)) return true;
+    }
+    if (shared) return shared == 2 && on_segment(a, b->corner[0], tolerance, at);
+    double a0 = side_of(b, a->corner[0]), a1 = side_of(b, a->corner[1]);
+    double b0 = side_of(a, b->corner[0]), b1 = side_of(a, b->corner[1]);
+    if ((a0 > 0) == (a1 > 0) || (b0 > 0) == (b1 > 0)) return false;
+    double t = a0 / (a0 - a1);
+    for (int k = 0; k < 3; k++) at[k] = a->corner[0][k] + t * (a->corner[1][k] - a->corner[0][k]);
+    return true;
+}
+
+/* Tells whether the axis separates the triangles, or shows them in touch within the tolerance. A
+ * short axis (the product of parallel edges; `scale` is that of its factors) proves nothing. */
+static bool apart(const double axis[3], double scale, const gn_facet *a, const gn_facet *b,
+                  double tolerance) {
+    double length = sqrt(gn_dot(axis, axis)), low[2], high[2];
+    if (length <= 1e-9 * scale) return false;
+    for (int t = 0; t < 2; t++) {
+        low[t] = INFINITY, high[t] = -INFINITY;
+        for (int c = 0; c < 3; c++) {
+            double v[3];
+            gn_minus((t ? b : a)->corner[c], a->corner[0], v);
+            low[t] = fmin(low[t], gn_dot(axis, v));
+            high[t] = fmax(high[t], gn_dot(axis, v));
+        }
+    }
+    /* The displacement that separates both; a triangle has no width along its normal. */
+    return fmin(high[0] - low[1], high[1] - low[0]) <= tolerance * length;
+}
+
+static bool coplanar(const gn_facet *a, const gn_facet *b, double tolerance) {
+    for (int c = 0; c < 3; c++) {
+        double v[3];
+        gn_minus(b->corner[c], a->corner[0], v);
+        if (fabs(gn_dot(v, a->normal)) > tolerance) return false;
+    }
+    return true;
+}
+
+/* Separating axes (Gottschalk, Lin & Manocha 1996): convex bodies are separate if one of the
+ * normals or products of edges separates them; in a common plane, one of the normals of edges. */
+static bool triangles_cut(const gn_facet *a, const gn_facet *b, double tolerance) {
+    double edge[2][3][3], axis[3];
+    bool flat = coplanar(a, b, tolerance) || coplanar(b, a, tolerance);
+    for (int c = 0; c < 3; c++) {
+        gn_minus(a->corner[gn_next(c)], a->corner[c], edge[0][c]);
+        gn_minus(b->corner[gn_next(c)], b->corner[c], edge[1][c]);
+    }
+    if (!flat && (apart(a->normal, 1, a, b, tolerance) || apart(b->normal, 1, a, b, tolerance)))
+        return false;
+    for (int i = 0; i < 6 && flat; i++) {
+        const double *along = edge[i / 3][i % 3];
+        gn_cross(a->normal, along, axis);
+        if (apart(axis, sqrt(gn_dot(along, along)), a, b, tolerance)) return false;
+    }
+    for (int i = 0; i < 9 && !flat; i++) {
+        const double *u = edge[0][i / 3], *v = edge[1][i % 3];
+        gn_cross(u, v, axis);
+        if (apart(axis, sqrt(gn_dot(u, u) * gn_dot(v, v)), a, b, tolerance)) return false;
+    }
+    return true;
+}
+
+/* Finds a point of the intersection: where an edge of one triangle passes through the other, else
+ * the centre of the boxes' common part (in a common plane). */
+static void cut_point(const gn_facet *a, const gn_facet *b, double tolerance, double at[3]) {
+    for (int i = 0; i < 6; i++) {
+        const gn_facet *f = i < 3 ? a : b, *g = i < 3 ? b : a;
+        const double *p = f->corner[i % 3], *q = f->corner[gn_next(i % 3)];
+        double u[3], v[3];
+        gn_minus(p, g->corner[0], u);
+        gn_minus(q, g->corner[0], v);
+        double before = gn_dot(u, g->normal), after = gn_dot(v, g->normal);
+        if ((before > 0) == (after > 0)) continue;
+        double t = before / (before - after);
+        for (int k = 0; k < 3; k++) at[k] = p[k] + t * (q[k] - p[k]);
+        if (gn_facet_faces(g, 3, at, tolerance)) return;
+    }
+    for (int k = 0; k < 3; k++) {
+        double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+        for (int c = 0; c < 6; c++) {
+            double value = (c < 3 ? a : b)->corner[c % 3][k];
+            low[c / 3] = fmin(low[c / 3], value);
+            high[c / 3] = fmax(high[c / 3], value);
+        }
+        at[k] = 0.5 * (fmax(low[0], low[1]) + fmin(high[0], high[1]));
+    }
+}
+
+static bool visit(const gn_facets *facets, int32_t first, int32_t count, void *context) {
+    cut_search *search = context;
+    const gn_facet *a = &facets->facet[search->facet];
+    for (int32_t i = first; i < first + count; i++) {
+        const gn_facet *b = &facets->facet[i];
+        if (i <= search->facet) continue;
+        bool found;
+        if (facets->corners == 2) {
+            found = segments_meet(a, b, search->tolerance, search->at);
+        } else {
+            /* A needle has no interior; its neighbours are tested in its place. */
+            found = !((a->flags | b->flags) & GN_FACET_NEEDLE) && !shared_nodes(a, b, 3) &&
+                    triangles_cut(a, b, search->tolerance);
+            if (found) cut_point(a, b, search->tolerance, search->at);
+        }
+        if (!found) continue;
+        search->other = i;
+        return true;
+    }
+    return false;
+}
+
+static gneiss_status refuse(const gn_facets *facets, const cut_search *search, const char *name,
+                            gneiss_error *error) {
+    const gn_facet *a = &facets->facet[search->facet], *b = &facets->facet[search->other];
+    if (a->id > b->id) {
+        const gn_facet *swap = a;
+        a = b;
+        b = swap;
+    }
+    if (facets->corners == 3)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a surface that does not cut itself; triangles %d and %d (of "
+                       "%zu) meet at (%g, %g, %g)",
+                       name, a->id + 1, b->id + 1, facets->count, search->at[0], search->at[1],
+                       search->at[2]);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a boundary that does not cross or touch itself; edge %d from (%g, "
+                   "%g) to (%g, %g) and edge %d from (%g, %g) to (%g, %g) meet at (%g, %g)",
+                   name, a->id + 1, a->corner[0][0], a->corner[0][1], a->corner[1][0],
+                   a->corner[1][1], b->id + 1, b->corner[0][0], b->corner[0][1], b->corner[1][0],
+                   b->corner[1][1], search->at[0], search->at[1]);
+}
+
+gneiss_status gn_facets_check_cuts(const gn_facets *facets, const char *name, gneiss_error *error) {
+    cut_search search = {.tolerance = facets->size *
+                                      (facets->corners == 2 ? touch_tolerance : cut_tolerance)};
+    for (size_t i = 0; i < facets->count; i++) {
+        const gn_facet *f = &facets->facet[i];
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; k++) {
+            lower[k] = INFINITY, upper[k] = -INFINITY;
+            for (int c = 0; c < facets->corners; c++) {
+                lower[k] = fmin(lower[k], f->corner[c][k]);
+                upper[k] = fmax(upper[k], f->corner[c][k]);
+            }
+        }
+        search.facet = (int32_t)i;
+        if (gn_tree_within(facets, lower, upper, 2 * search.tolerance, visit, &search))
+            return refuse(facets, &search, name, error);
+    }
+    return GNEISS_OK;
+}
 
 /* Relative to the extent. Feet that round-off places beside their facet still count; planes that
  * differ less in depth (and less than 1e-3 in direction) are one. */
@@ -149,7 +477,7 @@ static bool visit_gather(const gn_facets *facets, int32_t first, int32_t count, 
 
 static gn_foot nearest(const gn_facets *facets, const double x[3]) {
     double depth, offset, limit = INFINITY;
-    if (gn_facets_known(facets, x, &depth, &offset)) limit = 1.001 * (fabs(depth) + offset);
+    if (facets_known(facets, x, &depth, &offset)) limit = 1.001 * (fabs(depth) + offset);
     return gn_tree_nearest(facets, x, limit);
 }
 
@@ -157,7 +485,7 @@ double gn_facets_depth(const gn_facets *facets, const double x[3]) {
     double at[3] = {x[0], x[1], facets->corners == 2 ? 0 : x[2]};
     gn_foot foot = nearest(facets, at);
     if (foot.facet < 0) return -INFINITY;
-    return gn_facets_signed(facets, at, &foot);
+    return facets_signed(facets, at, &foot);
 }
 
 /* Returns the plane of the nearest point alone. */
@@ -174,10 +502,10 @@ int gn_facets_planes(const gn_facets *facets, const double point[3], double reac
                      gn_domain_plane planes[GN_DOMAIN_PLANES]) {
     double x[3] = {point[0], point[1], facets->corners == 2 ? 0 : point[2]};
     double known, offset;
-    if (gn_facets_known(facets, x, &known, &offset) && known - offset > reach) return 0;
+    if (facets_known(facets, x, &known, &offset) && known - offset > reach) return 0;
     gn_foot foot = nearest(facets, x);
     if (foot.facet < 0) return 0;
-    double depth = gn_facets_signed(facets, x, &foot);
+    double depth = facets_signed(facets, x, &foot);
     if (depth > reach) return 0;
     if (depth < 0) {
         planes[0] = nearest_plane(facets, x, &foot, depth);

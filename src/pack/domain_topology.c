@@ -1,6 +1,6 @@
 /* From corners to a closed boundary: adjacency of facets, orientation, re-entrant edges and
  * corners. */
-#include "base/memory.h"
+#include "base/new.h"
 #include "pack/domain_facets.h"
 
 #include <math.h>
@@ -217,22 +217,15 @@ static gneiss_status check_loops(const gn_facets *facets, const char *name, gnei
 }
 
 static gneiss_status link_facets(gn_facets *facets, const char *name, gneiss_error *error) {
-    size_t corners = (size_t)facets->corners;
-    facets->star_first = gn_alloc_array(facets->node_count + 1, sizeof *facets->star_first);
-    facets->star = gn_alloc_array(facets->count, corners * sizeof *facets->star);
-    facets->node_normal = gn_alloc_array(facets->node_count, 3 * sizeof *facets->node_normal);
-    half_edge *halves = gn_alloc_array(facets->count, 3 * sizeof *halves);
-    gneiss_status status = GNEISS_OK;
-    if (!facets->star_first || !facets->star || !facets->node_normal || !halves)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the links of %zu facets",
-                         facets->count);
-    else {
-        set_stars(facets);
-        status = corners == 2 ? check_loops(facets, name, error)
-                              : pair_edges(facets, halves, name, error);
-    }
-    gn_free(halves);
-    return status;
+    const size_t count = facets->count, nodes = facets->node_count;
+    GN_FREED half_edge *halves = NULL;
+    GN_TRY(gn_new(&facets->star_first, nodes + 1, "nodes", error));
+    GN_TRY(gn_new(&facets->star, count * (size_t)facets->corners, "corners of facets", error));
+    GN_TRY(gn_new(&facets->node_normal, 3 * nodes, "normals of nodes", error));
+    GN_TRY(gn_new(&halves, 3 * count, "edges of facets", error));
+    set_stars(facets);
+    return facets->corners == 2 ? check_loops(facets, name, error)
+                                : pair_edges(facets, halves, name, error);
 }
 
 /* Computes angle-weighted pseudonormals (Baerentzen & Aanaes 2005, eq. 5). */
@@ -370,17 +363,19 @@ gneiss_status gn_facets_create(const double *node, size_t node_count, const int3
     return status;
 }
 
+static void free_facets_at(gn_facets **facets) {
+    gn_facets_free(*facets);
+}
+
 gneiss_status gn_domain_check_cuts(const double *node, size_t node_count, const int32_t *element,
                                    size_t count, int corners, const char *name,
                                    gneiss_error *error) {
-    gn_facets *s = NULL;
+    GN_FREED_BY(free_facets_at) gn_facets *s = NULL;
     GN_TRY(allocate(node_count, count, corners, name, &s, error));
-    gneiss_status status = read_facets(s, node, element, name, error);
-    if (status == GNEISS_OK) status = set_normals(s, name, error);
-    if (status == GNEISS_OK) status = gn_tree_build(s, error);
-    if (status == GNEISS_OK) status = gn_facets_check_cuts(s, name, error);
-    gn_facets_free(s);
-    return status;
+    GN_TRY(read_facets(s, node, element, name, error));
+    GN_TRY(set_normals(s, name, error));
+    GN_TRY(gn_tree_build(s, error));
+    return gn_facets_check_cuts(s, name, error);
 }
 
 void gn_facets_free(gn_facets *facets) {

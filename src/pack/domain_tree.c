@@ -1,4 +1,4 @@
-#include "base/memory.h"
+#include "base/new.h"
 #include "pack/domain_facets.h"
 
 #include <math.h>
@@ -107,26 +107,21 @@ static void set_boxes(gn_facets *facets) {
 }
 
 gneiss_status gn_tree_build(gn_facets *facets, gneiss_error *error) {
-    tree_item *items = gn_alloc_array(facets->count, sizeof *items);
-    gn_facet *sorted = gn_alloc_array(facets->count, sizeof *sorted);
-    facets->tree = gn_alloc_array(facets->count + 1, sizeof *facets->tree);
-    if (!items || !sorted || !facets->tree) {
-        gn_free(items);
-        gn_free(sorted);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the tree of %zu facets",
-                       facets->count);
-    }
-    for (size_t i = 0; i < facets->count; i++) {
+    const size_t count = facets->count;
+    GN_FREED tree_item *items = NULL;
+    GN_FREED gn_facet *unsorted = facets->facet;
+    facets->facet = NULL;
+    GN_TRY(gn_new(&items, count, "facets", error));
+    GN_TRY(gn_new(&facets->tree, count + 1, "nodes of a tree", error));
+    for (size_t i = 0; i < count; i++) {
         double lower[3], upper[3];
-        facet_box(&facets->facet[i], facets->corners, lower, upper);
+        facet_box(&unsorted[i], facets->corners, lower, upper);
         items[i].facet = (int32_t)i;
         for (int k = 0; k < 3; k++) items[i].middle[k] = lower[k] + upper[k];
     }
-    lay_out(facets, items, 0, (int32_t)facets->count);
-    for (size_t i = 0; i < facets->count; i++) sorted[i] = facets->facet[items[i].facet];
-    gn_free(facets->facet);
-    gn_free(items);
-    facets->facet = sorted;
+    lay_out(facets, items, 0, (int32_t)count);
+    GN_TRY(gn_new(&facets->facet, count, "facets", error));
+    for (size_t i = 0; i < count; i++) facets->facet[i] = unsorted[items[i].facet];
     set_boxes(facets);
     return GNEISS_OK;
 }

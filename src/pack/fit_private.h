@@ -1,5 +1,4 @@
-/* Declarations shared by the parts of the fit: lists (fit_lists.c), linear system (fit_solve.c),
- * iterations (fit.c). */
+/* Lists, linear system and iterations of the fit, for its tests. */
 #ifndef GN_PACK_FIT_PRIVATE_H
 #define GN_PACK_FIT_PRIVATE_H
 

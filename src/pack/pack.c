@@ -1,6 +1,6 @@
 #include "pack/pack.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/threads.h"
 #include "base/timer.h"
@@ -192,21 +192,20 @@ static gneiss_status is_crowded(const job *run, double *factor, bool *crowded,
 static gneiss_status make_room(job *run, const gn_fit_law *law, gneiss_error *error) {
     enum { TIMES = 40 };
     const double smaller = 0.99;
-    double *factor = gn_alloc_array(run->seeds.count + 1, sizeof *factor);
+    GN_FREED double *factor = NULL;
     bool crowded = true;
-    if (!factor) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
-    gneiss_status status = is_crowded(run, factor, &crowded, error);
-    for (int k = 0; k < TIMES && crowded && status == GNEISS_OK; k++) {
+    GN_TRY(gn_new(&factor, run->seeds.count, "particles", error));
+    GN_TRY(is_crowded(run, factor, &crowded, error));
+    for (int k = 0; k < TIMES && crowded; k++) {
         for (size_t p = 0; p < run->seeds.count; p++) {
             run->wanted[p] *= smaller;
             run->least[p] *= smaller;
             run->most[p] *= smaller;
         }
-        status = run_stage(run, GN_PACK_SEPARATE, law, error);
-        if (status == GNEISS_OK) status = is_crowded(run, factor, &crowded, error);
+        GN_TRY(run_stage(run, GN_PACK_SEPARATE, law, error));
+        GN_TRY(is_crowded(run, factor, &crowded, error));
     }
-    gn_free(factor);
-    return status;
+    return GNEISS_OK;
 }
 
 static gneiss_status run_stages(job *run, gneiss_error *error) {
@@ -275,8 +274,7 @@ static gneiss_status shrink(job *run, gneiss_error *error) {
 static gneiss_status take_result(job *run, gneiss_error *error) {
     gn_packing *p = &run->result->packing;
     p->count = run->seeds.count;
-    p->sphere = gn_alloc_array(p->count + 1, 4 * sizeof *p->sphere);
-    if (!p->sphere) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
+    GN_TRY(gn_new(&p->sphere, 4 * p->count, "coordinates of particles", error));
     memcpy(p->sphere, gn_fit_rows(run->fit), p->count * 4 * sizeof *p->sphere);
     run->result->in_time = !run->out_of_time;
     if (run->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;

@@ -2,7 +2,7 @@
 
 #include "base/ball.h"
 #include "base/eigen.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "neigh/pairs.h"
 #include "pack/spheres.h"
 
@@ -65,27 +65,25 @@ static void measure_shape(const double *sorted, size_t count, gn_pack_quality *q
 
 static gneiss_status measure_radii(const gn_packing *packing, int dimension, double volume,
                                    gn_pack_quality *quality, gneiss_error *error) {
-    double *sorted = gn_alloc_array(packing->count + 1, sizeof *sorted);
-    if (!sorted)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu radii", packing->count);
-    double sum = 0.0, volumes = 0.0, n = (double)packing->count;
-    for (size_t k = 0; k < packing->count; k++) {
+    const size_t count = packing->count;
+    double sum = 0.0, volumes = 0.0, n = (double)count;
+    GN_FREED double *sorted = NULL;
+    GN_TRY(gn_new(&sorted, count, "radii", error));
+    for (size_t k = 0; k < count; k++) {
         sorted[k] = packing->sphere[4 * k + 3];
         sum += sorted[k];
         volumes += gn_ball_volume(dimension, sorted[k]);
     }
-    qsort(sorted, packing->count, sizeof *sorted, ascending);
+    qsort(sorted, count, sizeof *sorted, ascending);
     quality->radius_mean = sum / n;
-    measure_shape(sorted, packing->count, quality);
+    measure_shape(sorted, count, quality);
     quality->radius_volume = pow(volumes / n / gn_ball_volume(dimension, 1.0), 1.0 / dimension);
     quality->radius_min = sorted[0];
-    quality->radius_max = sorted[packing->count - 1];
+    quality->radius_max = sorted[count - 1];
     quality->radius_ratio = quality->radius_max / quality->radius_min;
-    size_t hundredth = packing->count / 100;
-    quality->radius_ratio_98 = sorted[packing->count - 1 - hundredth] / sorted[hundredth];
+    quality->radius_ratio_98 = sorted[count - 1 - count / 100] / sorted[count / 100];
     quality->porosity = 1.0 - volumes / volume;
-    count_radii(sorted, packing->count, quality);
-    gn_free(sorted);
+    count_radii(sorted, count, quality);
     return GNEISS_OK;
 }
 

@@ -1,7 +1,7 @@
 #include "pack/seeds.h"
 
 #include "base/ball.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
 #include "neigh/pairs.h"
 #include "pack/sizes.h"
@@ -95,10 +95,7 @@ static gneiss_status weigh_elements(source *generator, gneiss_error *error) {
     if (generator->scene->specimen.pack.shape != GN_SHAPE_MESH) return GNEISS_OK;
     generator->elements = generator->dimension == 3 ? &generator->body->mesh.tetrahedra
                                                     : &generator->body->mesh.triangles;
-    generator->weight = gn_alloc_array(generator->elements->count + 1, sizeof *generator->weight);
-    if (!generator->weight)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu elements",
-                       generator->elements->count);
+    GN_TRY(gn_new(&generator->weight, generator->elements->count, "elements of a mesh", error));
     double sum = 0.0;
     for (size_t k = 0; k < generator->elements->count; k++) {
         sum += element_volume(generator, k) / pow(corner_size(generator, k), generator->dimension);
@@ -302,23 +299,20 @@ static void scale_radii(const source *generator, gn_seeds *seeds) {
 
 static gneiss_status sort_rows(const source *generator, gn_seeds *seeds, gneiss_error *error) {
     gn_particles p = {0};
-    int32_t *order = gn_alloc_array(seeds->count + 1, sizeof *order);
-    gneiss_status status = order ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    if (status == GNEISS_OK) status = gn_particles_of_spheres(seeds->row, seeds->count, &p, error);
+    GN_FREED int32_t *order = NULL;
+    GN_TRY(gn_new(&order, seeds->count, "particles", error));
+    gneiss_status status = gn_particles_of_spheres(seeds->row, seeds->count, &p, error);
     if (status == GNEISS_OK) status = gn_morton_order(&p, generator->dimension, order, error);
     for (size_t k = 0; k < seeds->count && status == GNEISS_OK; k++)
         memcpy(seeds->row + 4 * k, p.pos + 4 * order[k], 4 * sizeof(double));
     gn_soa_destroy(&gn_particle_record, &p);
-    gn_free(order);
     return status;
 }
 
 static gneiss_status make(source *generator, gn_seeds *seeds, gneiss_error *error) {
     GN_TRY(weigh_elements(generator, error));
     GN_TRY(choose_count(generator, &seeds->count, error));
-    seeds->row = gn_alloc_array(seeds->count + 1, 4 * sizeof *seeds->row);
-    if (!seeds->row)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", seeds->count);
+    GN_TRY(gn_new(&seeds->row, 4 * seeds->count, "coordinates of particles", error));
     if (generator->scene->specimen.pack.start == GN_START_NODES)
         take_nodes(generator, seeds);
     else

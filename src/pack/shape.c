@@ -1,6 +1,6 @@
 #include "pack/shape.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "mesh/gmsh.h"
 #include "mesh/joints.h"
@@ -19,13 +19,9 @@ static const gn_mesh_elements *elements_of(const gn_mesh *mesh, int dimension) {
 static gneiss_status measure_nodes(gn_pack_shape *shape, int dimension, gneiss_error *error) {
     const gn_mesh *mesh = &shape->mesh;
     const gn_mesh_elements *e = elements_of(mesh, dimension);
-    shape->node_size = gn_alloc_array(mesh->node_count + 1, sizeof *shape->node_size);
-    double *edges = gn_alloc_array(mesh->node_count + 1, sizeof *edges);
-    if (!shape->node_size || !edges) {
-        gn_free(edges);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu nodes",
-                       mesh->node_count);
-    }
+    GN_FREED double *edges = NULL;
+    GN_TRY(gn_new(&shape->node_size, mesh->node_count, "nodes of a mesh", error));
+    GN_TRY(gn_new(&edges, mesh->node_count, "nodes of a mesh", error));
     for (size_t k = 0; k < e->count; k++)
         for (int a = 0; a < e->nodes; a++)
             for (int b = 0; b < e->nodes; b++) {
@@ -37,7 +33,6 @@ static gneiss_status measure_nodes(gn_pack_shape *shape, int dimension, gneiss_e
             }
     for (size_t k = 0; k < mesh->node_count; k++)
         if (edges[k] > 0.0) shape->node_size[k] /= edges[k];
-    gn_free(edges);
     return GNEISS_OK;
 }
 

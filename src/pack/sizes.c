@@ -68,7 +68,9 @@ static double below(double deviations) {
     return 0.5 * erfc(-deviations / sqrt(2.0));
 }
 
-double gn_sizes_below(const gn_sizes *sizes, double size) {
+/* Returns the fraction that is no larger than a size in that unit, by number, for a sieve curve by
+ * mass. */
+static double sizes_below(const gn_sizes *sizes, double size) {
     double least, most;
     gn_sizes_range(sizes, &least, &most);
     const double x = fmin(fmax(size, least), most);
@@ -94,7 +96,7 @@ static double off_at(const gn_sizes *sizes, const double *radius, size_t count, 
     const double power = sizes->kind == GN_SIZES_SIEVE ? sizes->dimension : 0.0;
     double most = 0.0, passed = 0.0;
     for (size_t k = 0; k < count; k++) {
-        const double asked = gn_sizes_below(sizes, radius[k] / unit), before = passed / sum;
+        const double asked = sizes_below(sizes, radius[k] / unit), before = passed / sum;
         passed += pow(radius[k], power);
         const double off = fmax(fabs(asked - before), fabs(passed / sum - asked));
         if (off > most) *at = radius[k] / unit;

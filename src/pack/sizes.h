@@ -28,9 +28,6 @@ double gn_sizes_draw(const gn_sizes *sizes, gn_drawn *drawn);
  * gn_sizes_draw. */
 void gn_sizes_range(const gn_sizes *sizes, double *least, double *most);
 double gn_sizes_mean(const gn_sizes *sizes);
-/* Returns the fraction that is no larger than a size in that unit, by number, for a sieve curve by
- * mass. */
-double gn_sizes_below(const gn_sizes *sizes, double size);
 /* Returns the largest deviation of the fractions of `radius` [count], which it sorts, from the
  * requested ones, for the best unit of size; *at: the size there, over the largest requested. */
 double gn_sizes_off(const gn_sizes *sizes, double *radius, size_t count, double *at);

@@ -6,13 +6,6 @@
 #include "io/h5.h"
 #include "pack/quality.h"
 
-/* Writes packing.h5 (docs/packing.md has its layout) completely or not at all. */
-gneiss_status gn_pack_write(const char *path, const gn_scene *scene, const gn_pack_result *result,
-                            const gn_pack_quality *quality, gneiss_error *error);
-
-/* Writes the iterations of the fit as group `trace`. */
-gneiss_status gn_pack_put_trace(gn_h5 *file, const gn_pack_result *result, gneiss_error *error);
-
 /* Writes packing.h5, packing.txt, particles_0000000000.hdf and particles.hdf.series in the existing
  * folder `directory`. */
 gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,

@@ -1,7 +1,6 @@
 #include "particles/invariants.h"
 
 #include "boundary/boundary.h"
-#include "conversion/conversion.h"
 #include "frame/step_context.h"
 #include "kernels/partials.h"
 #include "particles/dem.h"

@@ -1,6 +1,6 @@
 #include "plan/cost.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/timer.h"
 #include "run/history_rows.h"
 
@@ -162,59 +162,47 @@ static gneiss_status time_world(gn_world *world, timed *found, gneiss_error *err
 
 /* The stripped scene is written and read as text, so that it shares nothing with the original. */
 static gneiss_status time_scene(const gn_scene *scene, timed *found, gneiss_error *error) {
-    char *text = gn_scene_write(scene);
-    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
-    gn_scene *own = gn_alloc(sizeof *own);
-    gn_world *world = gn_alloc(sizeof *world);
-    gneiss_status status =
-        own && world ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    if (status == GNEISS_OK) status = gn_scene_parse_saved(text, "lattice", NULL, 0, own, error);
-    free(text);
-    if (status == GNEISS_OK) status = gn_world_create(own, world, error);
-    if (status == GNEISS_OK) {
-        status = time_world(world, found, error);
-        gn_world_free(world);
-    }
-    gn_free(world);
-    gn_free(own);
-    return status;
+    GN_FREED char *text = gn_scene_write(scene);
+    GN_FREED gn_scene *own = NULL;
+    GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
+    if (!text) return gn_no_memory(error, "the text of the scene");
+    GN_TRY(gn_new(&own, 1, "a scene", error));
+    GN_TRY(gn_new(&world, 1, "a model", error));
+    GN_TRY(gn_scene_parse_saved(text, "lattice", NULL, 0, own, error));
+    GN_TRY(gn_world_create(own, world, error));
+    return time_world(world, found, error);
 }
 
 static gneiss_status time_lattice(const gn_step_context *ctx, const gn_dem *dem, bool mixed,
                                   bool close, timed *found, gneiss_error *error) {
-    gn_scene *scene = gn_alloc(sizeof *scene);
+    GN_FREED gn_scene *scene = NULL;
     gn_wall_def wall[2];
     char names[2][GN_NAME_SIZE];
     double upper[3];
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
     *scene = ctx->given;
     strip(scene, mixed);
     scene->end = 1e13 * ctx->dt; /* never */
     scene->has_elements = false;
     put_lattice(dem, close, scene, upper);
     put_ends(scene, wall, names, upper);
-    gneiss_status status = time_scene(scene, found, error);
-    gn_free(scene);
-    return status;
+    return time_scene(scene, found, error);
 }
 
 static gneiss_status time_grid(const gn_step_context *ctx, const gn_solids *solids, bool mixed,
                                timed *found, gneiss_error *error) {
-    gn_scene *scene = gn_alloc(sizeof *scene);
-    gn_element_material material;
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED gn_scene *scene = NULL;
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
     *scene = ctx->given;
     strip(scene, mixed);
     scene->end = 1e13 * ctx->dt; /* never */
     scene->has_specimen = false;
     scene->test = (gn_test){.kind = GN_TEST_NONE};
     put_grid(solids, scene);
-    material = scene->elements.materials[0];
+    gn_element_material material = scene->elements.materials[0];
     material.group[0] = 0;
     scene->elements.materials = &material;
-    gneiss_status status = time_scene(scene, found, error);
-    gn_free(scene);
-    return status;
+    return time_scene(scene, found, error);
 }
 
 /* Two lattices with different numbers of neighbours separate the cost of particles from that of

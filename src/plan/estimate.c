@@ -1,9 +1,9 @@
 #include "plan/estimate.h"
 
-#include "accuracy/covers.h"
-#include "base/memory.h"
+#include "accuracy/accuracy.h"
+#include "base/new.h"
 #include "particles/observe.h"
-#include "scene/stops.h"
+#include "scene/stages.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -81,27 +81,20 @@ static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem
                                    gn_estimate *estimate, gneiss_error *error) {
     const double share = 0.05;
     const size_t count = dem->bonds.contacts.soa.count;
-    double *tension = gn_alloc_array(count + 1, sizeof *tension),
-           *slip = gn_alloc_array(count + 1, sizeof *slip);
-    gneiss_status status =
-        tension && slip ? GNEISS_OK
-                        : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bonds", count);
-    if (status == GNEISS_OK) {
-        size_t holding = 0;
-        for (size_t c = 0; c < count; c++) {
-            if (!gn_contact_bonded(&dem->bonds.contacts, c)) continue;
-            breaking_strains(ctx, dem, c, estimate->poisson, &tension[holding], &slip[holding]);
-            holding++;
-        }
-        const size_t place = (size_t)(share * (double)holding);
-        qsort(tension, holding, sizeof *tension, by_size);
-        qsort(slip, holding, sizeof *slip, by_size);
-        estimate->breaking_strain =
-            combined_breaking_strain(&ctx->scene, tension[place], slip[place]);
+    GN_FREED double *tension = NULL, *slip = NULL;
+    size_t holding = 0;
+    GN_TRY(gn_new(&tension, count + 1, "bonds", error));
+    GN_TRY(gn_new(&slip, count + 1, "bonds", error));
+    for (size_t c = 0; c < count; c++) {
+        if (!gn_contact_bonded(&dem->bonds.contacts, c)) continue;
+        breaking_strains(ctx, dem, c, estimate->poisson, &tension[holding], &slip[holding]);
+        holding++;
     }
-    gn_free(tension);
-    gn_free(slip);
-    return status;
+    const size_t place = (size_t)(share * (double)holding);
+    qsort(tension, holding, sizeof *tension, by_size);
+    qsort(slip, holding, sizeof *slip, by_size);
+    estimate->breaking_strain = combined_breaking_strain(&ctx->scene, tension[place], slip[place]);
+    return GNEISS_OK;
 }
 
 /* --- ends --- */

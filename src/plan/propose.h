@@ -3,7 +3,7 @@
 #ifndef GN_PLAN_PROPOSE_H
 #define GN_PLAN_PROPOSE_H
 
-#include "accuracy/covers.h"
+#include "accuracy/accuracy.h"
 #include "plan/cost.h"
 #include "plan/estimate.h"
 

@@ -1,4 +1,6 @@
 #include "plan/setting.h"
+#include "base/new.h"
+#include "io/files.h"
 
 #include <locale.h>
 #include <math.h>
@@ -56,22 +58,18 @@ put(gn_settings *q, gneiss_error *error, const char *key, const char *format, ..
 /* Values are scaled inversely to times, so that the path is unchanged. */
 static gneiss_status put_table(gn_settings *settings, const char *key, const gn_table *table,
                                double pace, const char *unit, gneiss_error *error) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", key);
+    GN_FREED char *text = NULL;
+    size_t size;
+    FILE *out;
+    GN_TRY(gn_text_open(&text, &size, &out, key, error));
     if (table->count == 1 && table->time[0] == 0.0)
         fprintf(out, "%.6g %s", table->value[0] * pace, unit);
     else
         for (size_t k = 0; k < table->count; k++)
-            fprintf(out, "%s[%.6g, %.6g]", k ? ", " : "[", table->time[k] / pace,
-                    table->value[k] * pace);
-    if (table->count != 1 || table->time[0] != 0.0) fputc(']', out);
-    fclose(out);
-    gneiss_status status = text ? gn_settings_add(settings, key, text, error)
-                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", key);
-    free(text);
-    return status;
+            fprintf(out, "%s[%.6g, %.6g]%s", k ? ", " : "[", table->time[k] / pace,
+                    table->value[k] * pace, k + 1 == table->count ? "]" : "");
+    GN_TRY(gn_text_close(out, key, error));
+    return gn_settings_add(settings, key, text, error);
 }
 
 static bool moves(const gn_table *table) {

@@ -1,6 +1,7 @@
 #include "run/budget.h"
 
-#include "accuracy/covers.h"
+#include "accuracy/accuracy.h"
+#include "base/new.h"
 #include "laboratory/laboratory.h"
 
 #include <math.h>
@@ -51,11 +52,11 @@ static int by_size(const void *a, const void *b) {
 static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_error *error) {
     const double *stress = gn_history_column(h, "stress"),
                  *kinetic = gn_history_column(h, "energy_kinetic");
+    GN_FREED double *share = NULL;
     *found = NAN;
     if (!stress || !kinetic || !h->row_count) return GNEISS_OK;
     size_t last = row_of_largest(h, stress), first = last / 2, count = last + 1 - first;
-    double *share = calloc(count, sizeof *share);
-    if (!share) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the error budget");
+    GN_TRY(gn_new(&share, count, "rows of the error budget", error));
     for (size_t k = 0; k < count; k++) {
         double stored = 0.0;
         for (size_t c = 0; c < h->column_count; c++)
@@ -65,7 +66,6 @@ static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_er
     }
     qsort(share, count, sizeof *share, by_size);
     *found = share[count / 2];
-    free(share);
     return GNEISS_OK;
 }
 
@@ -217,8 +217,8 @@ static void summary_of(const gn_error_causes *c, const char *name, double value,
     for (size_t k = 0; k < c->count; k++) {
         gn_json_object(j, NULL);
         gn_json_text(j, "name", c->cause[k].name);
-        gn_json_number(j, "error", fabs(value) * c->cause[k].error);
-        gn_json_number(j, "bias", fabs(value) * c->cause[k].bias);
+        GN_JSON_NUMBERS(j, {"error", fabs(value) * c->cause[k].error},
+                        {"bias", fabs(value) * c->cause[k].bias});
         gn_json_text(j, "is", c->cause[k].measured ? "measured" : "estimated");
         gn_json_end(j);
     }
@@ -233,9 +233,8 @@ void gn_budget_summary(const gn_budget *b, const gn_readings *r, gn_json *j) {
     gn_json_object(j, "error_budget");
     if (b->absent[0]) gn_json_text(j, "absent", b->absent);
     if (!b->absent[0]) {
-        gn_json_number(j, "speed", b->speed);
-        gn_json_number(j, "end_imbalance", b->imbalance);
-        gn_json_number(j, "kinetic_over_elastic", b->kinetic);
+        GN_JSON_NUMBERS(j, {"speed", b->speed}, {"end_imbalance", b->imbalance},
+                        {"kinetic_over_elastic", b->kinetic});
     }
     for (int k = 0; k < GN_READING_COUNT; k++)
         if (b->of[k].count) summary_of(&b->of[k], names[k], value_of(r, (gn_reading)k), j);

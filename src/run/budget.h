@@ -4,7 +4,7 @@
 #ifndef GN_RUN_BUDGET_H
 #define GN_RUN_BUDGET_H
 
-#include "accuracy/causes.h"
+#include "accuracy/accuracy.h"
 #include "frame/parts.h"
 #include "io/files.h"
 #include "io/h5.h"

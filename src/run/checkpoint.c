@@ -2,14 +2,14 @@
  * same bits. The parts of the world have files of their own (checkpoint_dem.c,
  * checkpoint_boundary.c, checkpoint_elements.c). */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/printable.h"
 #include "base/version.h"
 #include "frame/ledger.h"
 #include "io/atomic_file.h"
-#include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "io/h5_pieces.h"
+#include "io/listing.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
 #include "run/checkpoint_internal.h"
@@ -211,7 +211,7 @@ gneiss_status gn_checkpoint_write(const gn_run *run, const char *path, gneiss_er
         gn_h5_close(file);
         return status;
     }
-    return gn_h5_commit(file, GN_DURABLE, error);
+    return gn_h5_commit(&file, GN_DURABLE, error);
 }
 
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
@@ -234,25 +234,23 @@ static gneiss_status get_gauge(gn_world *w, const gn_h5 *file, gneiss_error *err
 }
 
 static gneiss_status get_history(gn_run *run, gn_h5 *file, gneiss_error *error) {
-    GN_TRY(gn_run_watch(run, error));
     gn_history *h = &run->history;
     size_t rows = 0;
+    GN_FREED double *table = NULL;
+    GN_TRY(gn_run_watch(run, error));
     GN_TRY(gn_h5_rows(file, "history/step", &rows, error));
-    double *table = calloc(rows * h->column_count + 1, sizeof *table);
-    if (!table) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu history rows", rows);
-    gneiss_status status = GNEISS_OK;
-    for (size_t c = 0; status == GNEISS_OK && c < h->column_count; c++) {
+    GN_TRY(gn_new(&table, rows * h->column_count, "values of the history", error));
+    for (size_t c = 0; c < h->column_count; c++) {
         char path[160];
         snprintf(path, sizeof path, "history/%s", h->columns[c].name);
         gn_h5_demand_finite(file, !h->columns[c].absent);
-        status = gn_h5_get(file, path, GN_F64, rows, 1, h->column_count * sizeof *table, table + c,
-                           error);
+        GN_TRY(gn_h5_get(file, path, GN_F64, rows, 1, h->column_count * sizeof *table, table + c,
+                         error));
     }
     gn_h5_demand_finite(file, true);
-    for (size_t r = 0; status == GNEISS_OK && r < rows; r++)
-        status = gn_history_append(h, table + r * h->column_count, error);
-    free(table);
-    return status;
+    for (size_t r = 0; r < rows; r++)
+        GN_TRY(gn_history_append(h, table + r * h->column_count, error));
+    return GNEISS_OK;
 }
 
 static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_error *error) {
@@ -384,17 +382,13 @@ static gneiss_status get_stages(gn_world *w, const gn_h5 *file, const char *path
 /* Messages about the text name the checkpoint because its lines are not those of the scene file. */
 static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
                                const gn_override *overrides, size_t count, gneiss_error *error) {
-    char *text = NULL, *source = NULL;
+    GN_FREED char *text = NULL, *source = NULL;
     GN_TRY(gn_h5_get_text(file, "scene", &text, error));
-    gneiss_status status = gn_h5_get_attribute_text(file, "/", "scene_file", &source, error);
-    if (status == GNEISS_OK)
-        status = gn_scene_parse_saved(text, path, overrides, count, &w->ctx.given, error);
-    if (status == GNEISS_OK)
-        snprintf(w->ctx.given.source, sizeof w->ctx.given.source, "%s", gn_make_printable(source));
-    free(text);
-    free(source);
-    if (status == GNEISS_OK) status = get_stages(w, file, path, error);
-    return status == GNEISS_OK ? gn_origin_shift(w, error) : status;
+    GN_TRY(gn_h5_get_attribute_text(file, "/", "scene_file", &source, error));
+    GN_TRY(gn_scene_parse_saved(text, path, overrides, count, &w->ctx.given, error));
+    snprintf(w->ctx.given.source, sizeof w->ctx.given.source, "%s", gn_make_printable(source));
+    GN_TRY(get_stages(w, file, path, error));
+    return gn_origin_shift(w, error);
 }
 
 static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_override *overrides,

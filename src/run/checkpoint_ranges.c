@@ -1,7 +1,7 @@
 /* Ranges of the columns of a record that index, count or bound something. Kernels follow them
  * without a check, so a tampered file with a recomputed digest must be refused here. Real numbers
  * have been checked to be finite before (gn_h5_demand_finite). */
-#include "base/memory.h"
+#include "base/new.h"
 #include "run/checkpoint_internal.h"
 
 #include <math.h>
@@ -106,17 +106,13 @@ gneiss_status gn_checkpoint_check_record(const char *group, const gn_record *rec
 
 gneiss_status gn_checkpoint_check_numbers(const char *group, const int32_t *number, size_t count,
                                           size_t most, const char *path, gneiss_error *error) {
-    uint8_t *seen = gn_alloc(most + 1);
-    gneiss_status status =
-        seen ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu marks", most);
-    if (seen) memset(seen, 0, most + 1);
-    for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
+    GN_FREED uint8_t *seen = NULL;
+    GN_TRY(gn_new(&seen, most + 1, "marks", error));
+    for (size_t k = 0; k < count; k++)
         if (number[k] < 0 || (size_t)number[k] >= most || seen[number[k]]++)
-            status = gn_fail(error, GNEISS_ERROR_INPUT,
-                             "%s: %s/id: expected numbers below %zu, each once, found %d in row "
-                             "%zu (base 0)",
-                             path, group, most, number[k], k);
-    }
-    gn_free(seen);
-    return status;
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: %s/id: expected numbers below %zu, each once, found %d in row %zu "
+                           "(base 0)",
+                           path, group, most, number[k], k);
+    return GNEISS_OK;
 }

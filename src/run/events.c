@@ -7,7 +7,7 @@
 #include "run/parts.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "io/h5.h"
 #include "particles/events.h"
 #include "soa/field.h"
@@ -147,8 +147,7 @@ gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_er
     if (!(w->ctx.effects & GN_FX_EVENTS)) return GNEISS_OK;
     size_t count = 0;
     GN_TRY(gn_h5_rows(file, columns[0].name, &count, error));
-    list->rows = gn_alloc_array(count + 1, sizeof *list->rows);
-    if (!list->rows) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", count);
+    GN_TRY(gn_new(&list->rows, count, "events", error));
     list->count = list->capacity = count;
     for (size_t k = 0; k < COUNT(columns); k++)
         GN_TRY(gn_h5_get(file, columns[k].name, columns[k].type, count, columns[k].components,

@@ -1,6 +1,6 @@
 #include "run/folder.h"
 
-#include "io/checkpoint_files.h"
+#include "base/new.h"
 #include "io/h5.h"
 #include "io/listing.h"
 #include "io/snapshot.h"
@@ -135,18 +135,15 @@ static gneiss_status remove_file(const char *path, gneiss_error *error) {
 
 static gneiss_status remove_snapshots(const char *directory, const char *name,
                                       gneiss_error *error) {
-    int64_t *steps;
+    GN_FREED int64_t *steps = NULL;
     size_t count;
     GN_TRY(gn_step_list(directory, name, ".hdf", &steps, &count, error));
-    gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
-        char *path = gn_step_path(directory, name, steps[k], ".hdf");
-        status = path ? remove_file(path, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a name");
-        free(path);
+    for (size_t k = 0; k < count; k++) {
+        GN_FREED char *path = gn_step_path(directory, name, steps[k], ".hdf");
+        if (!path) return gn_no_memory(error, "a name");
+        GN_TRY(remove_file(path, error));
     }
-    free(steps);
-    return status;
+    return GNEISS_OK;
 }
 
 /* Each of these series has files NAME_<step>.hdf, and the first ones also NAME.hdf.series. */
@@ -175,21 +172,17 @@ static gneiss_status not_ours(const char *directory, const char *name, gneiss_er
  * identifies gneiss as its writer; the list of a series is identified by its snapshots. */
 static gneiss_status check_series(const char *directory, const char *name, bool listed,
                                   gneiss_error *error) {
-    int64_t *steps;
+    GN_FREED int64_t *steps = NULL;
     size_t count;
     GN_TRY(gn_step_list(directory, name, ".hdf", &steps, &count, error));
-    gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
-        char *path = gn_step_path(directory, name, steps[k], ".hdf");
+    for (size_t k = 0; k < count; k++) {
+        GN_FREED char *path = gn_step_path(directory, name, steps[k], ".hdf");
         bool own = false;
-        status = path ? gn_snapshot_is_own(path, &own, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a name");
-        if (status == GNEISS_OK && !own)
-            status = not_ours(directory, strrchr(path, '/') + 1, error);
-        free(path);
+        if (!path) return gn_no_memory(error, "a name");
+        GN_TRY(gn_snapshot_is_own(path, &own, error));
+        if (!own) return not_ours(directory, strrchr(path, '/') + 1, error);
     }
-    free(steps);
-    if (status != GNEISS_OK || !listed || count > 0) return status;
+    if (!listed || count > 0) return GNEISS_OK;
     char list[64], path[GN_PATH_SIZE + 32];
     snprintf(list, sizeof list, "%s.hdf.series", name);
     snprintf(path, sizeof path, "%s/%s", directory, list);
@@ -381,21 +374,18 @@ static gneiss_status check_same(const char *path, const origin *own, const char 
 
 gneiss_status gn_folder_check_checkpoint(const char *directory, int64_t step, const int64_t *others,
                                          size_t count, gneiss_error *error) {
-    char *path = NULL, results[GN_PATH_SIZE + 32];
-    origin own;
+    char results[GN_PATH_SIZE + 32];
+    GN_FREED char *path = NULL;
+    GN_FREED_BY(free_origin) origin own = {0};
     snprintf(results, sizeof results, "%.*s/results.h5", GN_PATH_SIZE, directory);
     GN_TRY(gn_checkpoint_path(directory, step, &path, error));
-    gneiss_status status = GNEISS_OK;
-    const bool read = read_origin(path, &own);
-    if (read) status = check_same(path, &own, results, error);
-    for (size_t k = 0; read && status == GNEISS_OK && k < count; k++) {
-        char *other = NULL;
+    if (!read_origin(path, &own)) return GNEISS_OK;
+    GN_TRY(check_same(path, &own, results, error));
+    for (size_t k = 0; k < count; k++) {
+        GN_FREED char *other = NULL;
         if (others[k] == step) continue;
-        status = gn_checkpoint_path(directory, others[k], &other, error);
-        if (status == GNEISS_OK) status = check_same(path, &own, other, error);
-        free(other);
+        GN_TRY(gn_checkpoint_path(directory, others[k], &other, error));
+        GN_TRY(check_same(path, &own, other, error));
     }
-    free_origin(&own);
-    free(path);
-    return status;
+    return GNEISS_OK;
 }

@@ -1,5 +1,6 @@
 #include "run/history_rows.h"
 
+#include "base/new.h"
 #include "base/timer.h"
 #include "base/vec3.h"
 #include "laboratory/ends.h"
@@ -171,14 +172,12 @@ gneiss_status gn_history_last(gn_world *w, gn_history *h, gneiss_error *error) {
 }
 
 gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) {
-    double *row = calloc(h->column_count + 1, sizeof *row);
-    if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
+    GN_FREED double *row = NULL;
+    GN_TRY(gn_new(&row, h->column_count, "columns of the history", error));
     note_passed(w);
     gn_ends_note_contact(w, true);
     put_row(w, GN_BEFORE_STEP, row);
     put_row(w, GN_AFTER_STEP, row);
-    gneiss_status status = check_row(w, h, row, error);
-    if (status == GNEISS_OK) status = gn_history_append(h, row, error);
-    free(row);
-    return status;
+    GN_TRY(check_row(w, h, row, error));
+    return gn_history_append(h, row, error);
 }

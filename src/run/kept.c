@@ -1,6 +1,6 @@
 #include "run/kept.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "io/listing.h"
 #include "run/parts.h"
 #include "run/spacing.h"
@@ -257,8 +257,8 @@ bool gn_kept_is_due(gn_run *run, bool first) {
 
 static gneiss_status grow(gn_kept *k, gneiss_error *error) {
     const size_t capacity = k->capacity ? 2 * k->capacity : 64;
-    gn_kept_snapshot *list = gn_alloc_array(capacity, sizeof *list);
-    if (!list) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a list of snapshots");
+    gn_kept_snapshot *list;
+    GN_TRY(gn_new(&list, capacity, "snapshots", error));
     if (k->count) memcpy(list, k->list, k->count * sizeof *list);
     gn_free(k->list);
     k->list = list;

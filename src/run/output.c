@@ -1,6 +1,7 @@
 /* The world as files: snapshots, results.h5, summary.json (docs/results.md). */
 #include "base/effects.h"
 #include "base/error.h"
+#include "base/new.h"
 #include "base/resident.h"
 #include "base/timer.h"
 #include "base/vec3.h"
@@ -20,7 +21,7 @@
 #include "run/budget.h"
 #include "run/output_contacts.h"
 #include "run/output_fields.h"
-#include "run/output_flow.h"
+#include "run/output_table.h"
 #include "run/parts.h"
 #include "run/run.h"
 #include "run/stages.h"
@@ -170,16 +171,14 @@ static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *
 /* Writes the names of the stages, one line each; the history holds the stage of each row. */
 static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_scene *s = &run->world.ctx.scene;
-    size_t used = 0, size = s->stage_count * (GN_NAME_SIZE + 1) + 1;
+    size_t used = 0, size = s->stage_count * (GN_NAME_SIZE + 1);
+    GN_FREED char *text = NULL;
     if (!s->stage_count) return GNEISS_OK;
-    char *text = calloc(size, 1);
-    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for names of stages");
+    GN_TRY(gn_new(&text, size, "bytes of the names of stages", error));
     for (size_t k = 0; k < s->stage_count; k++)
         used +=
             (size_t)snprintf(text + used, size - used, "%s%s", k ? "\n" : "", s->stages[k].name);
-    gneiss_status status = gn_h5_attribute_text(file, "/", "stages", text, error);
-    free(text);
-    return status;
+    return gn_h5_attribute_text(file, "/", "stages", text, error);
 }
 
 /* Reports the corrections of the momentum that changes of the particles' masses would have
@@ -189,22 +188,14 @@ static void summary_corrections(const gn_world *w, gn_json *j) {
     const gn_conversion_parts *p = &w->zones.state.parts;
     if (!gn_converts(&w->ctx)) return;
     gn_json_object(j, "conversions");
-    gn_json_integer(j, "count", (int64_t)c->count);
-    gn_json_integer(j, "wider", (int64_t)c->wider);
-    gn_json_integer(j, "missed", (int64_t)c->missed);
-    gn_json_number(j, "least", c->missed > 0.0 ? c->least : 1.0);
-    gn_json_number(j, "kinetic", c->energy);
-    gn_json_number(j, "turned", sqrt(gn_dot3(c->turned, c->turned)));
-    gn_json_number(j, "turned_most", c->scale > 0.0 ? c->most / c->scale : 0.0);
-    gn_json_number(j, "centre", sqrt(gn_dot3(c->centre, c->centre)));
-    gn_json_number(j, "inertia", c->inertia);
+    GN_JSON_NUMBERS(j, {"count", (double)c->count}, {"wider", (double)c->wider},
+                    {"missed", (double)c->missed}, {"least", c->missed > 0.0 ? c->least : 1.0},
+                    {"kinetic", c->energy}, {"turned", sqrt(gn_dot3(c->turned, c->turned))},
+                    {"turned_most", c->scale > 0.0 ? c->most / c->scale : 0.0},
+                    {"centre", sqrt(gn_dot3(c->centre, c->centre))}, {"inertia", c->inertia});
     gn_json_object(j, "booked");
-    gn_json_number(j, "sampled", p->sampled);
-    gn_json_number(j, "stiffness", p->stiffness);
-    gn_json_number(j, "uneven", p->uneven);
-    gn_json_number(j, "balance", p->balance);
-    gn_json_number(j, "motion", p->motion);
-    gn_json_number(j, "step", p->step);
+    GN_JSON_NUMBERS(j, {"sampled", p->sampled}, {"stiffness", p->stiffness}, {"uneven", p->uneven},
+                    {"balance", p->balance}, {"motion", p->motion}, {"step", p->step});
     gn_json_end(j);
     gn_json_number(j, "held", p->alike[0] > 0.0 ? p->alike[1] / p->alike[0] : 1.0);
     gn_json_end(j);
@@ -215,14 +206,10 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
     const gn_relaxations *r = &w->zones.state.relaxed;
     if (!gn_converts(&w->ctx) || !(w->ctx.scene.couple.convert.relax > 0.0)) return;
     gn_json_object(j, "relaxation");
-    gn_json_integer(j, "count", (int64_t)r->count);
-    gn_json_integer(j, "iterations", (int64_t)r->iterations);
-    gn_json_integer(j, "missed", (int64_t)r->missed);
-    gn_json_integer(j, "broke", (int64_t)r->stopped_by_bond_failure);
-    gn_json_integer(j, "loose", (int64_t)r->unsupported);
-    gn_json_integer(j, "tired", (int64_t)r->hit_iteration_limit);
-    gn_json_integer(j, "kept", (int64_t)r->kept);
-    gn_json_number(j, "worst", r->worst);
+    GN_JSON_NUMBERS(j, {"count", (double)r->count}, {"iterations", (double)r->iterations},
+                    {"missed", (double)r->missed}, {"broke", (double)r->stopped_by_bond_failure},
+                    {"loose", (double)r->unsupported}, {"tired", (double)r->hit_iteration_limit},
+                    {"kept", (double)r->kept}, {"worst", r->worst});
     gn_json_end(j);
 }
 
@@ -266,11 +253,9 @@ static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *err
 }
 
 gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    char *scene = gn_scene_write(&w->ctx.given);
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
-    gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
-    free(scene);
-    return status;
+    GN_FREED char *scene = gn_scene_write(&w->ctx.given);
+    return scene ? gn_h5_put_text(file, "scene", scene, error)
+                 : gn_no_memory(error, "the text of the scene");
 }
 
 static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -389,43 +374,34 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
 }
 
 static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    gn_observed seen;
-    gn_output_view view;
+    GN_FREED_BY(gn_observed_free) gn_observed seen = {0};
+    GN_FREED_BY(gn_output_view_free) gn_output_view view = {0};
     if (!w->dem.particles.soa.count && !(w->ctx.effects & GN_FX_BONDS)) return GNEISS_OK;
     GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
-    gneiss_status status = gn_output_view_make(w, &seen, &view, error);
-    if (status == GNEISS_OK) {
-        const gn_output_source particles = gn_output_particles(&view),
-                               bonds = gn_output_bonds(&view);
-        if (w->dem.particles.soa.count) status = gn_output_put(&particles, file, error);
-        if (status == GNEISS_OK && w->ctx.effects & GN_FX_BONDS)
-            status = gn_output_put(&bonds, file, error);
-        if (status == GNEISS_OK && shows_contacts(w))
-            status = gn_output_contacts_put(&view, file, error);
-        gn_output_view_free(&view);
-    }
-    gn_observed_free(&seen);
-    return status;
+    GN_TRY(gn_output_view_make(w, &seen, &view, error));
+    const gn_output_source particles = gn_output_particles(&view), bonds = gn_output_bonds(&view);
+    if (w->dem.particles.soa.count) GN_TRY(gn_output_put(&particles, file, error));
+    if (w->ctx.effects & GN_FX_BONDS) GN_TRY(gn_output_put(&bonds, file, error));
+    return shows_contacts(w) ? gn_output_contacts_put(&view, file, error) : GNEISS_OK;
 }
 
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
+    const gn_world *w = &run->world;
+    GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
     snprintf(path, sizeof path, "%s/results.h5", run->directory);
-    gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
-    gn_h5_demand_finite(file, !run->world.outcome.bad);
-    gneiss_status status = put_header(run, file, error);
-    if (status == GNEISS_OK) status = put_tables(run, file, error);
-    if (status == GNEISS_OK) status = gn_elements_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_owners_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = put_state(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_fragments_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_events_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_output_lost(&run->world, file, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
-    gn_h5_close(file);
-    return status;
+    gn_h5_demand_finite(file, !w->outcome.bad);
+    GN_TRY(put_header(run, file, error));
+    GN_TRY(put_tables(run, file, error));
+    GN_TRY(gn_elements_results(w, file, error));
+    GN_TRY(gn_bodies_results(w, file, error));
+    GN_TRY(gn_owners_results(w, file, error));
+    GN_TRY(put_state(w, file, error));
+    GN_TRY(gn_fragments_results(w, file, error));
+    GN_TRY(gn_events_results(w, file, error));
+    GN_TRY(gn_output_lost(w, file, error));
+    return gn_h5_commit(&file, GN_DURABLE, error);
 }
 
 /* --- summary.json --- */
@@ -484,33 +460,29 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     gn_json_integer(j, "particles",
                     (int64_t)(flows ? gn_world_present(&w->dem) : w->dem.particles.soa.count));
     if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_dormant_count(&w->dem));
-    gn_json_integer(j, "contacts", (int64_t)contacts);
-    gn_json_integer(j, "bonds", w->dem.bonds_at_start);
-    gn_json_integer(j, "broken_tension", w->dem.broken_tension);
-    gn_json_integer(j, "broken_shear", w->dem.broken_shear);
-    gn_json_integer(j, "removed", w->dem.lost);
+    GN_JSON_NUMBERS(j, {"contacts", (double)contacts}, {"bonds", (double)w->dem.bonds_at_start},
+                    {"broken_tension", (double)w->dem.broken_tension},
+                    {"broken_shear", (double)w->dem.broken_shear},
+                    {"removed", (double)w->dem.lost});
     if (w->ctx.scene.body_count) {
-        gn_json_integer(j, "bodies", (int64_t)w->ctx.scene.body_count);
-        gn_json_integer(j, "facets",
-                        (int64_t)w->boundary.body_corner_count / w->ctx.scene.dimension);
+        GN_JSON_NUMBERS(
+            j, {"bodies", (double)w->ctx.scene.body_count},
+            {"facets", (double)w->boundary.body_corner_count / (double)w->ctx.scene.dimension});
     }
     if (w->solids.count) {
         gn_element_totals t = gn_elements_totals(&w->solids);
-        gn_json_integer(j, "nodes", (int64_t)t.nodes);
-        gn_json_integer(j, "elements", (int64_t)t.elements);
+        GN_JSON_NUMBERS(j, {"nodes", (double)t.nodes}, {"elements", (double)t.elements});
     }
     gn_json_end(j);
 }
 
 static void summary_step(const gn_world *w, gn_json *j) {
-    gn_json_integer(j, "steps", w->ctx.step);
-    gn_json_number(j, "time", w->ctx.time);
-    gn_json_number(j, "dt", w->ctx.dt);
-    gn_json_number(j, "dt_limit", w->ctx.stable);
-    gn_json_number(j, "dt_limit_sharp",
-                   gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones));
-    gn_json_number(j, "dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids));
-    gn_json_number(j, "dt_resolution", w->dem.resolution.step);
+    GN_JSON_NUMBERS(
+        j, {"steps", (double)w->ctx.step}, {"time", w->ctx.time}, {"dt", w->ctx.dt},
+        {"dt_limit", w->ctx.stable},
+        {"dt_limit_sharp", gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones)},
+        {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids)},
+        {"dt_resolution", w->dem.resolution.step});
 }
 
 /* Reports the mass that was added for a longer step. */
@@ -518,13 +490,11 @@ static void summary_mass_scaling(const gn_world *w, gn_json *j) {
     const gn_mass_scaling *s = &w->dem.scaling;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return;
     gn_json_object(j, "mass_scaling");
-    gn_json_number(j, "added_mass", s->added);
-    gn_json_number(j, "added_share", s->added / w->dem.mass);
-    gn_json_number(j, "added_kinetic", gn_dem_added_kinetic(&w->dem));
-    gn_json_integer(j, "particles", s->raised);
-    gn_json_number(j, "largest_factor", s->largest);
-    gn_json_number(j, "dt_wanted", s->step > 0.0 ? s->step : s->unscaled);
-    gn_json_number(j, "dt_without", s->unscaled);
+    GN_JSON_NUMBERS(j, {"added_mass", s->added}, {"added_share", s->added / w->dem.mass},
+                    {"added_kinetic", gn_dem_added_kinetic(&w->dem)},
+                    {"particles", (double)s->raised}, {"largest_factor", s->largest},
+                    {"dt_wanted", s->step > 0.0 ? s->step : s->unscaled},
+                    {"dt_without", s->unscaled});
     gn_json_end(j);
 }
 
@@ -540,9 +510,7 @@ static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error 
         GN_TRY(gn_run_stage_readings(run, k, &r, error));
         gn_json_object(j, NULL);
         gn_json_text(j, "name", w->ctx.scene.stages[k].name);
-        gn_json_integer(j, "step", s->step);
-        gn_json_number(j, "time", s->time);
-        gn_json_integer(j, "row", s->row);
+        GN_JSON_NUMBERS(j, {"step", (double)s->step}, {"time", s->time}, {"row", (double)s->row});
         gn_json_text(j, "ended",
                      gn_stage_reason(&w->ctx.scene.stages[k], (gn_stage_cause)s->ended, reason,
                                      sizeof reason));
@@ -564,15 +532,10 @@ static void summary_start(const gn_run *run, gn_json *j) {
     const gn_first_break *b = &run->first_break;
     if (!b->steps) return;
     gn_json_object(j, "first_break");
-    gn_json_number(j, "time", b->time);
-    gn_json_integer(j, "first", b->i);
-    gn_json_integer(j, "second", b->j);
-    gn_json_number(j, "start", b->start);
-    gn_json_integer(j, "steps", b->steps);
-    gn_json_integer(j, "solutions", b->solutions);
-    gn_json_integer(j, "iterations", b->iterations);
-    gn_json_number(j, "unbalanced", b->unbalanced);
-    gn_json_number(j, "shortfall", b->shortfall);
+    GN_JSON_NUMBERS(j, {"time", b->time}, {"first", (double)b->i}, {"second", (double)b->j},
+                    {"start", b->start}, {"steps", (double)b->steps},
+                    {"solutions", (double)b->solutions}, {"iterations", (double)b->iterations},
+                    {"unbalanced", b->unbalanced}, {"shortfall", b->shortfall});
     gn_json_end(j);
 }
 
@@ -584,13 +547,12 @@ static void summary_cost(const gn_run *run, gn_json *j) {
     gn_json_object(j, "seconds");
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         gn_json_number(j, gn_phase_name((gn_phase)k), w->seconds[k]);
-    gn_json_number(j, "total", p.seconds);
-    gn_json_number(j, "cpu", p.cpu_seconds);
+    GN_JSON_NUMBERS(j, {"total", p.seconds}, {"cpu", p.cpu_seconds});
     gn_json_end(j);
-    gn_json_integer(j, "peak_memory", peak_memory());
-    gn_json_number(j, "particle_steps_per_second",
-                   (double)w->dem.particles.soa.count * (double)w->ctx.step / p.seconds);
-    gn_json_number(j, "contact_steps_per_second", (double)w->dem.contact_steps / p.seconds);
+    GN_JSON_NUMBERS(j, {"peak_memory", (double)peak_memory()},
+                    {"particle_steps_per_second",
+                     (double)w->dem.particles.soa.count * (double)w->ctx.step / p.seconds},
+                    {"contact_steps_per_second", (double)w->dem.contact_steps / p.seconds});
     if (w->solids.count) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
     gn_json_integer(j, "threads", w->ctx.threads);
     gn_json_text(j, "isa", w->ctx.kernels->name);

@@ -1,15 +1,22 @@
 /* Rigid bodies as files: snapshots and their group in results.h5 (docs/results.md). */
+#include "run/output_table.h"
+
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "boundary/surface.h"
+#include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
-#include "run/output_table.h"
 #include "run/parts.h"
+#include "run/quantities.h"
+#include "run/run.h"
 #include "scene/values.h"
 #include "soa/field.h"
 #include "world/world.h"
 
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
@@ -51,19 +58,15 @@ static void fill(view *v) {
 }
 
 static gneiss_status make_view(const gn_world *w, view *v, gneiss_error *error) {
+    const size_t corners = w->boundary.body_corner_count;
     *v = (view){.world = w,
                 .vertices = w->boundary.body_vertex_count,
                 .corners = (size_t)w->ctx.scene.dimension};
-    v->facets = w->boundary.body_corner_count / v->corners;
-    v->place = gn_alloc_array(v->vertices + 1, 3 * sizeof *v->place);
-    v->vertex_body = gn_alloc_array(v->vertices + 1, sizeof *v->vertex_body);
-    v->facet_body = gn_alloc_array(v->facets + 1, sizeof *v->facet_body);
-    v->corner = gn_alloc_array(w->boundary.body_corner_count + 1, sizeof *v->corner);
-    if (!v->place || !v->vertex_body || !v->facet_body || !v->corner) {
-        free_view(v);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu facets",
-                       v->facets);
-    }
+    v->facets = corners / v->corners;
+    GN_TRY(gn_new(&v->place, 3 * v->vertices, "coordinates of vertices", error));
+    GN_TRY(gn_new(&v->vertex_body, v->vertices, "vertices", error));
+    GN_TRY(gn_new(&v->facet_body, v->facets, "facets", error));
+    GN_TRY(gn_new(&v->corner, corners, "corners", error));
     fill(v);
     return GNEISS_OK;
 }
@@ -163,9 +166,9 @@ static gneiss_status write_snapshot(const view *v, const char *directory, const 
                                     gneiss_error *error) {
     const gn_world *w = v->world;
     const gn_output_source vertices = vertices_of(v), facets = facets_of(v);
-    gn_output_arrays points = {0}, cells = {0};
-    gneiss_status status = gn_output_arrays_read(&vertices, &points, error);
-    if (status == GNEISS_OK) status = gn_output_arrays_read(&facets, &cells, error);
+    GN_FREED_BY(gn_output_arrays_free) gn_output_arrays points = {0}, cells = {0};
+    GN_TRY(gn_output_arrays_read(&vertices, &points, error));
+    GN_TRY(gn_output_arrays_read(&facets, &cells, error));
     const gn_snapshot s = {.bad = w->outcome.bad,
                            .time = w->ctx.time,
                            .step = w->ctx.step,
@@ -178,33 +181,26 @@ static gneiss_status write_snapshot(const view *v, const char *directory, const 
                            .line_array_count = cells.count,
                            .point_arrays = points.of,
                            .line_arrays = cells.of};
-    if (status == GNEISS_OK) status = gn_snapshot_write(directory, name, &s, error);
-    gn_output_arrays_free(&points);
-    gn_output_arrays_free(&cells);
-    return status;
+    return gn_snapshot_write(directory, name, &s, error);
 }
 
 gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const char *name,
                                  gneiss_error *error) {
-    view v;
+    GN_FREED_BY(free_view) view v = {0};
     if (!w->ctx.scene.body_count) return GNEISS_OK;
     GN_TRY(make_view(w, &v, error));
-    gneiss_status status = write_snapshot(&v, directory, name, error);
-    free_view(&v);
-    return status;
+    return write_snapshot(&v, directory, name, error);
 }
 
 /* Writes the names, one per line. */
 static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     size_t used = 0, size = w->ctx.scene.body_count * (GN_NAME_SIZE + 1) + 1;
-    char *names = gn_alloc(size);
-    if (!names) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for names of bodies");
+    GN_FREED char *names = NULL;
+    GN_TRY(gn_new(&names, size, "bytes of the names of bodies", error));
     for (size_t k = 0; k < w->ctx.scene.body_count; k++)
         used += (size_t)snprintf(names + used, size - used, "%s%s", k ? "\n" : "",
                                  w->ctx.scene.bodies[k].name);
-    gneiss_status status = gn_h5_put_text(file, "bodies/name", names, error);
-    gn_free(names);
-    return status;
+    return gn_h5_put_text(file, "bodies/name", names, error);
 }
 
 static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
@@ -221,10 +217,136 @@ static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
 }
 
 gneiss_status gn_bodies_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    view v;
+    GN_FREED_BY(free_view) view v = {0};
     if (!w->ctx.scene.body_count) return GNEISS_OK;
     GN_TRY(make_view(w, &v, error));
-    gneiss_status status = put_view(&v, file, error);
-    free_view(&v);
-    return status;
+    return put_view(&v, file, error);
+}
+
+/* ---- final values of the quantities that the history has of each body or motion, in their groups
+ * of results.h5 ---- */
+
+/* Reads the components in space, which all arrays of results.h5 have; returns their number. */
+static size_t read_parts(const gn_world *w, const gn_quantity *q, size_t owner, double *to) {
+    gn_shape_component part[GN_SHAPE_MOST];
+    size_t parts = gn_shape_components(q->shape, 3, part);
+    double value[9];
+    q->read(w, owner, value);
+    gn_shape_take(value, part, parts, to);
+    return parts;
+}
+
+/* Writes GROUP/<quantity>, a row for every owner. */
+static gneiss_status put_rows(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
+                              gn_h5 *file, gneiss_error *error) {
+    char path[160];
+    size_t owners = g->count(w), parts = 1;
+    GN_FREED double *rows = NULL;
+    GN_TRY(gn_new(&rows, owners * GN_SHAPE_MOST, q->name, error));
+    for (size_t k = 0; k < owners; k++) parts = read_parts(w, q, k, rows + parts * k);
+    snprintf(path, sizeof path, "%s/%s", g->ends, q->name);
+    return gn_h5_put(file, path, GN_F64, owners, parts, 0, rows, q->unit, q->text, error);
+}
+
+/* Writes GROUP/<owner>/<quantity>. */
+static gneiss_status put_each(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
+                              gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < g->count(w); k++) {
+        char path[160];
+        double value[GN_SHAPE_MOST];
+        if (!gn_condition_holds(q->when, w, k)) continue;
+        size_t parts = read_parts(w, q, k, value);
+        snprintf(path, sizeof path, "%s/%s/%s", g->ends, g->owner(w, k), q->name);
+        GN_TRY(gn_h5_put(file, path, GN_F64, parts, 1, 0, value, q->unit, q->text, error));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_owners_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < GN_QUANTITY_GROUPS; k++) {
+        const gn_quantity_group *g = &gn_quantity_groups[k];
+        if (!g->ends || !g->count(w)) continue;
+        for (size_t i = 0; i < g->quantity_count; i++)
+            GN_TRY((g->in_rows ? put_rows : put_each)(w, g, &g->quantities[i], file, error));
+    }
+    return GNEISS_OK;
+}
+
+/* ---- sources, sinks and lost particles in files ---- */
+
+/* --- lost particles --- */
+
+gneiss_status gn_output_lost(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    const gn_flow *f = &w->dem.flow;
+    const size_t row = sizeof(gn_lost);
+    if (!f->lost_count) return GNEISS_OK;
+    GN_TRY(gn_h5_put(file, "lost/id", GN_F64, f->lost_count, 1, row, &f->lost->id, "1",
+                     "particle that left the domain, base 0", error));
+    GN_TRY(gn_h5_put(file, "lost/time", GN_F64, f->lost_count, 1, row, &f->lost->time, "s",
+                     "time at which that was detected", error));
+    GN_TRY(gn_h5_put(file, "lost/position", GN_F64, f->lost_count, 3, row, f->lost->place, "m",
+                     "centre then", error));
+    return gn_h5_put(file, "lost/velocity", GN_F64, f->lost_count, 3, row, f->lost->velocity, "m/s",
+                     "velocity then", error);
+}
+
+/* --- flow through sources and sinks --- */
+
+/* Returns the slope of a straight line through rows [begin, end). */
+static double slope(const double *t, const double *m, size_t begin, size_t end) {
+    double n = (double)(end - begin), st = 0.0, sm = 0.0, stt = 0.0, stm = 0.0;
+    for (size_t r = begin; r < end; r++) {
+        st += t[r] / n;
+        sm += m[r] / n;
+    }
+    for (size_t r = begin; r < end; r++) {
+        stt += (t[r] - st) * (t[r] - st);
+        stm += (t[r] - st) * (m[r] - sm);
+    }
+    return stm / stt;
+}
+
+/* The first quarter contains the onset, the last one the end of the supply. */
+double gn_sink_steady_rate(const gn_history *h, const char *sink) {
+    enum { ROWS_LEAST = 5 };
+    char name[192];
+    snprintf(name, sizeof name, "sink_%s_mass", sink);
+    const double *mass = gn_history_column(h, name), *time = gn_history_column(h, "time");
+    size_t begin = 0, end = h->row_count;
+    if (!mass || !time || end == 0) return NAN;
+    double all = mass[end - 1];
+    while (begin < end && mass[begin] < 0.25 * all) begin++;
+    while (end > begin && mass[end - 1] > 0.75 * all) end--;
+    if (!(all > 0.0) || end < begin + ROWS_LEAST) return NAN;
+    return slope(time, mass, begin, end);
+}
+
+/* Writes the keys that sources and sinks share; the entry stays open. */
+static void begin_entry(gn_json *j, const char *name, double number, double mass, double energy) {
+    gn_json_object(j, NULL);
+    gn_json_text(j, "name", name);
+    GN_JSON_NUMBERS(j, {"number", (double)number}, {"mass", mass}, {"energy", energy});
+}
+
+void gn_output_flow(const gn_run *run, gn_json *j) {
+    const gn_world *w = &run->world;
+    if (!gn_scene_has_flow(&w->ctx.scene)) return;
+    gn_json_array(j, "sources");
+    for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
+        const gn_source_state *s = &w->dem.flow.sources[k];
+        begin_entry(j, w->ctx.scene.sources[k].name, s->number, s->mass, s->energy);
+        GN_JSON_NUMBERS(j, {"behind", gn_flow_behind(&w->ctx, &w->dem, k)},
+                        {"without_room", (double)s->full});
+        gn_json_end(j);
+    }
+    gn_json_end(j);
+    gn_json_array(j, "sinks");
+    for (size_t k = 0; k < w->ctx.scene.sink_count; k++) {
+        const gn_sink_state *s = &w->dem.flow.sinks[k];
+        begin_entry(j, w->ctx.scene.sinks[k].name, s->number, s->mass, s->energy);
+        gn_json_number(j, "steady_rate",
+                       gn_sink_steady_rate(&run->history, w->ctx.scene.sinks[k].name));
+        gn_json_end(j);
+    }
+    gn_json_end(j);
 }

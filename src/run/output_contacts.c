@@ -3,6 +3,7 @@
 #include "run/output_contacts.h"
 
 #include "base/error.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
@@ -134,8 +135,9 @@ static size_t list_surfaces(const gn_output_view *v, gn_output_contact *to) {
     return count;
 }
 
-gneiss_status gn_output_contacts_make(const gn_output_view *v, gn_output_contacts *all,
-                                      gneiss_error *error) {
+/* Collects the contacts of a view. */
+static gneiss_status contacts_make(const gn_output_view *v, gn_output_contacts *all,
+                                   gneiss_error *error) {
     const size_t particles = list_contacts(v, NULL);
     *all = (gn_output_contacts){.surfaces = list_surfaces(v, NULL)};
     all->count = particles + all->surfaces;
@@ -148,7 +150,7 @@ gneiss_status gn_output_contacts_make(const gn_output_view *v, gn_output_contact
     return GNEISS_OK;
 }
 
-void gn_output_contacts_free(gn_output_contacts *all) {
+static void contacts_free(gn_output_contacts *all) {
     free(all->row);
     *all = (gn_output_contacts){0};
 }
@@ -224,7 +226,7 @@ _Static_assert(sizeof of_contacts / sizeof *of_contacts <= GN_OUTPUT_FIELDS_MOST
 const gn_output_table gn_contact_outputs = {"contacts", of_contacts,
                                             sizeof of_contacts / sizeof *of_contacts};
 
-gn_output_source gn_output_contact_source(const gn_output_contacts *all) {
+static gn_output_source contact_source(const gn_output_contacts *all) {
     return (gn_output_source){&gn_contact_outputs, all, 0, all->count, NULL, NULL, 0};
 }
 
@@ -249,7 +251,7 @@ static void place_ends(const gn_output_contacts *all, const gn_snapshot *points,
 static gneiss_status write_lines(const gn_output_contacts *all, const char *directory,
                                  const char *name, const gn_snapshot *points, double *place,
                                  int32_t *ends, gneiss_error *error) {
-    const gn_output_source source = gn_output_contact_source(all);
+    const gn_output_source source = contact_source(all);
     gn_output_arrays lines;
     GN_TRY(gn_output_arrays_read(&source, &lines, error));
     gn_snapshot s = *points;
@@ -269,24 +271,20 @@ static gneiss_status write_lines(const gn_output_contacts *all, const char *dire
 gneiss_status gn_output_contacts_snapshot(const gn_output_view *v, const char *directory,
                                           const char *name, const gn_snapshot *points,
                                           gneiss_error *error) {
-    gn_output_contacts all;
-    GN_TRY(gn_output_contacts_make(v, &all, error));
-    double *place = calloc(points->point_count + all.surfaces + 1, 3 * sizeof *place);
-    int32_t *ends = calloc(all.count + 1, 2 * sizeof *ends);
-    gneiss_status status =
-        place && ends ? write_lines(&all, directory, name, points, place, ends, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of contacts");
-    free(place);
-    free(ends);
-    gn_output_contacts_free(&all);
-    return status;
+    GN_FREED_BY(contacts_free) gn_output_contacts all = {0};
+    GN_FREED double *place = NULL;
+    GN_FREED int32_t *ends = NULL;
+    GN_TRY(contacts_make(v, &all, error));
+    GN_TRY(gn_new(&place, 3 * (points->point_count + all.surfaces), "coordinates", error));
+    GN_TRY(gn_new(&ends, 2 * all.count, "ends of contacts", error));
+    return write_lines(&all, directory, name, points, place, ends, error);
 }
 
 gneiss_status gn_output_contacts_put(const gn_output_view *v, gn_h5 *file, gneiss_error *error) {
     gn_output_contacts all;
-    GN_TRY(gn_output_contacts_make(v, &all, error));
-    const gn_output_source source = gn_output_contact_source(&all);
+    GN_TRY(contacts_make(v, &all, error));
+    const gn_output_source source = contact_source(&all);
     gneiss_status status = gn_output_put(&source, file, error);
-    gn_output_contacts_free(&all);
+    contacts_free(&all);
     return status;
 }

@@ -21,12 +21,6 @@ typedef struct gn_output_contacts {
     size_t count, surfaces; /* the last `surfaces` of them are with walls and surfaces */
 } gn_output_contacts;
 
-/* Collects the contacts of a view. */
-gneiss_status gn_output_contacts_make(const gn_output_view *view, gn_output_contacts *all,
-                                      gneiss_error *error);
-void gn_output_contacts_free(gn_output_contacts *all);
-gn_output_source gn_output_contact_source(const gn_output_contacts *all);
-
 /* Writes DIR/NAME_<step>.hdf: lines between the centres, or to the points of the forces of walls
  * and surfaces. `points` holds the centres by row and nothing else. */
 gneiss_status gn_output_contacts_snapshot(const gn_output_view *view, const char *directory,

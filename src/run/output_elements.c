@@ -1,6 +1,6 @@
 /* Finite elements as files: snapshots and their groups in results.h5 (docs/results.md). */
 #include "base/eigen.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "run/parts.h"
 
@@ -56,14 +56,11 @@ static int by_id(const void *a, const void *b) {
 /* Writes the rank of each id. */
 static gneiss_status number_rows(const int32_t *id, size_t count, int32_t *row,
                                  gneiss_error *error) {
-    numbered *order = gn_alloc_array(count + 1, sizeof *order);
-    if (!order)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to number %zu nodes or elements",
-                       count);
+    GN_FREED numbered *order = NULL;
+    GN_TRY(gn_new(&order, count, "nodes or elements", error));
     for (size_t n = 0; n < count; n++) order[n] = (numbered){id[n], (int32_t)n};
     qsort(order, count, sizeof *order, by_id);
     for (size_t r = 0; r < count; r++) row[order[r].place] = (int32_t)r;
-    gn_free(order);
     return GNEISS_OK;
 }
 
@@ -221,14 +218,12 @@ static double *places_of(const view *v) {
 static gneiss_status write_snapshot(const gn_world *w, const view *v, const char *directory,
                                     const char *name, gneiss_error *error) {
     const gn_output_source nodes = nodes_source(v), elements = elements_source(v);
-    gn_output_arrays points = {0}, cells = {0};
-    int32_t *corners = corners_of(v);
-    double *places = places_of(v);
-    gneiss_status status = GNEISS_OK;
-    if (!corners || !places)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of elements");
-    if (status == GNEISS_OK) status = gn_output_arrays_read(&nodes, &points, error);
-    if (status == GNEISS_OK) status = gn_output_arrays_read(&elements, &cells, error);
+    GN_FREED_BY(gn_output_arrays_free) gn_output_arrays points = {0}, cells = {0};
+    GN_FREED int32_t *corners = corners_of(v);
+    GN_FREED double *places = places_of(v);
+    if (!corners || !places) return gn_no_memory(error, "the output of elements");
+    GN_TRY(gn_output_arrays_read(&nodes, &points, error));
+    GN_TRY(gn_output_arrays_read(&elements, &cells, error));
     const gn_snapshot s = {.bad = w->outcome.bad,
                            .time = w->ctx.time,
                            .step = w->ctx.step,
@@ -241,12 +236,7 @@ static gneiss_status write_snapshot(const gn_world *w, const view *v, const char
                            .line_array_count = cells.count,
                            .point_arrays = points.of,
                            .line_arrays = cells.of};
-    if (status == GNEISS_OK) status = gn_snapshot_write(directory, name, &s, error);
-    gn_output_arrays_free(&points);
-    gn_output_arrays_free(&cells);
-    gn_free(corners);
-    gn_free(places);
-    return status;
+    return gn_snapshot_write(directory, name, &s, error);
 }
 
 gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
@@ -268,13 +258,11 @@ static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
     char path[GN_ELEMENT_PATH];
     GN_TRY(gn_output_put(&nodes, file, error));
     GN_TRY(gn_output_put(&elements, file, error));
-    int32_t *corners = corners_of(v);
-    if (!corners) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
-    gneiss_status status = gn_h5_put(file, gn_elements_path(v->number, "elements/node", path),
-                                     GN_I32, elements.count, (size_t)v->solid->dimension + 1, 0,
-                                     corners, "1", "rows of /nodes, base 0", error);
-    gn_free(corners);
-    return status;
+    GN_FREED int32_t *corners = corners_of(v);
+    if (!corners) return gn_no_memory(error, "the output of elements");
+    return gn_h5_put(file, gn_elements_path(v->number, "elements/node", path), GN_I32,
+                     elements.count, (size_t)v->solid->dimension + 1, 0, corners, "1",
+                     "rows of /nodes, base 0", error);
 }
 
 static gneiss_status put_body(size_t number, const gn_fem_solid *b, gn_h5 *file,

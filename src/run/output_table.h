@@ -4,8 +4,10 @@
 #define GN_RUN_OUTPUT_TABLE_H
 
 #include "base/asked.h"
+#include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
+#include "run/run.h"
 
 enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2, GN_ASKED_SHIFT = 2 };
 /* The field is in both files if the scene requests it (base/asked.h), and in any others that are
@@ -67,5 +69,11 @@ typedef struct gn_output_arrays {
 gneiss_status gn_output_arrays_read(const gn_output_source *source, gn_output_arrays *arrays,
                                     gneiss_error *error);
 void gn_output_arrays_free(gn_output_arrays *arrays);
+
+/* Writes lost/<field> of results.h5 if particles left the domain. */
+gneiss_status gn_output_lost(const gn_world *world, gn_h5 *file, gneiss_error *error);
+
+/* Writes the objects `sources` and `sinks` of summary.json. */
+void gn_output_flow(const gn_run *run, gn_json *json);
 
 #endif

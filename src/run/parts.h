@@ -37,7 +37,7 @@ gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error
 
 gneiss_status gn_scene_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
-/* --- final values of bodies and motions (output_owners.c) --- */
+/* --- final values of bodies and motions --- */
 
 /* Writes /bodies and /motions. */
 gneiss_status gn_owners_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
@@ -47,7 +47,7 @@ gneiss_status gn_owners_results(const gn_world *world, gn_h5 *file, gneiss_error
 /* Writes /events and /bursts. */
 gneiss_status gn_events_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
-/* --- fragments (output_fragments.c) --- */
+/* --- fragments --- */
 
 /* Writes /fragments. */
 gneiss_status gn_fragments_results(const gn_world *world, gn_h5 *file, gneiss_error *error);

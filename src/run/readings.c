@@ -1,5 +1,5 @@
 /* Readings of a run: of its whole history, or of the rows of one stage. */
-#include "accuracy/covers.h"
+#include "accuracy/accuracy.h"
 #include "laboratory/laboratory.h"
 #include "particles/bursts.h"
 #include "particles/fragments.h"

@@ -1,5 +1,5 @@
 /* Handling of an output of a run that could not be written. */
-#include "io/checkpoint_files.h"
+#include "io/listing.h"
 #include "run/run.h"
 
 #include <string.h>

@@ -157,7 +157,7 @@ gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error);
 /* Called after all outputs were written. GNEISS_ERROR_UNSTABLE: the run ended above that limit. */
 gneiss_status gn_run_check_final_ledger(const gn_run *run, gneiss_error *error);
 
-/* output_flow.c: kg/s taken by a sink, between the rows at which a quarter and three quarters of
+/* output_bodies.c: kg/s taken by a sink, between the rows at which a quarter and three quarters of
  * its mass had passed; NaN: too few rows. */
 double gn_sink_steady_rate(const gn_history *history, const char *sink);
 

@@ -1,11 +1,11 @@
 #include "run/spacing.h"
 
 #include "base/error.h"
+#include "base/new.h"
 #include "conversion/conversion.h"
 #include "run/stages.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
-#include "scene/stops.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -178,13 +178,12 @@ void gn_looks_free(gn_looks *looks) {
 static gneiss_status thin(gn_run *run, gneiss_error *error) {
     gn_history *h = &run->history;
     const double *step = gn_history_column(h, "step");
-    bool *keep = calloc(h->row_count + 1, sizeof *keep);
-    if (!keep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu rows", h->row_count);
     const size_t begin = (size_t)run->history_begin;
+    GN_FREED bool *keep = NULL;
+    GN_TRY(gn_new(&keep, h->row_count, "rows", error));
     for (size_t row = begin; row < h->row_count; row++)
         keep[row] = row == begin || is_spaced(run, (int64_t)step[row]);
     gn_history_keep(h, begin, keep);
-    free(keep);
     return GNEISS_OK;
 }
 

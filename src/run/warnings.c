@@ -13,6 +13,8 @@
 #include "timestep/step_limit.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <string.h>
 
 double gn_run_residual(const gn_run *run) {
     const gn_world *w = &run->world;
@@ -59,26 +61,25 @@ gneiss_status gn_run_check_final_ledger(const gn_run *run, gneiss_error *error) 
 
 /* The list has room for all warnings (tests/test_coupling.py counts them); else the last one is
  * overwritten. */
-gn_warning *gn_warnings_add(gn_warnings *list, const char *name) {
+gn_warning *gn_warn(gn_warnings *list, const char *name, const char *format, ...) {
+    va_list args;
     if (list->count == GN_WARNINGS_MAX) list->count--;
     gn_warning *to = &list->warning[list->count++];
     to->name = name;
+    va_start(args, format);
+    vsnprintf(to->text, sizeof to->text, format, args);
+    va_end(args);
     return to;
-}
-
-static gn_warning *add(gn_warnings *list, const char *name) {
-    return gn_warnings_add(list, name);
 }
 
 static void warn_of_residual(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!beyond(run, w->ctx.scene.residual_warning)) return;
-    gn_warning *to = add(list, "energy_residual");
-    snprintf(to->text, sizeof to->text,
-             "%.3g of the energy throughput of %.4g J is unexplained (run.residual_warning: %g); a "
-             "smaller time.safety shows whether the step is the cause",
-             gn_energy_residual(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
-             w->ctx.scene.residual_warning);
+    gn_warn(list, "energy_residual",
+            "%.3g of the energy throughput of %.4g J is unexplained (run.residual_warning: %g); a "
+            "smaller time.safety shows whether the step is the cause",
+            gn_energy_residual(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
+            w->ctx.scene.residual_warning);
 }
 
 /* Warns of energy from a step that was lowered while the model vibrated near the limit. */
@@ -88,12 +89,11 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
     double limit = w->ctx.scene.residual_warning;
     if (!(w->ctx.effects & GN_FX_ENERGY && limit > 0.0)) return;
     if (!(fabs(e->step_change) > limit * gn_energy_scale(e))) return;
-    gn_warning *to = add(list, "energy_step_change");
-    snprintf(to->text, sizeof to->text,
-             "%.3g of the energy throughput of %.4g J came from lowering the step while the model "
-             "vibrated, or from masses raised later on (run.residual_warning: %g); a smaller "
-             "time.safety from the start on, or less added mass, avoids this",
-             e->step_change / gn_energy_scale(e), gn_energy_scale(e), limit);
+    gn_warn(list, "energy_step_change",
+            "%.3g of the energy throughput of %.4g J came from lowering the step while the model "
+            "vibrated, or from masses raised later on (run.residual_warning: %g); a smaller "
+            "time.safety from the start on, or less added mass, avoids this",
+            e->step_change / gn_energy_scale(e), gn_energy_scale(e), limit);
 }
 
 /* A negative loss is a gain: if a vibration passes through a large part of its motion in one step,
@@ -119,30 +119,27 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
         name = losses[k].name;
     }
     if (!(-least > limit * gn_energy_scale(&w->ledger.reading))) return;
-    gn_warning *to = add(list, "energy_gain");
-    snprintf(to->text, sizeof to->text,
-             "the loss by %s was negative, %.3g of the energy throughput of %.4g J: the step is "
-             "too long for the vibrations at that time, which generated energy "
-             "(run.residual_warning: %g); a smaller time.safety, 0.5 or less, avoids this",
-             name, least / gn_energy_scale(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
-             limit);
+    gn_warn(list, "energy_gain",
+            "the loss by %s was negative, %.3g of the energy throughput of %.4g J: the step is "
+            "too long for the vibrations at that time, which generated energy "
+            "(run.residual_warning: %g); a smaller time.safety, 0.5 or less, avoids this",
+            name, least / gn_energy_scale(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
+            limit);
 }
 
 static void warn_of_step(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!*gn_world_step_warning(&run->world.ctx, &run->world.dem, text, sizeof text)) return;
-    gn_warning *to = add(list, "time_step");
-    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+    gn_warn(list, "time_step", "%s", text);
 }
 
 static void warn_of_skin(const gn_run *run, gn_warnings *list) {
     double widened = run->world.dem.verlet.widened;
     if (!(widened > 0.0)) return;
-    gn_warning *to = add(list, "neighbours_skin");
-    snprintf(to->text, sizeof to->text,
-             "neighbours.skin of %g m is less than the distance by which a contact may open in one "
-             "step: lists were made with up to %.3g m",
-             run->world.ctx.scene.skin, widened);
+    gn_warn(list, "neighbours_skin",
+            "neighbours.skin of %g m is less than the distance by which a contact may open in one "
+            "step: lists were made with up to %.3g m",
+            run->world.ctx.scene.skin, widened);
 }
 
 /* Warns of bonds that would have to soften over less than the length of their own spring
@@ -152,12 +149,11 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     if (run->world.ctx.scene.softening == GN_SOFTENING_NONE) return;
     size_t count = gn_softening_too_long(b);
     if (!count) return;
-    gn_warning *to = add(list, "bonds_too_long");
-    snprintf(to->text, sizeof to->text,
-             "%zu of %lld bonds hold more elastic energy at their tensile strength than they may "
-             "dissipate (snap-back), and break at once: smaller particles, more fracture energy or "
-             "less strength would let them soften",
-             count, (long long)run->world.dem.bonds_at_start);
+    gn_warn(list, "bonds_too_long",
+            "%zu of %lld bonds hold more elastic energy at their tensile strength than they may "
+            "dissipate (snap-back), and break at once: smaller particles, more fracture energy or "
+            "less strength would let them soften",
+            count, (long long)run->world.dem.bonds_at_start);
 }
 
 /* Tells whether every material specifies that its bonds soften in shear. */
@@ -183,11 +179,10 @@ static void warn_of_shear(const gn_run *run, gn_warnings *list) {
                              "one they are brittle by choice"
                            : "with shear_fracture_energy: auto they soften in shear as in tension; "
                              "without one they are brittle by choice";
-    gn_warning *to = add(list, "bonds_brittle_in_shear");
-    snprintf(to->text, sizeof to->text,
-             "%zu of %lld bonds hold more elastic energy at their shear strength than they may "
-             "dissipate in shear, and break at once there: %s",
-             count, (long long)run->world.dem.bonds_at_start, cure);
+    gn_warn(list, "bonds_brittle_in_shear",
+            "%zu of %lld bonds hold more elastic energy at their shear strength than they may "
+            "dissipate in shear, and break at once there: %s",
+            count, (long long)run->world.dem.bonds_at_start, cure);
 }
 
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
@@ -196,11 +191,10 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
     if (!(w->ctx.effects & GN_FX_MASS_SCALING && s->step > 0.0 &&
           s->reached < (1.0 - 1e-9) * s->step))
         return;
-    gn_warning *to = add(list, "mass_scaling");
-    snprintf(to->text, sizeof to->text,
-             "time.mass_scaling requests a step of %.6g s; the step at the start was %.6g s with "
-             "added mass and %.6g s without: its limit does not grow with the masses",
-             s->step, s->reached, s->unscaled);
+    gn_warn(list, "mass_scaling",
+            "time.mass_scaling requests a step of %.6g s; the step at the start was %.6g s with "
+            "added mass and %.6g s without: its limit does not grow with the masses",
+            s->step, s->reached, s->unscaled);
 }
 
 /* Warns of keys without effect, as recorded by the reader of the scene. */
@@ -210,7 +204,7 @@ static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
     gn_warning *to = NULL;
     for (size_t k = 0; k < notes->count; k++) {
         if (!notes->idle[k]) continue;
-        if (!to) to = add(list, "key_without_effect");
+        if (!to) to = gn_warn(list, "key_without_effect", "%s", "");
         int more = snprintf(to->text + used, sizeof to->text - used, "%s%s", used ? "; " : "",
                             notes->text[k] + notes->key_at[k]);
         used += (size_t)more;
@@ -223,18 +217,15 @@ static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
 static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->ctx.step > 0 || w->outcome.halt[0]) return;
-    gn_warning *to = add(list, "no_steps");
-    if (w->ctx.time <
-        w->ctx.scene.end - 0.5 * w->ctx.dt) { /* before time.end: stages without steps */
-        snprintf(to->text, sizeof to->text,
-                 "every stage ended by steps or time of 0: no step was taken, and the results are "
-                 "those of the start");
-        return;
-    }
-    snprintf(to->text, sizeof to->text,
-             "time.end (%g s) is less than half a step of %.4g s: no step was taken, and the "
-             "results are those of the start",
-             w->ctx.scene.end, w->ctx.dt);
+    if (w->ctx.time < w->ctx.scene.end - 0.5 * w->ctx.dt) /* stages without steps */
+        gn_warn(list, "no_steps",
+                "every stage ended by steps or time of 0: no step was taken, and the results are "
+                "those of the start");
+    else
+        gn_warn(list, "no_steps",
+                "time.end (%g s) is less than half a step of %.4g s: no step was taken, and the "
+                "results are those of the start",
+                w->ctx.scene.end, w->ctx.dt);
 }
 
 /* Warns that the model ended the run itself (conversion/conversion.c). */
@@ -242,11 +233,11 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || !w->outcome.halt[0]) return;
     const bool box = gn_conversion_ended_at_box(&w->outcome);
-    gn_warning *to = add(list, "conversion_halted");
-    int told =
-        snprintf(to->text, sizeof to->text,
-                 "the run ended at %.4g s of %.4g s, and the further behaviour is not known: %s; ",
-                 w->ctx.time, w->ctx.scene.end, w->outcome.halt);
+    gn_warning *to =
+        gn_warn(list, "conversion_halted",
+                "the run ended at %.4g s of %.4g s, and the further behaviour is not known: %s; ",
+                w->ctx.time, w->ctx.scene.end, w->outcome.halt);
+    const int told = (int)strlen(to->text);
     if (box)
         snprintf(
             to->text + told, sizeof to->text - (size_t)told,
@@ -278,23 +269,21 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
 static void warn_of_stages(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || !gn_run_stages_left(run)) return;
-    gn_warning *to = add(list, "stages_left");
-    snprintf(to->text, sizeof to->text,
-             "time.end (%g s) was reached in stage '%s' (%zu of %zu), before its end condition: "
-             "use a later time.end, or another condition under its end",
-             w->ctx.scene.end, w->ctx.scene.stages[w->stages.now].name, w->stages.now + 1,
-             w->ctx.scene.stage_count);
+    gn_warn(list, "stages_left",
+            "time.end (%g s) was reached in stage '%s' (%zu of %zu), before its end condition: "
+            "use a later time.end, or another condition under its end",
+            w->ctx.scene.end, w->ctx.scene.stages[w->stages.now].name, w->stages.now + 1,
+            w->ctx.scene.stage_count);
 }
 
 /* Warns of much added mass. The inertia of a little added mass is small for every reading. */
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
     if (!(run->world.ctx.effects & GN_FX_MASS_SCALING && d->scaling.added > d->mass)) return;
-    gn_warning *to = add(list, "added_mass");
-    snprintf(to->text, sizeof to->text,
-             "time.mass_scaling added %.3g times the particles' own mass: its effect was not "
-             "measured to that extent, and waves may dominate the readings",
-             d->scaling.added / d->mass);
+    gn_warn(list, "added_mass",
+            "time.mass_scaling added %.3g times the particles' own mass: its effect was not "
+            "measured to that extent, and waves may dominate the readings",
+            d->scaling.added / d->mass);
 }
 
 /* Warns of sources behind their rate; a hundredth of the time, or one particle, is no delay. */
@@ -306,26 +295,25 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
         double behind = gn_flow_behind(&w->ctx, &w->dem, k);
         if (!gn_flow_is_behind(&w->ctx, &w->dem, k)) continue;
         const char *wall = gn_flow_wall_before(&w->ctx, &w->dem, &w->boundary, k);
-        gn_warning *to = add(list, "source_behind");
         if (s->full == 0.0) {
-            snprintf(to->text, sizeof to->text,
-                     "source '%s' is %.4g s behind its rate at the end: %.0f particles, %.4g kg "
-                     "were inserted; particles are inserted when lists are made, up to 50 steps "
-                     "late, and those due since then were not: a longer run%s inserts them",
-                     d->name, behind, s->number, s->mass,
-                     d->end > 0.0 && d->end < w->ctx.scene.end
-                         ? ""
-                         : ", or an end of the source before that of the run,");
+            gn_warn(list, "source_behind",
+                    "source '%s' is %.4g s behind its rate at the end: %.0f particles, %.4g kg "
+                    "were inserted; particles are inserted when lists are made, up to 50 steps "
+                    "late, and those due since then were not: a longer run%s inserts them",
+                    d->name, behind, s->number, s->mass,
+                    d->end > 0.0 && d->end < w->ctx.scene.end
+                        ? ""
+                        : ", or an end of the source before that of the run,");
             return;
         }
-        snprintf(to->text, sizeof to->text,
-                 "source '%s' found no space %.0f times and is %.4g s behind its rate: %.0f "
-                 "particles, %.4g kg were inserted; %s%s%s",
-                 d->name, s->full, behind, s->number, s->mass, wall ? "wall '" : "",
-                 wall ? wall : "",
-                 wall            ? "' has the whole region of the source behind it"
-                 : s->number > 0 ? "a larger region or a faster velocity gives more space"
-                                 : "walls, bodies or particles fill its region");
+        gn_warn(list, "source_behind",
+                "source '%s' found no space %.0f times and is %.4g s behind its rate: %.0f "
+                "particles, %.4g kg were inserted; %s%s%s",
+                d->name, s->full, behind, s->number, s->mass, wall ? "wall '" : "",
+                wall ? wall : "",
+                wall            ? "' has the whole region of the source behind it"
+                : s->number > 0 ? "a larger region or a faster velocity gives more space"
+                                : "walls, bodies or particles fill its region");
         return;
     }
 }
@@ -341,10 +329,8 @@ static void warn_of_passing(const gn_run *run, gn_warnings *list,
             first = k;
         }
     if (!count) return;
-    gn_warning *to = add(list, name);
-    snprintf(to->text, sizeof to->text, "%zu bod%s, as '%.60s', pass%s through %s", count,
-             count == 1 ? "y" : "ies", w->ctx.scene.bodies[first].name, count == 1 ? "es" : "",
-             why);
+    gn_warn(list, name, "%zu bod%s, as '%.60s', pass%s through %s", count, count == 1 ? "y" : "ies",
+            w->ctx.scene.bodies[first].name, count == 1 ? "es" : "", why);
 }
 
 /* Warns of bodies near walls and other bodies with which they have no contact because of their
@@ -363,20 +349,18 @@ static void warn_of_depth(const gn_run *run, gn_warnings *list) {
     const gn_body_pairs *p = &run->world.boundary.pairs;
     const gn_body_def *body = run->world.ctx.scene.bodies;
     if (p->pushed.value > 0.0) {
-        gn_warning *to = add(list, "bodies_pushed");
-        snprintf(to->text, sizeof to->text,
-                 "bodies '%.60s' and '%.60s' overlapped at the start and were pushed apart with "
-                 "%.3g N, more than twice their weight",
-                 body[(size_t)p->pushed.first].name, body[(size_t)p->pushed.second].name,
-                 p->pushed.value);
+        gn_warn(list, "bodies_pushed",
+                "bodies '%.60s' and '%.60s' overlapped at the start and were pushed apart with "
+                "%.3g N, more than twice their weight",
+                body[(size_t)p->pushed.first].name, body[(size_t)p->pushed.second].name,
+                p->pushed.value);
     }
     if (!(p->deepest.value > 0.5)) return;
-    gn_warning *to = add(list, "bodies_too_deep");
-    snprintf(to->text, sizeof to->text,
-             "bodies '%.60s' and '%.60s' overlapped by %.3g of the thickness of the thinner one: "
-             "from half of it on they may emerge on the other side; more stiffness prevents this",
-             body[(size_t)p->deepest.first].name, body[(size_t)p->deepest.second].name,
-             p->deepest.value);
+    gn_warn(list, "bodies_too_deep",
+            "bodies '%.60s' and '%.60s' overlapped by %.3g of the thickness of the thinner one: "
+            "from half of it on they may emerge on the other side; more stiffness prevents this",
+            body[(size_t)p->deepest.first].name, body[(size_t)p->deepest.second].name,
+            p->deepest.value);
 }
 
 /* Warns of contacts of particles beyond the range of their springs. */
@@ -384,20 +368,18 @@ static void warn_of_overlap(const gn_run *run, gn_warnings *list) {
     const gn_depth *d = &run->world.dem.depth;
     char who[160];
     if (!(d->excess > 1.0)) return;
-    gn_warning *to = add(list, "contacts_too_deep");
-    snprintf(to->text, sizeof to->text,
-             "%s overlapped by %.3g m, %.3g of the smaller radius, at t = %.4g s: beyond %g of it "
-             "no contact law is valid, and a particle deeper than a radius emerges on the other "
-             "side; more stiffness, or less load or speed, keeps overlaps small",
-             gn_depth_text(&run->world.ctx, &run->world.dem, who, sizeof who), d->overlap, d->share,
-             d->time, d->share / d->excess);
+    gn_warn(list, "contacts_too_deep",
+            "%s overlapped by %.3g m, %.3g of the smaller radius, at t = %.4g s: beyond %g of it "
+            "no contact law is valid, and a particle deeper than a radius emerges on the other "
+            "side; more stiffness, or less load or speed, keeps overlaps small",
+            gn_depth_text(&run->world.ctx, &run->world.dem, who, sizeof who), d->overlap, d->share,
+            d->time, d->share / d->excess);
 }
 
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_specimen_is_narrow(&run->world.ctx, &run->world.dem, text, sizeof text)) return;
-    gn_warning *to = add(list, "packing_sizes");
-    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+    gn_warn(list, "packing_sizes", "%s", text);
 }
 
 static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
@@ -405,16 +387,14 @@ static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
     if (!gn_geometry_doubts(&run->world.ctx, &run->world.dem, &run->world.boundary,
                             &run->world.solids, text, sizeof text))
         return;
-    gn_warning *to = add(list, "test_geometry");
-    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+    gn_warn(list, "test_geometry", "%s", text);
 }
 
 static void warn_of_ends(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_ends_doubts(&run->world.ctx, &run->world.dem, &run->world.solids, text, sizeof text))
         return;
-    gn_warning *to = add(list, "test_ends");
-    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+    gn_warn(list, "test_ends", "%s", text);
 }
 
 /* Warns of a shear test without normal stress. With stages, the last one is checked. */
@@ -423,8 +403,7 @@ static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (gn_run_staged(run) && w->stages.now + 1 < w->ctx.scene.stage_count) return;
     if (!gn_shear_is_unsupported(&w->ctx, &w->dem, text, sizeof text)) return;
-    gn_warning *to = add(list, "no_normal_stress");
-    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+    gn_warn(list, "no_normal_stress", "%s", text);
 }
 
 /* A factor that alternates between its bounds is no control; one that reverses beyond the initial
@@ -443,14 +422,13 @@ static void warn_of_control(const gn_run *run, gn_warnings *list) {
         beyond_start += back && way[r] < 0.0;
     }
     if (swings < SWINGS && !beyond_start) return;
-    gn_warning *to = add(list, "control");
-    snprintf(to->text, sizeof to->text,
-             "%s: test.control.response of %g s is too short for the specimen (it must be several "
-             "times the time that a wave needs to cross the specimen, times the prescribed speed "
-             "over the rate)",
-             beyond_start ? "the ends moved back beyond their initial position"
-                          : "the motion of the ends alternated between forwards and backwards",
-             c->response);
+    gn_warn(list, "control",
+            "%s: test.control.response of %g s is too short for the specimen (it must be several "
+            "times the time that a wave needs to cross the specimen, times the prescribed speed "
+            "over the rate)",
+            beyond_start ? "the ends moved back beyond their initial position"
+                         : "the motion of the ends alternated between forwards and backwards",
+            c->response);
 }
 
 static double first_row(const gn_run *run, const char *column) {
@@ -503,30 +481,28 @@ static void warn_of_burst(const gn_run *run, gn_warnings *list) {
     if (!w->ctx.scene.has_specimen || !(ratio > most)) return;
     if (!(stored > moving) || !gn_stored_matters(&w->ctx, &w->dem, stored)) return;
     if (!(stored > share * gn_energy_scale(&w->ledger.reading))) return;
-    gn_warning *to = add(list, "stressed_at_start");
     if (pressed)
-        snprintf(to->text, sizeof to->text,
-                 "particles at rest stored %.3g J at the start, %.3g J of it in contacts with "
-                 "walls, bodies or elements that start inside particles and are not in balance "
-                 "(unbalanced force ratio %.3g): they push particles away, and may break bonds. A "
-                 "position farther out, or passive: true of walls, avoids this",
-                 stored, outside, ratio);
+        gn_warn(list, "stressed_at_start",
+                "particles at rest stored %.3g J at the start, %.3g J of it in contacts with "
+                "walls, bodies or elements that start inside particles and are not in balance "
+                "(unbalanced force ratio %.3g): they push particles away, and may break bonds. A "
+                "position farther out, or passive: true of walls, avoids this",
+                stored, outside, ratio);
     else
-        snprintf(to->text, sizeof to->text,
-                 "particles at rest stored %.3g J at the start in contacts that are not in balance "
-                 "(unbalanced force ratio %.3g): overlaps there push particles apart, and may "
-                 "break bonds. bonds.passive_gaps (the default of bonds) takes overlaps of a "
-                 "packing as free of stress; otherwise use a packing without overlaps, or the end "
-                 "of a run that came to rest (specimen.from)",
-                 stored, ratio);
+        gn_warn(list, "stressed_at_start",
+                "particles at rest stored %.3g J at the start in contacts that are not in balance "
+                "(unbalanced force ratio %.3g): overlaps there push particles apart, and may "
+                "break bonds. bonds.passive_gaps (the default of bonds) takes overlaps of a "
+                "packing as free of stress; otherwise use a packing without overlaps, or the end "
+                "of a run that came to rest (specimen.from)",
+                stored, ratio);
 }
 
 static void warn_of_sinks(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     for (size_t k = 0; k < run->world.ctx.scene.sink_count; k++) {
         if (!gn_sink_is_too_thin(&run->world.ctx, &run->world.dem, k, text, sizeof text)) continue;
-        gn_warning *to = add(list, "sink_too_thin");
-        snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+        gn_warn(list, "sink_too_thin", "%s", text);
         return;
     }
 }

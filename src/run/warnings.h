@@ -4,18 +4,19 @@
 
 #include "run/run.h"
 
-/* Appends a warning; the caller fills in its text. */
-gn_warning *gn_warnings_add(gn_warnings *list, const char *name);
+/* Appends a warning; the caller may append to its text. */
+gn_warning *gn_warn(gn_warnings *list, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
-/* Warnings about the readings (warnings_readings.c). */
+/* Warnings about the readings. */
 gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error);
 
-/* Warnings about servos of walls and sides (warnings_servos.c). */
+/* Warnings about servos of walls and sides. */
 void gn_warn_of_servos(const gn_run *run, gn_warnings *list);
 
-/* Warnings about a membrane (warnings_membrane.c). */
+/* Warnings about a membrane. */
 void gn_warn_of_membrane(const gn_run *run, gn_warnings *list);
-/* Warnings about zones, walls that elements pass, and conversion (warnings_couple.c). */
+/* Warnings about zones, walls that elements pass, and conversion. */
 gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_error *error);
 
 #endif

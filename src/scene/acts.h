@@ -51,4 +51,16 @@ bool gn_scene_shear_ends_may_separate(const gn_scene *scene);
 /* True if a part of an end of a shear test is held or loaded across the sheared plane. */
 bool gn_scene_end_has_normal_load(const gn_scene *scene, const gn_test_end *end);
 
+/* Pairs of walls whose distances span the section of a wall. */
+typedef struct gn_facing {
+    size_t count; /* 1 in 2D, 2 in 3D */
+    size_t pair[2][2];
+} gn_facing;
+
+/* True if the wall stands across the open axis of a periodic box and so closes the box. */
+bool gn_wall_covers_open_axis(const gn_scene *scene, size_t wall);
+
+/* Finds the first such pairs in the scene; false: there are none. */
+bool gn_facing_find(const gn_scene *scene, size_t wall, gn_facing *facing);
+
 #endif

@@ -2,7 +2,7 @@
 #include "scene/sides.h"
 
 #include "base/names.h"
-#include "scene/facing.h"
+#include "scene/acts.h"
 
 #include <float.h>
 #include <math.h>
@@ -563,11 +563,8 @@ static gneiss_status check_no_specimen(const check *section, const gn_scene *sce
     return GNEISS_OK;
 }
 
-/* Checks one element of a list. */
-typedef gneiss_status check_one(const check *c, const gn_scene *s, size_t index);
-
-static gneiss_status check_list(const check *section, const char *list, size_t count,
-                                check_one *one) {
+gneiss_status gn_check_list(const check *section, const char *list, size_t count,
+                            gn_check_one *one) {
     for (size_t k = 0; k < count; k++) {
         check element = gn_check_element(section->reader, section->map, list, k);
         if (!gn_check_element_is_valid(&element)) continue;
@@ -612,10 +609,10 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (scene->has_elements) GN_TRY(gn_check_elements(reader, root));
     GN_TRY(gn_check_couple(reader, root));
     if (scene->has_specimen && gn_check_is_valid(&c, "law.stiffness"))
-        GN_TRY(check_list(&c, "materials", scene->material_count, check_material));
+        GN_TRY(gn_check_list(&c, "materials", scene->material_count, check_material));
     if (scene->has_specimen && gn_check_is_valid(&c, "law"))
         GN_TRY(gn_check_keep_problem(&c, gn_check_gamma(&c, scene)));
-    GN_TRY(check_list(&c, "contacts", scene->contact_count, gn_check_contact));
+    GN_TRY(gn_check_list(&c, "contacts", scene->contact_count, gn_check_contact));
     if (gn_check_is_valid(&c, "bonds") && gn_check_is_valid(&c, "law"))
         GN_TRY(gn_check_keep_problem(&c, gn_check_hertz(&c, scene)));
     if (gn_check_is_valid(&c, "bonds") && gn_check_is_valid(&c, "law"))
@@ -626,10 +623,10 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_keep_problem(&c, check_damping(&c, scene)));
     if (gn_check_is_valid(&c, "periodic") && gn_check_is_valid(&c, "domain"))
         GN_TRY(gn_check_keep_problem(&c, check_surroundings(&c, scene)));
-    GN_TRY(check_list(&c, "sets", scene->set_count, check_set));
-    GN_TRY(check_list(&c, "walls", scene->wall_count, check_wall));
+    GN_TRY(gn_check_list(&c, "sets", scene->set_count, check_set));
+    GN_TRY(gn_check_list(&c, "walls", scene->wall_count, check_wall));
     if (gn_check_is_valid(&c, "walls"))
-        GN_TRY(check_list(&c, "walls", scene->wall_count, check_servo));
+        GN_TRY(gn_check_list(&c, "walls", scene->wall_count, check_servo));
     GN_TRY(gn_check_bodies(reader, root));
     GN_TRY(gn_check_flow(reader, root));
     if (gn_check_is_valid(&c, "membrane") && gn_check_is_valid(&c, "test") &&

@@ -15,6 +15,11 @@ typedef struct check {
 check gn_check_element(const gn_reader *reader, const gn_node *root, const char *list,
                        size_t index);
 
+/* Checks the elements of a list that were read without problems, and keeps their problems. */
+typedef gneiss_status gn_check_one(const check *section, const gn_scene *scene, size_t index);
+gneiss_status gn_check_list(const check *section, const char *list, size_t count,
+                            gn_check_one *one);
+
 /* Fails at the value of `key`, or, if it is not given, at the section around it; "" stands for the
  * checked element. */
 gneiss_status gn_check_fail(const check *section, const char *key, const char *format, ...)
@@ -42,7 +47,7 @@ gneiss_status gn_check_material_name(const check *section, const gn_scene *scene
                                      const char *name);
 
 /* Checks `key` of a material that is drawn for each bond; an element of `contacts`; gamma of `law`
- * (check_contacts.c). */
+ * (check_law.c). */
 gneiss_status gn_check_scatter(const check *section, const char *key, const gn_scatter *scatter);
 gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size_t index);
 gneiss_status gn_check_gamma(const check *section, const gn_scene *scene);
@@ -51,7 +56,7 @@ gneiss_status gn_check_gamma(const check *section, const gn_scene *scene);
 gneiss_status gn_check_box(const check *section, const gn_scene *scene, const char *key,
                            const double *low, const double *high);
 
-/* Checks the motion of the sides of a periodic box (check_box.c). */
+/* Checks the motion of the sides of a periodic box (check_law.c). */
 gneiss_status gn_check_box_sides(const check *section, const gn_scene *scene);
 
 /* Checks that no motion is prescribed out of the plane of a 2D scene. */
@@ -62,9 +67,6 @@ gneiss_status gn_check_plane_motion(const check *section, const gn_scene *scene,
 gneiss_status gn_check_bonds_of(const check *section, const gn_scene *scene,
                                 const gn_material *material);
 gneiss_status gn_check_coupling(const check *section, const gn_scene *scene);
-/* Checks that an element of `contacts` has a tangential spring if the law of bonds needs one. */
-gneiss_status gn_check_shear_of_pair(const check *section, const gn_scene *scene,
-                                     const gn_contact_def *contact);
 /* Checks Hertz's law, resistance to rolling, and the keys of a material for them. */
 gneiss_status gn_check_hertz(const check *section, const gn_scene *scene);
 gneiss_status gn_check_hertz_material(const check *section, const gn_material *material);
@@ -91,11 +93,11 @@ gneiss_status gn_check_hydrostatic_load(const check *section, bool presses);
 /* Checks the section `membrane`. */
 gneiss_status gn_check_membrane(const check *section, const gn_scene *scene);
 
-/* Checks `output.fields` (check_output.c). */
+/* Checks `output.fields` (check_lists.c). */
 gneiss_status gn_check_output(const check *section, gn_scene *scene);
 /* Checks that the scene, or one of its stages, has the records of the requested fields. */
 gneiss_status gn_check_requested_fields(const check *section, const gn_scene *scene);
-/* Checks the steps of `time` (check_time.c). */
+/* Checks the steps of `time` (check_lists.c). */
 gneiss_status gn_check_time(const check *section, const gn_scene *scene);
 /* Returns the first given key of time.stop; NULL: none. */
 const char *gn_check_stop(const gn_scene *scene);
@@ -106,24 +108,24 @@ bool gn_check_direction(double vector[3]);
 /* Keeps notes on keys that change nothing in a scene without problems (check_idle.c). */
 void gn_note_idle_keys(const gn_reader *reader, const gn_node *root);
 
-/* True if some contacts of a material have a tangential spring (check_contacts.c); friction that
+/* True if some contacts of a material have a tangential spring (check_law.c); friction that
  * none can carry is refused. */
 bool gn_material_has_spring(const gn_scene *scene, const gn_material *material);
 gneiss_status gn_check_grip(const check *section, const gn_scene *scene,
                             const gn_material *material);
 
 /* Checks a sieve curve, which `sizes` requires if `wanted`: sizes increase and shares do not
- * decrease, from a share of 0 to [1, 1]; `section` is the prefix of its keys (check_flow.c). */
+ * decrease, from a share of 0 to [1, 1]; `section` is the prefix of its keys (check_lists.c). */
 gneiss_status gn_check_sieve(const check *checked, const char *section, bool wanted,
                              const double *row, size_t count);
 
-/* Checks the lists `sources` and `sinks`, which may be empty (check_flow.c). */
+/* Checks the lists `sources` and `sinks`, which may be empty (check_lists.c). */
 gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root);
 
 /* Checks the list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 
-/* Checks the section `couple` and the initial wave if they are given (check_couple.c). */
+/* Checks the section `couple` and the initial wave if they are given (check_elements.c). */
 gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root);
 
 /* Checks the section `elements`, which is given. */

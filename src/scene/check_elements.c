@@ -83,7 +83,8 @@ static gneiss_status check_mesh(const check *section, const gn_scene *scene) {
 
 /* ---- materials, motions, loads ---- */
 
-static gneiss_status check_poisson(const check *section, const gn_element_material *material) {
+static gneiss_status check_poisson(const check *section, const gn_scene *scene, size_t index) {
+    const gn_element_material *material = &scene->elements.materials[index];
     if (material->poisson < 0.5) return GNEISS_OK;
     return gn_check_fail(section, "poisson",
                          "expected a value below 0.5, because an explicit scheme has no stable "
@@ -117,8 +118,8 @@ static gneiss_status check_motion(const check *section, const gn_scene *scene, s
     return gn_check_plane_motion(section, scene, &motion->motion);
 }
 
-static gneiss_status check_load(const check *section, const gn_scene *scene,
-                                const gn_element_load *load) {
+static gneiss_status check_load(const check *section, const gn_scene *scene, size_t index) {
+    const gn_element_load *load = &scene->elements.loads[index];
     GN_TRY(check_region(section, scene, &load->region));
     if (load->has_traction == load->has_force)
         return gn_check_fail(section, "force", "expected traction or force, found %s",
@@ -153,20 +154,223 @@ gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root) {
     check c = {.reader = reader, .map = root};
     if (gn_check_is_valid(&c, "elements"))
         GN_TRY(gn_check_keep_problem(&c, check_whole(&c, scene)));
-    for (size_t k = 0; k < elements->material_count; k++) {
-        check element = gn_check_element(reader, root, "elements.materials", k);
-        if (gn_check_element_is_valid(&element))
-            GN_TRY(gn_check_keep_problem(&c, check_poisson(&element, &elements->materials[k])));
-    }
-    for (size_t k = 0; k < elements->motion_count; k++) {
-        check element = gn_check_element(reader, root, "elements.motions", k);
-        if (gn_check_element_is_valid(&element))
-            GN_TRY(gn_check_keep_problem(&c, check_motion(&element, scene, k)));
-    }
-    for (size_t k = 0; k < elements->load_count; k++) {
-        check element = gn_check_element(reader, root, "elements.loads", k);
-        if (gn_check_element_is_valid(&element))
-            GN_TRY(gn_check_keep_problem(&c, check_load(&element, scene, &elements->loads[k])));
+    GN_TRY(gn_check_list(&c, "elements.materials", elements->material_count, check_poisson));
+    GN_TRY(gn_check_list(&c, "elements.motions", elements->motion_count, check_motion));
+    return gn_check_list(&c, "elements.loads", elements->load_count, check_load);
+}
+
+/* ---- cross-key checks of `couple` ---- */
+
+static gneiss_status check_edges(const check *section, const gn_scene *scene, size_t index) {
+    const gn_couple_zone *zone = &scene->couple.zones[index];
+    if (!zone->edge_count)
+        return gn_check_fail(section, "edges", "expected at least one, found none");
+    for (size_t e = 0; e < zone->edge_count; e++) {
+        double width2 = 0.0;
+        char key[32];
+        for (int a = 0; a < (int)scene->dimension; a++) {
+            double d = zone->edges[e].to[a] - zone->edges[e].from[a];
+            width2 += d * d;
+        }
+        snprintf(key, sizeof key, "edges[%zu].to", e);
+        if (!gn_range_holds(GN_LENGTHS, sqrt(width2)))
+            return gn_check_fail(section, key, "expected a point %s m from `from`, found %g m",
+                                 GN_LENGTHS, sqrt(width2));
     }
     return GNEISS_OK;
+}
+
+static bool same_edges(const gn_scene *scene, const gn_couple_zone *first,
+                       const gn_couple_zone *second) {
+    bool same = first->edge_count == second->edge_count;
+    for (size_t e = 0; same && e < first->edge_count; e++)
+        for (int k = 0; k < (int)scene->dimension; k++)
+            same = same && first->edges[e].from[k] == second->edges[e].from[k] &&
+                   first->edges[e].to[k] == second->edges[e].to[k];
+    return same;
+}
+
+/* Refuses a zone that is given twice: the second changes nothing and is a mistake. */
+static gneiss_status check_other(const check *section, const gn_scene *scene, size_t index) {
+    for (size_t k = 0; k < index; k++)
+        if (same_edges(scene, &scene->couple.zones[k], &scene->couple.zones[index]))
+            return gn_check_fail(section, "edges",
+                                 "expected edges of no other zone, found those of "
+                                 "couple.zones[%zu]",
+                                 k);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_zone(const check *section, const gn_scene *scene, size_t index) {
+    GN_TRY(gn_check_keep_problem(section, check_edges(section, scene, index)));
+    return check_other(section, scene, index);
+}
+
+/* Refuses keys that exclude coupling zones. */
+static gneiss_status check_beside(const check *section, const gn_scene *scene) {
+    if (!scene->has_specimen || !scene->has_elements)
+        return gn_check_fail(section, "couple",
+                             "expected a specimen and elements beside it, found %s",
+                             scene->has_elements ? "elements only" : "a specimen only");
+    const struct {
+        bool found;
+        const char *what;
+    } others[] = {{scene->elements.has_contact, "elements.contact"},
+                  {scene->has_periodic, "periodic box"},
+                  {scene->has_mass_scaling, "time.mass_scaling"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(section, "couple", "expected no %s beside it, found one",
+                                 others[k].what);
+    return GNEISS_OK;
+}
+
+/* ---- initial wave ---- */
+
+static gneiss_status check_pulse(const check *section, const gn_scene *scene) {
+    double size2 = 0.0;
+    for (int a = 0; a < (int)scene->dimension; a++)
+        size2 += scene->pulse.direction[a] * scene->pulse.direction[a];
+    if (!(size2 > 0.0))
+        return gn_check_fail(section, "initial.pulse.direction",
+                             "expected a direction, found none");
+    return GNEISS_OK;
+}
+
+/* Non-viscous damping acts on the resultant at each mass
+ * separately, which consistent masses exclude. */
+static gneiss_status check_constraint(const check *section, const gn_scene *scene) {
+    if (scene->couple.constraint == GN_COUPLE_CONSISTENT &&
+        scene->background != GN_BACKGROUND_NONE && scene->background != GN_BACKGROUND_VISCOUS &&
+        gn_check_is_valid(section, "damping"))
+        return gn_check_fail(section, "couple.constraint",
+                             "expected lumped beside background damping that is not "
+                             "viscous, found consistent");
+    return GNEISS_OK;
+}
+
+/* ---- conversion ---- */
+
+/* Sets that are only observed, such as the sides of a notch's mouth, do not affect dormant
+ * particles. */
+static gneiss_status check_convert_set(const check *section, const gn_set_def *set) {
+    bool moves = false;
+    for (int a = 0; a < 3; a++)
+        moves = moves || set->motion.velocity[a].count || set->motion.spin[a].count;
+    const struct {
+        bool found;
+        const char *key, *instead;
+    } acts[] = {{moves, "motion", "elements.motions"},
+                {set->has_force, "force", "elements.loads"},
+                {set->has_initial_velocity, "initial_velocity", NULL},
+                {set->has_initial_spin, "initial_spin", NULL}};
+    for (size_t k = 0; k < sizeof acts / sizeof *acts; k++) {
+        if (!acts[k].found) continue;
+        return acts[k].instead
+                   ? gn_check_fail(
+                         section, acts[k].key,
+                         "expected no sets with motion or force beside couple.convert, as dormant "
+                         "particles follow the elements (use %s), found set '%s'",
+                         acts[k].instead, set->name)
+                   : gn_check_fail(
+                         section, acts[k].key,
+                         "expected none beside couple.convert, as released particles take the "
+                         "velocity of their elements, which start at rest, found that of set '%s'",
+                         set->name);
+    }
+    return GNEISS_OK;
+}
+
+/* Elements do not press on walls: walls only stop debris. */
+static gneiss_status check_convert_walls(const check *section, const gn_scene *scene) {
+    const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
+    for (size_t k = 0; k < scene->wall_count; k++)
+        if (scene->walls[k].servo.active)
+            return gn_check_fail(section, "walls",
+                                 "expected no servo of walls beside couple.convert, as elements do "
+                                 "not press on them, found that of '%s'",
+                                 scene->walls[k].name);
+    for (size_t e = 0; gn_scene_tested(scene) && e < 2; e++)
+        for (size_t k = 0; k < ends[e]->count; k++)
+            if (gn_scene_find_wall(scene, ends[e]->name[k]) >= 0)
+                return gn_check_fail(section, e ? "test.upper" : "test.lower",
+                                     "expected motions of elements beside couple.convert, as "
+                                     "elements do not press on walls, found wall '%s'",
+                                     ends[e]->name[k]);
+    return GNEISS_OK;
+}
+
+/* Refuses keys that exclude conversion, with a message at the key. */
+static gneiss_status check_convert_beside(const check *section, const gn_scene *scene,
+                                          const gn_node *root) {
+    const struct {
+        bool found;
+        const char *key, *expected, *instead;
+    } others[] = {{scene->couple.zone_count > 0, "couple.zones", "no couple.zones", "some"},
+                  {scene->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint",
+                   "no couple.constraint but lumped", "consistent"},
+                  {scene->body_count > 0, "bodies", "no bodies", "some"},
+                  {scene->has_membrane, "membrane", "no membrane", "one"},
+                  {scene->has_pulse, "initial.pulse", "no initial.pulse", "one"},
+                  {scene->random_velocity > 0.0, "initial.random_velocity",
+                   "no initial.random_velocity", "some"},
+                  {scene->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation",
+                   "no mixed form", "mixed"},
+                  {scene->bonds == GN_SWITCH_OFF, "bonds", "bonds that are on", "off"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(section, others[k].key,
+                                 "expected %s beside couple.convert, found %s", others[k].expected,
+                                 others[k].instead);
+    GN_TRY(check_convert_walls(section, scene));
+    for (size_t k = 0; k < scene->set_count; k++) {
+        const check element = gn_check_element(section->reader, root, "sets", k);
+        if (gn_check_element_is_valid(&element))
+            GN_TRY(check_convert_set(&element, &scene->sets[k]));
+    }
+    return GNEISS_OK;
+}
+
+/* Without a box the packed region holds, extended by the rounding of nodes on its sides. */
+static gneiss_status set_box(const check *section, gn_scene *scene) {
+    gn_convert_def *q = &scene->couple.convert;
+    const gn_pack_def *pack = &scene->specimen.pack;
+    if (q->has_box) return GNEISS_OK;
+    if (!pack->has_region)
+        return gn_check_fail(section, "couple.convert.box",
+                             "required where no specimen.packing.region is given, not given");
+    for (int a = 0; a < (int)scene->dimension; a++) {
+        const double low = pack->region_min[a], high = pack->region_max[a];
+        const double rounding = 1e-12 * fmax(fabs(low), fabs(high));
+        q->box_min[a] = low - rounding;
+        q->box_max[a] = high + rounding;
+    }
+    q->has_box = true;
+    return GNEISS_OK;
+}
+
+static gneiss_status check_convert(const check *section, gn_scene *scene, const gn_node *root) {
+    const gn_convert_def *q = &scene->couple.convert;
+    GN_TRY(check_convert_beside(section, scene, root));
+    GN_TRY(set_box(section, scene));
+    if (!(q->stress > 0.0) && !q->has_mohr)
+        return gn_check_fail(section, "couple.convert",
+                             "expected a limit, stress or mohr_coulomb, found none");
+    return gn_check_box(section, scene, "couple.convert.box.max", q->box_min, q->box_max);
+}
+
+gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
+    gn_scene *scene = reader->scene;
+    check c = {.reader = reader, .map = root};
+    if (scene->has_pulse && gn_check_is_valid(&c, "initial.pulse"))
+        GN_TRY(gn_check_keep_problem(&c, check_pulse(&c, scene)));
+    if (!scene->has_couple) return GNEISS_OK;
+    GN_TRY(gn_check_keep_problem(&c, check_beside(&c, scene)));
+    if (gn_check_is_valid(&c, "couple"))
+        GN_TRY(gn_check_keep_problem(&c, check_constraint(&c, scene)));
+    if (scene->couple.has_convert && gn_check_is_valid(&c, "couple"))
+        GN_TRY(gn_check_keep_problem(&c, check_convert(&c, scene, root)));
+    if (!scene->couple.zone_count && !scene->couple.has_convert)
+        return gn_check_fail(&c, "couple.zones", "expected at least one, found none");
+    return gn_check_list(&c, "couple.zones", scene->couple.zone_count, check_zone);
 }

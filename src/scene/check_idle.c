@@ -140,7 +140,7 @@ static void note_materials(const gn_reader *reader, const gn_node *root, const g
     }
 }
 
-/* Keys of a pair that law.stiffness and law.softening do not read are refused (check_contacts.c).
+/* Keys of a pair that law.stiffness and law.softening do not read are refused (check_law.c).
  */
 static void note_contacts(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
     for (size_t k = 0; !bonded(scene) && k < scene->contact_count; k++) {

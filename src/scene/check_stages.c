@@ -66,17 +66,16 @@ static gneiss_status check_base(const check *section, const gn_scene *scene) {
     return gn_check_fail(section, stop, "expected under end of a stage, found beside stages");
 }
 
+static gneiss_status check_given(const check *section, const gn_scene *scene, size_t index) {
+    GN_TRY(gn_check_keep_problem(section, check_name(section, scene, index)));
+    return check_end(section, scene, index);
+}
+
 gneiss_status gn_check_stages(const gn_reader *reader, const gn_node *root) {
     const gn_scene *scene = reader->scene;
     check c = {.reader = reader, .map = root};
     GN_TRY(gn_check_keep_problem(&c, check_base(&c, scene)));
-    for (size_t k = 0; k < scene->stage_count; k++) {
-        check element = gn_check_element(reader, root, "stages", k);
-        if (!gn_check_element_is_valid(&element)) continue;
-        GN_TRY(gn_check_keep_problem(&c, check_name(&element, scene, k)));
-        GN_TRY(gn_check_keep_problem(&c, check_end(&element, scene, k)));
-    }
-    return GNEISS_OK;
+    return gn_check_list(&c, "stages", scene->stage_count, check_given);
 }
 
 /* ---- a stage as a whole ---- */

@@ -103,9 +103,9 @@ struct gn_section {
 extern const gn_section gn_scene_section, gn_specimen_section;
 /* An element of `bodies` (manifest_bodies.c). */
 extern const gn_section gn_body_section;
-/* A distribution of bonds of a material; an element of `contacts` (manifest_contacts.c). */
+/* A distribution of bonds of a material; an element of `contacts`. */
 extern const gn_section gn_scatter_section, gn_contact_section;
-/* An element of `stages` (manifest_stages.c). */
+/* An element of `stages` (manifest_test.c). */
 extern const gn_section gn_stage_section;
 
 /* An interval "[low, high)" and a test whether it contains a value. NULL: every finite value. */

@@ -1,27 +1,22 @@
-/* Keys of `bodies`. */
+/* Keys of `bodies`, `contacts` and `couple`, and of distributions of bond properties. */
 #include "scene/manifest_keys.h"
 
-static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
-                                     {"yes", 1},  {"no", 0},    {NULL, 0}};
-
 static const gn_key box_keys[] = {
-    KEY("size", VECTOR, gn_body_def, box_size, .unit = "m", .range = GN_LENGTHS, .required = true,
-        .shape_dimension = 3, .text = "lengths along x, y and z"),
+    VECTOR("size", gn_body_def, box_size, "m", GN_LENGTHS, REQUIRED, "lengths along x, y and z",
+           .shape_dimension = 3),
 };
 TABLE_OF(box);
 
 static const gn_key cylinder_keys[] = {
-    KEY("diameter", REAL, gn_body_cylinder, diameter, .unit = "m", .range = GN_LENGTHS,
-        .required = true, .text = "diameter at the lower end, through the corners"),
-    KEY("upper_diameter", REAL, gn_body_cylinder, upper_diameter, .unit = "m", .range = GN_LENGTHS,
-        .word = "same", .fallback = "same",
-        .text = "diameter at the upper end: a truncated cone, or a funnel when open"),
-    KEY("height", REAL, gn_body_cylinder, height, .unit = "m", .range = GN_LENGTHS,
-        .required = true, .text = "length along z"),
-    KEY("sides", INTEGER, gn_body_cylinder, sides, .range = "[3, 10000]", .fallback = "32",
-        .text = "sides of the polygon that represents the circle"),
-    KEY("open", CHOICE, gn_body_cylinder, open, .choices = booleans, .fallback = "false",
-        .text = "without end faces: a tube or a funnel"),
+    REAL("diameter", gn_body_cylinder, diameter, "m", GN_LENGTHS, REQUIRED,
+         "diameter at the lower end, through the corners"),
+    REAL("upper_diameter", gn_body_cylinder, upper_diameter, "m", GN_LENGTHS, OR("same", 0),
+         "diameter at the upper end: a truncated cone, or a funnel when open"),
+    REAL("height", gn_body_cylinder, height, "m", GN_LENGTHS, REQUIRED, "length along z"),
+    INTEGER("sides", gn_body_cylinder, sides, "[3, 10000]", BY("32"),
+            "sides of the polygon that represents the circle"),
+    CHOICE("open", gn_body_cylinder, open, gn_booleans, BY("false"),
+           "without end faces: a tube or a funnel"),
 };
 TABLE_OF(cylinder);
 
@@ -40,8 +35,7 @@ static const gn_key motion_keys[] = {
 TABLE_OF(motion);
 
 static const gn_key body_keys[] = {
-    KEY("name", NAME, gn_body_def, name, .required = true,
-        .text = "name by which the rest of the scene refers to it"),
+    NAME("name", gn_body_def, name, REQUIRED, "name by which the rest of the scene refers to it"),
     KEY("surface", FILE, gn_body_def, surface, .second = offsetof(gn_body_def, surface_path),
         PRESENT(TEXT, gn_body_def, surface), .shape_dimension = 3,
         .text = "3D shape: STL file; a free body needs a closed surface that does not intersect "
@@ -57,61 +51,194 @@ static const gn_key body_keys[] = {
     ARRAY("polyline", POINTS, gn_body_def, polyline, polyline_count, .unit = "m",
           .range = GN_PLACES, .number = 2, PRESENT(COUNT, gn_body_def, polyline_count),
           .shape_dimension = 2, .text = "2D shape: open line through its points"),
-    KEY("scale", REAL, gn_body_def, scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
-        PRESENT(BOOL, gn_body_def, scale_given),
-        .text = "lengths of the shape times this give metres"),
-    KEY("origin", VECTOR, gn_body_def, origin, .unit = "m", .range = GN_PLACES, .fallback = "0",
-        .text = "position of the shape's origin"),
-    KEY("rotation", SPIN, gn_body_def, rotation, .unit = "rad", .range = GN_TURNS,
-        PRESENT(BOOL, gn_body_def, has_rotation),
-        .text = "rotation vector (axis times angle) of the shape about its origin, applied before "
-                "the shift; in 2D one number"),
-    KEY("stiffness", REAL, gn_body_def, stiffness, .unit = "N/m", .range = GN_SPRINGS,
-        .word = "none", .fallback = "none",
-        .text = "penalty stiffness k_n; needed by every law but hertz, where it holds for contacts "
-                "with walls and other bodies (without it a free body has contacts with particles "
-                "only)"),
-    KEY("material", TEXT, gn_body_def, material, .fallback = "",
-        PRESENT(TEXT, gn_body_def, material),
-        .text = "with hertz: name of the material; left out: rigid, with its own friction and the "
-                "restitution of the particles"),
-    KEY("kratio", REAL, gn_body_def, kratio, .unit = "1", .range = GN_RATIOS, .word = "none",
-        .fallback = "none",
-        .text = "k_n/k_t of the surface; needed with friction, with hertz only together with "
-                "stiffness"),
-    KEY("friction", REAL, gn_body_def, friction, .unit = GN_SLOPE, .range = GN_FRICTIONS,
-        .fallback = "0", .text = "Coulomb friction coefficient"),
-    KEY("rolling_friction", REAL, gn_body_def, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
-        .fallback = "0", .text = "mu_r, as for materials"),
-    KEY("twisting_friction", REAL, gn_body_def, twisting_friction, .unit = "1",
-        .range = GN_FRICTIONS, .fallback = "0",
-        .text = "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced "
-                "radius; 0: no resistance"),
-    KEY("reference", VECTOR, gn_body_def, reference, .unit = "m", .range = GN_PLACES,
-        PRESENT(BOOL, gn_body_def, has_reference),
-        .text = "centre of rotation and reference of moments; default: the origin, for free bodies "
-                "the centre of mass; given with mass and inertia it is the centre of mass"),
-    KEY("free", CHOICE, gn_body_def, free, .choices = booleans, .fallback = "false",
-        .text = "components that motion leaves free follow the forces of particles and gravity"),
-    KEY("density", REAL, gn_body_def, density, .unit = "kg/m3", .range = GN_DENSITIES,
-        .word = "none", .fallback = "none",
-        .text = "mass density; a free body needs it or its mass"),
-    KEY("mass", REAL, gn_body_def, mass, .unit = "kg", .range = GN_MASSES, .word = "none",
-        .fallback = "none", .text = "mass of a free body, instead of its density"),
-    KEY("inertia", SPIN, gn_body_def, inertia, .unit = "kg m2", .range = GN_INERTIAS,
-        PRESENT(BOOL, gn_body_def, has_inertia),
-        .text = "moments of inertia of a free body about its centre of mass along x, y, z, which "
-                "are its principal axes at the start; in 2D one number; default: those of the "
-                "shape with uniform density"),
-    KEY("initial_velocity", VECTOR, gn_body_def, initial_velocity, .unit = "m/s",
-        .range = GN_SPEEDS, PRESENT(BOOL, gn_body_def, has_initial_velocity),
-        .text = "velocity of a free body at the start"),
-    KEY("initial_spin", SPIN, gn_body_def, initial_spin, .unit = "rad/s", .range = GN_SPINS,
-        PRESENT(BOOL, gn_body_def, has_initial_spin),
-        .text = "spin of a free body at the start; in 2D one number"),
+    REAL("scale", gn_body_def, scale, "1", GN_SCALES, BY("1"),
+         "lengths of the shape times this give metres", PRESENT(BOOL, gn_body_def, scale_given)),
+    VECTOR("origin", gn_body_def, origin, "m", GN_PLACES, BY("0"),
+           "position of the shape's origin"),
+    SPIN("rotation", gn_body_def, rotation, "rad", GN_TURNS,
+         PRESENT(BOOL, gn_body_def, has_rotation),
+         "rotation vector (axis times angle) of the shape about its origin, applied before the "
+         "shift; in 2D one number"),
+    REAL("stiffness", gn_body_def, stiffness, "N/m", GN_SPRINGS, OR("none", 0),
+         "penalty stiffness k_n; needed by every law but hertz, where it holds for contacts with "
+         "walls and other bodies (without it a free body has contacts with particles only)"),
+    TEXT("material", gn_body_def, material, BY(""),
+         "with hertz: name of the material; left out: rigid, with its own friction and the "
+         "restitution of the particles",
+         PRESENT(TEXT, gn_body_def, material)),
+    REAL("kratio", gn_body_def, kratio, "1", GN_RATIOS, OR("none", 0),
+         "k_n/k_t of the surface; needed with friction, with hertz only together with stiffness"),
+    REAL("friction", gn_body_def, friction, GN_SLOPE, GN_FRICTIONS, BY("0"),
+         "Coulomb friction coefficient"),
+    REAL("rolling_friction", gn_body_def, rolling_friction, "1", GN_FRICTIONS, BY("0"),
+         "mu_r, as for materials"),
+    REAL("twisting_friction", gn_body_def, twisting_friction, "1", GN_FRICTIONS, BY("0"),
+         "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: "
+         "no resistance"),
+    VECTOR("reference", gn_body_def, reference, "m", GN_PLACES,
+           PRESENT(BOOL, gn_body_def, has_reference),
+           "centre of rotation and reference of moments; default: the origin, for free bodies the "
+           "centre of mass; given with mass and inertia it is the centre of mass"),
+    CHOICE("free", gn_body_def, free, gn_booleans, BY("false"),
+           "components that motion leaves free follow the forces of particles and gravity"),
+    REAL("density", gn_body_def, density, "kg/m3", GN_DENSITIES, OR("none", 0),
+         "mass density; a free body needs it or its mass"),
+    REAL("mass", gn_body_def, mass, "kg", GN_MASSES, OR("none", 0),
+         "mass of a free body, instead of its density"),
+    SPIN("inertia", gn_body_def, inertia, "kg m2", GN_INERTIAS,
+         PRESENT(BOOL, gn_body_def, has_inertia),
+         "moments of inertia of a free body about its centre of mass along x, y, z, which are its "
+         "principal axes at the start; in 2D one number; default: those of the shape with uniform "
+         "density"),
+    VECTOR("initial_velocity", gn_body_def, initial_velocity, "m/s", GN_SPEEDS,
+           PRESENT(BOOL, gn_body_def, has_initial_velocity),
+           "velocity of a free body at the start"),
+    SPIN("initial_spin", gn_body_def, initial_spin, "rad/s", GN_SPINS,
+         PRESENT(BOOL, gn_body_def, has_initial_spin),
+         "spin of a free body at the start; in 2D one number"),
     SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),
             .text =
                 "prescribed motion of the body; components left out are zero, in a free body free"),
 };
-const gn_section gn_body_section = {body_keys, sizeof body_keys / sizeof(gn_key),
-                                    sizeof(gn_body_def), offsetof(gn_body_def, where)};
+const gn_section gn_body_section = {KEYS_OF(body), sizeof(gn_body_def),
+                                    offsetof(gn_body_def, where)};
+
+/* ---- keys of `contacts` and of distributions of bond properties ---- */
+
+static const gn_choice distributions[] = {
+    {"weibull", GN_SCATTER_WEIBULL}, {"normal", GN_SCATTER_NORMAL}, {NULL, 0}};
+
+static const gn_key scatter_keys[] = {
+    CHOICE("distribution", gn_scatter, kind, distributions, REQUIRED,
+           "distribution of the factor of a bond"),
+    REAL("modulus", gn_scatter, modulus, GN_PLAIN_NUMBER, "[0.5, 1e4]", OR("none", 0),
+         "Weibull modulus; needed by weibull"),
+    REAL("deviation", gn_scatter, deviation, "1", "[1e-6, 0.33]", OR("none", 0),
+         "standard deviation over the mean; needed by normal, which is truncated at 0 and 2"),
+};
+const gn_section gn_scatter_section = {KEYS_OF(scatter), 0, GN_NO_WHERE};
+
+#define VALUE(NAME, FIELD, UNIT, RANGE, TEXT)                                                      \
+    KEY(NAME, REAL, gn_contact_def, FIELD, .unit = UNIT, .range = RANGE, .word = "combined",       \
+        .word_value = GN_COMBINED, .fallback = "combined", .text = TEXT)
+
+static const gn_key contact_keys[] = {
+    ARRAY("between", NAMES, gn_contact_def, between, between_count, .required = true,
+          .text = "the two materials, in either order; one name: that material with itself"),
+    VALUE("friction", friction, GN_SLOPE, GN_FRICTIONS,
+          "friction coefficient, instead of the smaller"),
+    VALUE("kratio", kratio, "1", "[0, 1e12]", "k_n/k_t; 0: no tangential spring"),
+    VALUE("contact_modulus", contact_modulus, "Pa", GN_MODULI, "E_c, instead of both in series"),
+    VALUE("normal_stiffness", normal_stiffness, "N/m", GN_SPRINGS,
+          "k_n, instead of both in series"),
+    VALUE("young", young, "Pa", GN_MODULI,
+          "E of laws by area and hertz, instead of both in series"),
+    VALUE("poisson", poisson, "1", "(-1, 0.5]",
+          "nu of laws by area and hertz, instead of the mean (of each)"),
+    VALUE("alpha", alpha, "1", "[1e-6, 1e6]",
+          "factor in laws by area, instead of the harmonic mean"),
+    VALUE("beta", beta, "1", "[0, 1e6]", "factor in laws by area, instead of the harmonic mean"),
+    VALUE("tensile_strength", tensile_strength, "Pa", GN_STRENGTHS,
+          "sigma_c of a bond, instead of the smaller"),
+    VALUE("shear_strength", shear_strength, "Pa", GN_STRENGTHS,
+          "tau_c of a bond, instead of the smaller"),
+    VALUE("bond_tension_limit", bond_tension_limit, "N", GN_BREAKING,
+          "R_n of the uniform law, instead of the smaller"),
+    VALUE("bond_shear_limit", bond_shear_limit, "N", GN_BREAKING,
+          "R_t of the uniform law, instead of the smaller"),
+    VALUE("bond_friction", bond_friction, GN_SLOPE, GN_FRICTIONS,
+          "mu_1 of a bond, instead of the smaller"),
+    VALUE("rolling_friction", rolling_friction, "1", GN_FRICTIONS, "mu_r, instead of the smaller"),
+    VALUE("twisting_friction", twisting_friction, "1", GN_FRICTIONS,
+          "mu_t, instead of the smaller"),
+    VALUE("restitution", restitution, "1", "[0, 1]",
+          "restitution coefficient with hertz, instead of the smaller"),
+    VALUE("fracture_energy", fracture_energy, "J/m2", GN_TOUGHNESSES,
+          "G_f of a bond in tension, with softening energy, instead of the smaller"),
+    VALUE("shear_fracture_energy", shear_fracture_energy, "J/m2", GN_TOUGHNESSES,
+          "G_f of a bond in shear, with softening energy, instead of the smaller"),
+};
+const gn_section gn_contact_section = {KEYS_OF(contact), sizeof(gn_contact_def),
+                                       offsetof(gn_contact_def, where)};
+
+/* ---- keys of coupling zones and of conversion ---- */
+
+static const gn_choice constraints[] = {
+    {"lumped", GN_COUPLE_LUMPED}, {"consistent", GN_COUPLE_CONSISTENT}, {NULL, 0}};
+
+static const gn_key edge_keys[] = {
+    VECTOR("from", gn_couple_edge, from, "m", GN_PLACES, REQUIRED,
+           "point of the plane (2D: line) where the elements end, among the particles"),
+    VECTOR(
+        "to", gn_couple_edge, to, "m", GN_PLACES, REQUIRED,
+        "the opposite point on the plane where the particles end, through their outermost centres"),
+};
+ELEMENTS_OF(edge, gn_couple_edge);
+
+static const gn_key zone_keys[] = {
+    ARRAY("edges", LIST, gn_couple_zone, edges, edge_count, .section = &edge_section,
+          .range = "[1, 100]", .required = true,
+          .text = "one edge, or one for each side of particles that elements surround; particles "
+                  "that surround elements need a zone for each side"),
+};
+ELEMENTS_OF(zone, gn_couple_zone);
+
+static const gn_choice by[] = {
+    {"elements", GN_CONVERT_ELEMENTS}, {"nodes", GN_CONVERT_NODES}, {NULL, 0}};
+
+static const gn_key convert_box_keys[] = {
+    VECTOR("min", gn_scene, couple.convert.box_min, "m", NULL, REQUIRED, "lower corner"),
+    VECTOR("max", gn_scene, couple.convert.box_max, "m", NULL, REQUIRED, "upper corner"),
+};
+TABLE_OF(convert_box);
+
+static const gn_key mohr_keys[] = {
+    REAL("cohesion", gn_scene, couple.convert.cohesion, "Pa", GN_STRENGTHS, REQUIRED,
+         "shear strength of a plane without pressure"),
+    REAL("friction", gn_scene, couple.convert.friction, GN_SLOPE, "[0, 100]", BY("0"),
+         "tan(phi), or the angle phi: increase of the shear strength over the pressure"),
+};
+TABLE_OF(mohr);
+
+static const gn_key convert_keys[] = {
+    SECTION("box", convert_box_section, PRESENT(BOOL, gn_scene, couple.convert.has_box),
+            .text = "elements whose nodes all start in this box, boundary included, can convert; "
+                    "default: specimen.packing.region"),
+    REAL("width", gn_scene, couple.convert.width, "m", GN_LENGTHS, REQUIRED,
+         "width of the zone between particles and elements: at least three elements and six "
+         "particles"),
+    REAL("stress", gn_scene, couple.convert.stress, "Pa", GN_STRENGTHS, OR("none", 0),
+         "largest principal stress, tension positive, at which an element converts"),
+    SECTION("mohr_coulomb", mohr_section, PRESENT(BOOL, gn_scene, couple.convert.has_mohr),
+            .text = "converts elements under compression: limit of (s1 - s3)/2 + (s1 + s3)/2 "
+                    "sin(phi) over cohesion cos(phi)"),
+    CHOICE(
+        "by", gn_scene, couple.convert.by, by, BY("elements"),
+        "stresses that are compared with the limits: of each element, or averaged from its nodes"),
+    INTEGER("every", gn_scene, couple.convert.every, "[1, 1000000]", BY("50"),
+            "steps between two evaluations of the limits"),
+    REAL("most", gn_scene, couple.convert.most, "1", "(0, 1]", BY("10 %"),
+         "largest fraction of the convertible elements that one evaluation converts, those with "
+         "the highest stresses first; thin remnants are added to it"),
+    REAL("relax", gn_scene, couple.convert.relax, "1", "[1e-8, 1]", BY("1e-3"),
+         "relaxation tolerance of newly released particles: they are equilibrated, with all others "
+         "fixed, to a residual of this fraction of the mean contact force",
+         .word = "none"),
+    INTEGER("relax_iterations", gn_scene, couple.convert.relax_iterations, "[1, 1000000]",
+            BY("1000"), "largest number of iterations of relax"),
+};
+static const gn_section convert_section = {KEYS_OF(convert), 0,
+                                           offsetof(gn_scene, couple.convert.where)};
+
+static const gn_key couple_keys[] = {
+    ARRAY("zones", LIST, gn_scene, couple.zones, couple.zone_count, .section = &zone_section,
+          .range = "[0, 1000]",
+          .text = "zones in which particles and elements overlap; at least one without convert"),
+    SECTION(
+        "convert", convert_section, PRESENT(BOOL, gn_scene, couple.has_convert),
+        .text =
+            "starts with elements everywhere, which turn into particles where stresses are high"),
+    CHOICE("constraint", gn_scene, couple.constraint, constraints, BY("lumped"),
+           "particles of a zone follow the nodes, which take their mass lumped or consistently"),
+};
+const gn_section gn_couple_section = {KEYS_OF(couple), 0, offsetof(gn_scene, couple.where)};

@@ -1,8 +1,6 @@
 /* Keys of `sources` and `sinks`. */
 #include "scene/manifest_keys.h"
 
-static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
-                                     {"yes", 1},  {"no", 0},    {NULL, 0}};
 static const gn_choice source_sizes[] = {{"uniform", GN_SIZES_UNIFORM},
                                          {"normal", GN_SIZES_NORMAL},
                                          {"sieve", GN_SIZES_SIEVE},
@@ -11,30 +9,26 @@ static const gn_choice source_sizes[] = {{"uniform", GN_SIZES_UNIFORM},
 /* ---- regions ---- */
 
 static const gn_key rectangle_keys[] = {
-    KEY("width", REAL, gn_flow_region, size[0], .unit = "m", .range = GN_LENGTHS, .required = true,
-        .text = "length along x"),
-    KEY("height", REAL, gn_flow_region, size[1], .unit = "m", .range = GN_LENGTHS, .required = true,
-        .text = "length along y"),
+    REAL("width", gn_flow_region, size[0], "m", GN_LENGTHS, REQUIRED, "length along x"),
+    REAL("height", gn_flow_region, size[1], "m", GN_LENGTHS, REQUIRED, "length along y"),
 };
 TABLE_OF(rectangle);
 
 static const gn_key disc_keys[] = {
-    KEY("diameter", REAL, gn_flow_region, diameter, .unit = "m", .range = GN_LENGTHS,
-        .required = true, .text = "diameter of the disc"),
+    REAL("diameter", gn_flow_region, diameter, "m", GN_LENGTHS, REQUIRED, "diameter of the disc"),
 };
 TABLE_OF(disc);
 
 static const gn_key box_keys[] = {
-    KEY("size", VECTOR, gn_flow_region, size, .unit = "m", .range = GN_LENGTHS, .required = true,
-        .shape_dimension = 3, .text = "lengths along x, y and z"),
+    VECTOR("size", gn_flow_region, size, "m", GN_LENGTHS, REQUIRED, "lengths along x, y and z",
+           .shape_dimension = 3),
 };
 TABLE_OF(box);
 
 static const gn_key cylinder_keys[] = {
-    KEY("diameter", REAL, gn_flow_region, diameter, .unit = "m", .range = GN_LENGTHS,
-        .required = true, .text = "diameter of the cylinder"),
-    KEY("height", REAL, gn_flow_region, height, .unit = "m", .range = GN_LENGTHS, .required = true,
-        .text = "length along z"),
+    REAL("diameter", gn_flow_region, diameter, "m", GN_LENGTHS, REQUIRED,
+         "diameter of the cylinder"),
+    REAL("height", gn_flow_region, height, "m", GN_LENGTHS, REQUIRED, "length along z"),
 };
 TABLE_OF(cylinder);
 
@@ -62,68 +56,59 @@ TABLE_OF(cylinder);
 /* ---- sources ---- */
 
 static const gn_key source_keys[] = {
-    KEY("name", NAME, gn_source_def, name, .required = true,
-        .text = "name in the columns of the history"),
+    NAME("name", gn_source_def, name, REQUIRED, "name in the columns of the history"),
     REGION(gn_source_def),
-    KEY("rate", REAL, gn_source_def, rate, .unit = GN_EVENT_RATE, .range = "[1e-12, 1e12]",
-        .word = "none", .fallback = "none", .text = "particles per second; rate or mass_rate"),
-    KEY("mass_rate", REAL, gn_source_def, mass_rate, .unit = "kg/s", .range = "[1e-18, 1e18]",
-        .word = "none", .fallback = "none",
-        .text = "mass of particles per second; rate or mass_rate"),
-    KEY("start", REAL, gn_source_def, start, .unit = "s", .range = "[0, 1e18]", .fallback = "0",
-        .text = "time of the first particle"),
-    KEY("end", REAL, gn_source_def, end, .unit = "s", .range = "(0, 1e18]", .word = "none",
-        .fallback = "none", .text = "time after which no more particles are created"),
-    KEY("total", INTEGER, gn_source_def, total, .range = "[1, 1e9]", .word = "none",
-        .fallback = "none", .text = "total number of particles"),
-    KEY("mean_radius", REAL, gn_source_def, mean_radius, .unit = "m", .range = GN_LENGTHS,
-        .required = true, .text = "mean of the radii by number"),
-    KEY("sizes", CHOICE, gn_source_def, sizes, .choices = source_sizes, .fallback = "uniform",
-        .text = "distribution of the radii between the smallest and the largest: by number, or "
-                "sieve: by the curve"),
-    KEY("size_ratio", REAL, gn_source_def, size_ratio, .unit = "1", .range = "[1, 100]",
-        .fallback = "1", PRESENT(NONE, gn_source_def, sieve_count),
-        .text = "largest over smallest radius, with sizes uniform or normal; a sieve curve implies "
-                "its own"),
-    KEY("size_variation", REAL, gn_source_def, size_variation, .unit = "1", .range = "[0, 1]",
-        .word = "auto", .word_value = -1, .fallback = "auto",
-        .text = "standard deviation of the radii over their mean, with sizes normal; auto: a sixth "
-                "of the range"),
+    REAL("rate", gn_source_def, rate, GN_EVENT_RATE, "[1e-12, 1e12]", OR("none", 0),
+         "particles per second; rate or mass_rate"),
+    REAL("mass_rate", gn_source_def, mass_rate, "kg/s", "[1e-18, 1e18]", OR("none", 0),
+         "mass of particles per second; rate or mass_rate"),
+    REAL("start", gn_source_def, start, "s", "[0, 1e18]", BY("0"), "time of the first particle"),
+    REAL("end", gn_source_def, end, "s", "(0, 1e18]", OR("none", 0),
+         "time after which no more particles are created"),
+    INTEGER("total", gn_source_def, total, "[1, 1e9]", OR("none", 0), "total number of particles"),
+    REAL("mean_radius", gn_source_def, mean_radius, "m", GN_LENGTHS, REQUIRED,
+         "mean of the radii by number"),
+    CHOICE("sizes", gn_source_def, sizes, source_sizes, BY("uniform"),
+           "distribution of the radii between the smallest and the largest: by number, or sieve: "
+           "by the curve"),
+    REAL(
+        "size_ratio", gn_source_def, size_ratio, "1", "[1, 100]", BY("1"),
+        "largest over smallest radius, with sizes uniform or normal; a sieve curve implies its own",
+        PRESENT(NONE, gn_source_def, sieve_count)),
+    REAL("size_variation", gn_source_def, size_variation, "1", "[0, 1]", OR("auto", -1),
+         "standard deviation of the radii over their mean, with sizes normal; auto: a sixth of the "
+         "range"),
     ARRAY("sieve", POINTS, gn_source_def, sieve, sieve_count, .unit = "1", .range = "[0, 1]",
           .number = 2, PRESENT(COUNT, gn_source_def, sieve_count),
           .text = "with sizes sieve: rows [size over the largest, mass fraction that passes], from "
                   "[smallest, 0] to [1, 1]"),
-    KEY("material", TEXT, gn_source_def, material, .fallback = "",
-        PRESENT(TEXT, gn_source_def, material),
-        .text = "name of the material; may be left out when there is only one"),
-    KEY("velocity", VECTOR, gn_source_def, velocity, .unit = "m/s", .range = GN_SPEEDS,
-        .fallback = "0", .text = "velocity of new particles"),
-    KEY("random_velocity", REAL, gn_source_def, random_velocity, .unit = "m/s", .range = "[0, 3e8]",
-        .fallback = "0",
-        .text = "random velocity of new particles, added along each axis, uniform in plus or minus "
-                "this"),
+    TEXT("material", gn_source_def, material, BY(""),
+         "name of the material; may be left out when there is only one",
+         PRESENT(TEXT, gn_source_def, material)),
+    VECTOR("velocity", gn_source_def, velocity, "m/s", GN_SPEEDS, BY("0"),
+           "velocity of new particles"),
+    REAL("random_velocity", gn_source_def, random_velocity, "m/s", "[0, 3e8]", BY("0"),
+         "random velocity of new particles, added along each axis, uniform in plus or minus this"),
 };
-const gn_section gn_source_section = {source_keys, sizeof source_keys / sizeof(gn_key),
-                                      sizeof(gn_source_def), offsetof(gn_source_def, where)};
+const gn_section gn_source_section = {KEYS_OF(source), sizeof(gn_source_def),
+                                      offsetof(gn_source_def, where)};
 
 /* ---- sinks ---- */
 
 static const gn_key plane_keys[] = {
-    KEY("point", VECTOR, gn_sink_def, point, .unit = "m", .range = GN_PLACES, .required = true,
-        .text = "a point of the plane"),
-    KEY("normal", VECTOR, gn_sink_def, normal, .unit = "1", .required = true,
-        .text = "direction out of the model; of any length"),
+    VECTOR("point", gn_sink_def, point, "m", GN_PLACES, REQUIRED, "a point of the plane"),
+    VECTOR("normal", gn_sink_def, normal, "1", NULL, REQUIRED,
+           "direction out of the model; of any length"),
 };
 TABLE_OF(plane);
 
 static const gn_key sink_keys[] = {
-    KEY("name", NAME, gn_sink_def, name, .required = true,
-        .text = "name in the columns of the history"),
+    NAME("name", gn_sink_def, name, REQUIRED, "name in the columns of the history"),
     SECTION("plane", plane_section, PRESENT(BOOL, gn_sink_def, has_plane),
             .text = "particles wholly beyond the plane are removed; plane or a region"),
     REGION(gn_sink_def),
-    KEY("remove", CHOICE, gn_sink_def, remove, .choices = booleans, .fallback = "true",
-        .text = "false: a plane only counts the centres that cross it, less those that return"),
+    CHOICE("remove", gn_sink_def, remove, gn_booleans, BY("true"),
+           "false: a plane only counts the centres that cross it, less those that return"),
 };
-const gn_section gn_sink_section = {sink_keys, sizeof sink_keys / sizeof(gn_key),
-                                    sizeof(gn_sink_def), offsetof(gn_sink_def, where)};
+const gn_section gn_sink_section = {KEYS_OF(sink), sizeof(gn_sink_def),
+                                    offsetof(gn_sink_def, where)};

@@ -27,12 +27,40 @@
 #define GN_TRACTIONS     "[-1e18, 1e18]" /* Pa */
 #define GN_PRESSURES     "[0, 1e18]"     /* Pa */
 
+/* Words that several tables use. */
+extern const gn_choice gn_booleans[], gn_axes[];
+
 /* A key TYPE called NAME for FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
     {                                                                                              \
         .name = NAME, .type = GN_KEY_##TYPE, .offset = offsetof(STRUCT, FIELD),                    \
         .size = sizeof(((STRUCT *)0)->FIELD), __VA_ARGS__                                          \
     }
+
+/* Keys by type. DEFAULT is REQUIRED, BY("0.1") or OR("none", value): a word in place of a number,
+ * which stands for `value` and is the default; or PRESENT. The text may be followed by further
+ * members. */
+#define REQUIRED        .required = true
+#define BY(TEXT)        .fallback = TEXT
+#define OR(WORD, VALUE) .word = WORD, .word_value = VALUE, .fallback = WORD
+#define REAL(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                       \
+    KEY(NAME, REAL, STRUCT, FIELD, .unit = UNIT, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
+#define VECTOR(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                     \
+    KEY(NAME, VECTOR, STRUCT, FIELD, .unit = UNIT, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
+#define SPIN(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                       \
+    KEY(NAME, SPIN, STRUCT, FIELD, .unit = UNIT, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
+#define TABLE(NAME, STRUCT, FIELD, UNIT, RANGE, DEFAULT, ...)                                      \
+    KEY(NAME, TABLE, STRUCT, FIELD, .unit = UNIT, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
+#define INTEGER(NAME, STRUCT, FIELD, RANGE, DEFAULT, ...)                                          \
+    KEY(NAME, INTEGER, STRUCT, FIELD, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
+#define CELLS(NAME, STRUCT, FIELD, RANGE, DEFAULT, ...)                                            \
+    KEY(NAME, CELLS, STRUCT, FIELD, .range = RANGE, DEFAULT, .text = __VA_ARGS__)
+#define CHOICE(NAME, STRUCT, FIELD, CHOICES, DEFAULT, ...)                                         \
+    KEY(NAME, CHOICE, STRUCT, FIELD, .choices = CHOICES, DEFAULT, .text = __VA_ARGS__)
+#define NAME(KEY_NAME, STRUCT, FIELD, DEFAULT, ...)                                                \
+    KEY(KEY_NAME, NAME, STRUCT, FIELD, DEFAULT, .text = __VA_ARGS__)
+#define TEXT(KEY_NAME, STRUCT, FIELD, DEFAULT, ...)                                                \
+    KEY(KEY_NAME, TEXT, STRUCT, FIELD, DEFAULT, .text = __VA_ARGS__)
 /* An array whose first element FIELD points to and whose count is COUNT. */
 #define ARRAY(NAME, TYPE, STRUCT, FIELD, COUNT, ...)                                               \
     KEY(NAME, TYPE, STRUCT, FIELD, .second = offsetof(STRUCT, COUNT), __VA_ARGS__)
@@ -46,24 +74,16 @@
 #define SHAPE(KIND, DIMENSION)                                                                     \
     .shape = GN_SHAPE_##KIND, .shape_dimension = (DIMENSION),                                      \
     PRESENT(SHAPE, gn_scene, specimen.pack.shape)
-#define TABLE_OF(NAME)                                                                             \
-    static const gn_section NAME##_section = {NAME##_keys, sizeof NAME##_keys / sizeof(gn_key), 0, \
-                                              GN_NO_WHERE}
+/* The section of a table: its keys, the size of an element of a list, where its place is kept. */
+#define KEYS_OF(NAME)  NAME##_keys, sizeof NAME##_keys / sizeof(gn_key)
+#define TABLE_OF(NAME) static const gn_section NAME##_section = {KEYS_OF(NAME), 0, GN_NO_WHERE}
 #define ELEMENTS_OF(NAME, STRUCT)                                                                  \
-    static const gn_section NAME##_section = {NAME##_keys, sizeof NAME##_keys / sizeof(gn_key),    \
-                                              sizeof(STRUCT), offsetof(STRUCT, where)}
+    static const gn_section NAME##_section = {KEYS_OF(NAME), sizeof(STRUCT),                       \
+                                              offsetof(STRUCT, where)}
 
-/* The section `elements` (manifest_elements.c); its fields lie in gn_scene. */
-extern const gn_section gn_elements_section;
-/* Sections `test` and `membrane` (manifest_test.c); their fields lie in gn_scene. */
-extern const gn_section gn_test_section, gn_membrane_section;
-/* Section `time` (manifest_time.c); its fields lie in gn_scene. */
-extern const gn_section gn_time_section;
-/* Section `output` (manifest_output.c); its fields lie in gn_scene. */
-extern const gn_section gn_output_section;
-/* Elements of `sources` and `sinks` (manifest_flow.c). */
-extern const gn_section gn_source_section, gn_sink_section;
-/* Section `couple` (manifest_couple.c); its fields lie in gn_scene. */
-extern const gn_section gn_couple_section;
+/* Sections of the scene that other files hold; fields of those that are no lists lie in gn_scene.
+ */
+extern const gn_section gn_couple_section, gn_elements_section, gn_membrane_section,
+    gn_output_section, gn_sink_section, gn_source_section, gn_test_section, gn_time_section;
 
 #endif

@@ -13,8 +13,10 @@ void gn_problem_place(gn_problems *problems, gn_scene_place where, const char *p
     snprintf(problems->path, sizeof problems->path, "%s", path);
 }
 
-gneiss_status gn_problem_keep(gn_problems *problems, gneiss_status status,
-                              const gneiss_error *error) {
+/* Keeps the message in `error` if the status is GNEISS_ERROR_INPUT, so that reading can continue;
+ * returns any other status unchanged. */
+static gneiss_status problem_keep(gn_problems *problems, gneiss_status status,
+                                  const gneiss_error *error) {
     if (status != GNEISS_ERROR_INPUT) return status;
     if (problems->count < GN_PROBLEMS_MAX) {
         gn_problem *next = &problems->problem[problems->count];
@@ -131,7 +133,7 @@ void gn_notes_merge_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
 }
 
 gneiss_status gn_read_keep_problem(const gn_reader *reader, gneiss_status status) {
-    return gn_problem_keep(reader->problems, status, reader->error);
+    return problem_keep(reader->problems, status, reader->error);
 }
 
 /* --- keys in doubt --- */

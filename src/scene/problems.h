@@ -26,11 +26,6 @@ typedef struct gn_problems {
 /* Sets the place of the next message. */
 void gn_problem_place(gn_problems *problems, gn_scene_place where, const char *path);
 
-/* Keeps the message in `error` if the status is GNEISS_ERROR_INPUT, so that reading can continue;
- * returns any other status unchanged. */
-gneiss_status gn_problem_keep(gn_problems *problems, gneiss_status status,
-                              const gneiss_error *error);
-
 /* Joins all messages, ordered by place in the file, into one in `error`; GNEISS_OK if there are
  * none. */
 gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error);

@@ -293,6 +293,11 @@ void gn_scene_free(gn_scene *scene) {
     memset(scene, 0, sizeof *scene);
 }
 
+void gn_scene_delete(gn_scene **scene) {
+    gn_scene_free(*scene);
+    gn_free(*scene);
+}
+
 /* ---- copying ---- */
 
 /* Replaces the array at *slot by a copy; by NULL if it is empty or memory is lacking. */

@@ -572,6 +572,8 @@ gneiss_status gn_scene_load_specimen(const char *path, const gn_override *overri
                                      size_t override_count, gn_scene *scene, gneiss_error *error);
 
 void gn_scene_free(gn_scene *scene);
+/* Frees the scene that *scene points to, and its block (GN_FREED_BY); *scene may be NULL. */
+void gn_scene_delete(gn_scene **scene);
 
 /* Makes a deep copy, without specimen.packed. On failure the copy owns nothing. */
 gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *error);

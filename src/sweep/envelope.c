@@ -1,7 +1,7 @@
 #define _GNU_SOURCE /* qsort_r */
 #include "sweep/envelope.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -217,24 +217,21 @@ static void fit_groups(const gn_summary *summary, gn_envelopes *envelopes, const
 static gneiss_status make_envelopes(const gn_summary *summary, gn_envelopes *envelopes, size_t at,
                                     size_t of, gneiss_error *error) {
     const gn_sweep *sweep = summary->sweep;
-    size_t *runs = gn_alloc_array(sweep->run_count, sizeof *runs);
-    double *pairs = gn_alloc_array(2 * sweep->run_count, sizeof *pairs);
-    bool *confines = gn_alloc_array(sweep->parameter_count + 1, sizeof *confines);
-    envelopes->of = gn_alloc_array(sweep->run_count, sizeof *envelopes->of);
-    envelopes->first = gn_alloc_array(sweep->run_count, sizeof *envelopes->first);
-    envelopes->of_run = gn_alloc_array(sweep->run_count, sizeof *envelopes->of_run);
-    envelopes->grouping = gn_alloc_array(sweep->parameter_count + 1, sizeof *envelopes->grouping);
-    bool held = runs && pairs && confines && envelopes->of && envelopes->first &&
-                envelopes->of_run && envelopes->grouping;
-    if (held) {
-        choose_grouping(sweep, runs, confines, envelopes->grouping);
-        sort_runs(sweep, envelopes->grouping, runs);
-        fit_groups(summary, envelopes, runs, pairs, at, of);
-    }
-    gn_free(runs);
-    gn_free(pairs);
-    gn_free(confines);
-    return held ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
+    const size_t count = sweep->run_count, parameters = sweep->parameter_count;
+    GN_FREED size_t *runs = NULL;
+    GN_FREED double *pairs = NULL;
+    GN_FREED bool *confines = NULL;
+    GN_TRY(gn_new(&runs, count, "runs", error));
+    GN_TRY(gn_new(&pairs, 2 * count, "pairs of stresses", error));
+    GN_TRY(gn_new(&confines, parameters, "parameters", error));
+    GN_TRY(gn_new(&envelopes->of, count, "envelopes", error));
+    GN_TRY(gn_new(&envelopes->first, count, "envelopes", error));
+    GN_TRY(gn_new(&envelopes->of_run, count, "runs", error));
+    GN_TRY(gn_new(&envelopes->grouping, parameters, "parameters", error));
+    choose_grouping(sweep, runs, confines, envelopes->grouping);
+    sort_runs(sweep, envelopes->grouping, runs);
+    fit_groups(summary, envelopes, runs, pairs, at, of);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_envelopes_make(const gn_summary *summary, gn_envelopes *envelopes,

@@ -2,7 +2,7 @@
  * computed. */
 #include "sweep/expand.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/printable.h"
 #include "base/version.h"
 #include "io/files.h"
@@ -249,42 +249,31 @@ static void forget_paths(const gn_section *section, char *base) {
  * of threads (unless the sweep varies it). */
 static gneiss_status plain_text(const gn_sweep *sweep, const gn_scene *scene, char **text,
                                 gneiss_error *error) {
-    gn_scene *plain = gn_alloc(sizeof *plain);
+    GN_FREED_BY(gn_scene_delete) gn_scene *plain = NULL;
     *text = NULL;
-    if (!plain) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
-    gneiss_status status = gn_scene_copy(scene, plain, error);
-    if (status == GNEISS_OK) {
-        plain->title[0] = plain->output_directory[0] = '\0';
-        plain->checkpoint_wall = 0.0;
-        if (!varies(sweep, "run.threads")) plain->threads = 0;
-        forget_paths(&gn_scene_section, (char *)plain);
-        *text = gn_scene_write(plain);
-        gn_scene_free(plain);
-        if (!*text)
-            status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
-    }
-    gn_free(plain);
-    return status;
+    GN_TRY(gn_new(&plain, 1, "a scene", error));
+    GN_TRY(gn_scene_copy(scene, plain, error));
+    plain->title[0] = plain->output_directory[0] = '\0';
+    plain->checkpoint_wall = 0.0;
+    if (!varies(sweep, "run.threads")) plain->threads = 0;
+    forget_paths(&gn_scene_section, (char *)plain);
+    *text = gn_scene_write(plain);
+    return *text ? GNEISS_OK : gn_no_memory(error, "the text of a scene");
 }
 
 static gneiss_status hash_scene(const gn_sweep *sweep, const gn_scene *scene, file_hashes *known,
                                 gn_sweep_run *run, gneiss_error *error) {
     char version[64];
     int length = snprintf(version, sizeof version, "%s %d", gn_version(), FOLDER_FORMAT);
-    char *text = NULL, *specimen = gn_scene_write_specimen(scene);
-    gneiss_status status = plain_text(sweep, scene, &text, error);
-    if (status == GNEISS_OK && !specimen)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
-    if (status == GNEISS_OK) {
-        run->hash = gn_hash_bytes(version, (size_t)length, GN_HASH_SEED);
-        run->hash = gn_hash_bytes(text, strlen(text), run->hash);
-        status = hash_files(known, &gn_scene_section, (const char *)scene, &run->hash, error);
-        if (scene->specimen.pack.shape != GN_SHAPE_NONE)
-            run->packing = gn_hash_bytes(specimen, strlen(specimen), GN_HASH_SEED) | 1U;
-    }
-    free(text);
-    free(specimen);
-    return status;
+    GN_FREED char *text = NULL, *specimen = gn_scene_write_specimen(scene);
+    GN_TRY(plain_text(sweep, scene, &text, error));
+    if (!specimen) return gn_no_memory(error, "the text of a specimen");
+    run->hash = gn_hash_bytes(version, (size_t)length, GN_HASH_SEED);
+    run->hash = gn_hash_bytes(text, strlen(text), run->hash);
+    GN_TRY(hash_files(known, &gn_scene_section, (const char *)scene, &run->hash, error));
+    if (scene->specimen.pack.shape != GN_SHAPE_NONE)
+        run->packing = gn_hash_bytes(specimen, strlen(specimen), GN_HASH_SEED) | 1U;
+    return GNEISS_OK;
 }
 
 /* ---- runs ---- */
@@ -305,9 +294,7 @@ static gneiss_status number_seeds(gn_sweep *sweep, gn_scene *scene, gneiss_error
     GN_TRY(checked_scene(sweep, 0, false, scene, error));
     uint64_t first = scene->seed;
     gn_scene_free(scene);
-    sweep->seeds = gn_alloc_array(sweep->seed_count, sizeof *sweep->seeds);
-    if (!sweep->seeds)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
+    GN_TRY(gn_new(&sweep->seeds, sweep->seed_count, "seeds", error));
     for (size_t k = 0; k < sweep->seed_count; k++) sweep->seeds[k] = first + k;
     return GNEISS_OK;
 }
@@ -366,15 +353,14 @@ static int by_hash(const void *left, const void *right) {
 }
 
 static gneiss_status find_originals(gn_sweep *sweep, gneiss_error *error) {
-    gn_sweep_run **order = gn_alloc_array(sweep->run_count, sizeof *order);
-    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
+    GN_FREED gn_sweep_run **order = NULL;
+    GN_TRY(gn_new(&order, sweep->run_count, "runs", error));
     for (size_t k = 0; k < sweep->run_count; k++) order[k] = &sweep->runs[k];
     qsort(order, sweep->run_count, sizeof *order, by_hash);
     for (size_t k = 0; k < sweep->run_count; k++)
         order[k]->original = k && order[k - 1]->hash == order[k]->hash
                                  ? order[k - 1]->original
                                  : (size_t)(order[k] - sweep->runs);
-    gn_free(order);
     return GNEISS_OK;
 }
 
@@ -399,23 +385,97 @@ static gneiss_status read_runs(gn_sweep *sweep, gn_scene *scene, gneiss_error *e
     return status;
 }
 
+/* ---- places in the scene that the parameters write: keys have several spellings ---- */
+
+enum { OVERRIDES_MOST = 64, PLACES_MOST = OVERRIDES_MOST + GN_SWEEP_PARAMETERS_MAX };
+
+typedef struct writer {
+    const char *key;
+    const gn_sweep_parameter *parameter; /* NULL: of the command line */
+    char place[GN_KEY_PATH_SIZE];
+} writer;
+
+/* True if `part` is `whole` or a part of it. */
+static bool holds(const char *whole, const char *part) {
+    size_t length = strlen(whole);
+    return strncmp(whole, part, length) == 0 && (part[length] == '.' || !part[length]);
+}
+
+/* A part of a value that is equal in every run may be varied: --set gravity=[0, 0, 0] and
+ * gravity[2]. */
+static bool conflicts(const writer *before, const writer *now) {
+    if (holds(now->place, before->place)) return true;
+    return before->parameter && before->parameter->count > 1 && holds(before->place, now->place);
+}
+
+static gneiss_status refuse(const gn_sweep *sweep, const writer *before, const writer *now,
+                            gneiss_error *error) {
+    const gn_sweep_parameter *parameter = now->parameter, *other = before->parameter;
+    if (!other)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s:%d:%d: parameters.%s: given on the command line as well: --set %s",
+                       sweep->source, parameter->where.line, parameter->where.column,
+                       parameter->key, before->key);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s:%d:%d: parameters.%s: expected once, found again; first given as %s in line "
+                   "%d, column %d",
+                   sweep->source, parameter->where.line, parameter->where.column, parameter->key,
+                   other->key, other->where.line, other->where.column);
+}
+
+static gneiss_status check_one(const gn_sweep *sweep, const gn_tree *tree, writer *all,
+                               size_t count, gneiss_error *error) {
+    writer *now = &all[count];
+    gn_tree_place(tree, now->key, now->place, sizeof now->place);
+    for (size_t k = 0; now->parameter && k < count; k++)
+        if (conflicts(&all[k], now)) return refuse(sweep, &all[k], now, error);
+    return GNEISS_OK;
+}
+
+/* Overrides are applied in their order, so that names are those at that moment. An override that
+ * cannot be applied is reported when the scene is read. */
+static gneiss_status check_run(const gn_sweep *sweep, size_t run, gneiss_error *error) {
+    writer all[PLACES_MOST];
+    gn_tree *tree = NULL;
+    size_t first = sweep->override_count < OVERRIDES_MOST ? sweep->override_count : OVERRIDES_MOST;
+    if (gn_tree_read(sweep->scene_text, strlen(sweep->scene_text), sweep->scene, &tree, NULL) !=
+        GNEISS_OK)
+        return GNEISS_OK;
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < first + sweep->parameter_count; k++) {
+        const gn_sweep_parameter *parameter = k < first ? NULL : &sweep->parameters[k - first];
+        gn_override put = parameter ? (gn_override){parameter->key,
+                                                    gn_sweep_value_of(sweep, run, k - first)->text}
+                                    : sweep->overrides[k];
+        all[k] = (writer){.key = put.key ? put.key : "", .parameter = parameter};
+        status = check_one(sweep, tree, all, k, error);
+        if (status == GNEISS_OK && gn_tree_override(tree, &put, NULL) != GNEISS_OK) break;
+    }
+    gn_tree_free(tree);
+    return status;
+}
+
+/* Places differ between runs only if names do. */
+static gneiss_status check_places(const gn_sweep *sweep, gneiss_error *error) {
+    bool names = false;
+    for (size_t p = 0; p < sweep->parameter_count; p++) {
+        const char *dot = strrchr(sweep->parameters[p].key, '.');
+        names |= dot && strcmp(dot, ".name") == 0;
+    }
+    for (size_t run = 0; run < (names ? sweep->run_count : 1); run++)
+        GN_TRY(check_run(sweep, run, error));
+    return GNEISS_OK;
+}
+
 gneiss_status gn_sweep_expand(gn_sweep *sweep, gn_combine combine, gneiss_error *error) {
     size_t lists, points;
+    GN_FREED gn_scene *scene = NULL; /* too large for a small stack */
     GN_TRY(count_runs(sweep, combine, &lists, &points, error));
-    sweep->runs = gn_alloc_array(sweep->run_count, sizeof *sweep->runs);
-    sweep->chosen =
-        gn_alloc_array(sweep->run_count * sweep->parameter_count + 1, sizeof *sweep->chosen);
-    gn_scene *scene = gn_alloc(sizeof *scene); /* too large for a small stack */
-    gneiss_status status =
-        sweep->runs && sweep->chosen && scene
-            ? GNEISS_OK
-            : gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
-    if (status == GNEISS_OK) {
-        choose_values(sweep, combine, points);
-        status = gn_sweep_check_places(sweep, error);
-    }
-    if (status == GNEISS_OK) status = read_runs(sweep, scene, error);
-    if (status == GNEISS_OK) status = find_originals(sweep, error);
-    gn_free(scene);
-    return status;
+    GN_TRY(gn_new(&sweep->runs, sweep->run_count, "runs", error));
+    GN_TRY(gn_new(&sweep->chosen, sweep->run_count * sweep->parameter_count, "values", error));
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    choose_values(sweep, combine, points);
+    GN_TRY(check_places(sweep, error));
+    GN_TRY(read_runs(sweep, scene, error));
+    return find_originals(sweep, error);
 }

@@ -1,5 +1,5 @@
 /* Files of the summary. */
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/version.h"
 #include "io/files.h"
 #include "io/h5.h"
@@ -136,20 +136,15 @@ static void write_means(FILE *out, const gn_summary *summary) {
 static gneiss_status write_table(const gn_summary *summary, const char *name,
                                  void (*write)(FILE *out, const gn_summary *summary),
                                  gneiss_error *error) {
-    char path[GN_PATH_SIZE + 32], *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    bool failed = !out;
-    if (out) {
-        write(out, summary);
-        failed = ferror(out) != 0;
-        failed = fclose(out) != 0 || failed;
-    }
+    char path[GN_PATH_SIZE + 32];
+    GN_FREED char *text = NULL;
+    size_t size;
+    FILE *out;
+    GN_TRY(gn_text_open(&text, &size, &out, name, error));
+    write(out, summary);
+    GN_TRY(gn_text_close(out, name, error));
     snprintf(path, sizeof path, "%s/%s", summary->directory, name);
-    gneiss_status status = failed ? gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name)
-                                  : gn_write_text_file(path, text, GN_RENAMED, error);
-    free(text);
-    return status;
+    return gn_write_text_file(path, text, GN_RENAMED, error);
 }
 
 /* ---- HDF5 ---- */
@@ -158,19 +153,16 @@ static gneiss_status write_table(const gn_summary *summary, const char *name,
 static gneiss_status put_lines(gn_h5 *file, const char *name, const gn_summary *summary,
                                void (*line)(FILE *out, const gn_summary *summary, size_t k),
                                size_t count, gneiss_error *error) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
+    GN_FREED char *text = NULL;
+    size_t size;
+    FILE *out;
+    GN_TRY(gn_text_open(&text, &size, &out, name, error));
     for (size_t k = 0; k < count; k++) {
         if (k) fputc('\n', out);
         line(out, summary, k);
     }
-    gneiss_status status = fclose(out) == 0
-                               ? gn_h5_put_text(file, name, text, error)
-                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
-    free(text);
-    return status;
+    GN_TRY(gn_text_close(out, name, error));
+    return gn_h5_put_text(file, name, text, error);
 }
 
 static void hash_line(FILE *out, const gn_summary *summary, size_t k) {
@@ -211,8 +203,10 @@ static gneiss_status put_parameter(gn_h5 *file, const gn_summary *summary, size_
                                    gneiss_error *error) {
     const gn_sweep *sweep = summary->sweep;
     const gn_sweep_parameter *parameter = &sweep->parameters[p];
-    char name[GN_KEY_PATH_SIZE + 32], *text = NULL;
-    size_t size = 0;
+    char name[GN_KEY_PATH_SIZE + 32];
+    GN_FREED char *text = NULL;
+    size_t size;
+    FILE *out;
     snprintf(name, sizeof name, "parameters/%s", parameter->key);
     for (char *c = name + strlen("parameters/"); *c; c++)
         if (*c == '/') *c = '_';
@@ -224,15 +218,11 @@ static gneiss_status put_parameter(gn_h5 *file, const gn_summary *summary, size_
     int64_t sampled = parameter->sampled;
     GN_TRY(gn_h5_attribute_i64(file, name, "sampled", &sampled, 1, error));
     if (parameter->numeric) return GNEISS_OK;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
+    GN_TRY(gn_text_open(&text, &size, &out, name, error));
     for (size_t k = 0; k < parameter->count; k++)
         fprintf(out, "%s%s", k ? "\n" : "", parameter->values[k].text);
-    gneiss_status status = fclose(out) == 0
-                               ? gn_h5_attribute_text(file, name, "values", text, error)
-                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
-    free(text);
-    return status;
+    GN_TRY(gn_text_close(out, name, error));
+    return gn_h5_attribute_text(file, name, "values", text, error);
 }
 
 static gneiss_status put_reading(gn_h5 *file, const gn_summary *summary, size_t r, double *column,
@@ -300,11 +290,12 @@ static gneiss_status put_runs(gn_h5 *file, const gn_summary *summary, double *co
 static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *envelopes, size_t offset,
                                           bool coulomb, const char *labels[3], double *column,
                                           gneiss_error *error) {
-    char path[GN_NAME_SIZE + 16], *reasons = NULL;
-    size_t size = 0;
+    char path[GN_NAME_SIZE + 16];
+    GN_FREED char *reasons = NULL;
     bool absent = false;
-    FILE *out = open_memstream(&reasons, &size);
-    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", labels[0]);
+    size_t size;
+    FILE *out;
+    GN_TRY(gn_text_open(&reasons, &size, &out, labels[0], error));
     for (size_t k = 0; k < envelopes->count; k++) {
         memcpy(&column[k], (const char *)&envelopes->of[k] + offset, sizeof column[k]);
         if (k) fputc('\n', out);
@@ -312,81 +303,65 @@ static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *envel
             fputs(coulomb ? envelopes->of[k].no_coulomb : envelopes->of[k].no_hoek_brown, out);
         absent |= isnan(column[k]);
     }
+    GN_TRY(gn_text_close(out, labels[0], error));
     snprintf(path, sizeof path, "envelope/%s", labels[0]);
-    gneiss_status status = fclose(out) == 0
-                               ? GNEISS_OK
-                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", labels[0]);
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, path, GN_F64, envelopes->count, 1, 0, column, labels[1], labels[2],
-                           error);
-    if (status == GNEISS_OK && absent)
-        status = gn_h5_attribute_text(file, path, "absent", reasons, error);
-    free(reasons);
-    return status;
+    GN_TRY(
+        gn_h5_put(file, path, GN_F64, envelopes->count, 1, 0, column, labels[1], labels[2], error));
+    return absent ? gn_h5_attribute_text(file, path, "absent", reasons, error) : GNEISS_OK;
 }
 
 /* Writes the parameters and the runs of each envelope. */
 static gneiss_status put_envelope_runs(gn_h5 *file, const gn_summary *summary,
                                        const gn_envelopes *envelopes, double *column,
                                        gneiss_error *error) {
-    char label[512], *text = NULL;
-    size_t size = 0;
+    char label[512];
+    GN_FREED char *text = NULL;
+    size_t size;
+    FILE *out;
     for (size_t k = 0; k < summary->sweep->run_count; k++) column[k] = (double)envelopes->of_run[k];
     GN_TRY(gn_h5_put(file, "runs/envelope", GN_F64, summary->sweep->run_count, 1, 0, column, "1",
                      "place in the data sets of /envelope, base 0; -1: in none", error));
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
+    GN_TRY(gn_text_open(&text, &size, &out, "the envelopes", error));
     for (size_t k = 0; k < envelopes->count; k++)
         fprintf(out, "%s%s", k ? "\n" : "",
                 gn_envelope_label(summary, envelopes, k, label, sizeof label));
-    gneiss_status status = fclose(out) == 0
-                               ? gn_h5_put_text(file, "envelope/of", text, error)
-                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
-    free(text);
-    return status;
+    GN_TRY(gn_text_close(out, "the envelopes", error));
+    return gn_h5_put_text(file, "envelope/of", text, error);
 }
 
 static gneiss_status put_envelopes(gn_h5 *file, const gn_summary *summary, double *column,
                                    gneiss_error *error) {
-    gn_envelopes e;
+    GN_FREED_BY(gn_envelopes_free) gn_envelopes e = {0};
     GN_TRY(gn_envelopes_make(summary, &e, error));
-    gneiss_status status = GNEISS_OK;
+    if (!e.count) return GNEISS_OK;
 #define X(name, unit, text)                                                                        \
-    if (e.count && status == GNEISS_OK)                                                            \
-        status = put_envelope_reading(file, &e, offsetof(gn_envelope, name),                       \
-                                      strncmp(#name, "hoek", 4) != 0,                              \
-                                      (const char *[]){#name, unit, text}, column, error);
+    GN_TRY(put_envelope_reading(file, &e, offsetof(gn_envelope, name),                             \
+                                strncmp(#name, "hoek", 4) != 0,                                    \
+                                (const char *[]){#name, unit, text}, column, error));
     GN_ENVELOPE_READINGS(X)
 #undef X
-    if (e.count && status == GNEISS_OK)
-        status = put_envelope_runs(file, summary, &e, column, error);
-    gn_envelopes_free(&e);
-    return status;
+    return put_envelope_runs(file, summary, &e, column, error);
 }
 
 static gneiss_status write_h5(const gn_summary *summary, double *column, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
-    gn_h5 *file = NULL;
+    GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
     snprintf(path, sizeof path, "%s/sweep.h5", summary->directory);
     GN_TRY(gn_h5_create(path, &file, error));
-    gneiss_status status = put_header(file, summary, error);
-    if (status == GNEISS_OK) status = put_runs(file, summary, column, error);
-    for (size_t p = 0; status == GNEISS_OK && p < summary->sweep->parameter_count; p++)
-        status = put_parameter(file, summary, p, column, error);
-    for (size_t r = 0; status == GNEISS_OK && r < summary->reading_count; r++)
-        status = put_reading(file, summary, r, column, error);
-    if (status == GNEISS_OK) status = put_envelopes(file, summary, column, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
-    gn_h5_close(file);
-    return status;
+    GN_TRY(put_header(file, summary, error));
+    GN_TRY(put_runs(file, summary, column, error));
+    for (size_t p = 0; p < summary->sweep->parameter_count; p++)
+        GN_TRY(put_parameter(file, summary, p, column, error));
+    for (size_t r = 0; r < summary->reading_count; r++)
+        GN_TRY(put_reading(file, summary, r, column, error));
+    GN_TRY(put_envelopes(file, summary, column, error));
+    return gn_h5_commit(&file, GN_SYNCED, error);
 }
 
 gneiss_status gn_summary_write(const gn_summary *summary, gneiss_error *error) {
-    double *column = gn_alloc_array(summary->sweep->run_count, sizeof *column);
-    if (!column) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the summary");
-    gneiss_status status = write_h5(summary, column, error);
-    gn_free(column);
-    GN_TRY(status);
+    GN_FREED double *column = NULL;
+    GN_TRY(gn_new(&column, summary->sweep->run_count, "runs", error));
+    GN_TRY(write_h5(summary, column, error));
     GN_TRY(write_table(summary, "sweep.csv", write_runs, error));
     return write_table(summary, "sweep-means.csv", write_means, error);
 }

@@ -1,20 +1,198 @@
-#define _GNU_SOURCE /* sched_getaffinity */
+#define _GNU_SOURCE /* cpu_set_t */
 #include "sweep/work.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/timer.h"
-#include "io/checkpoint_files.h"
 #include "io/files.h"
+#include "io/listing.h"
 #include "run/folder.h"
-#include "sweep/child.h"
+#include "sweep/summary.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
+#include <sched.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
+#include <sys/types.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
+
+typedef struct gn_child {
+    pid_t pid;
+    size_t run;
+    int threads;       /* processors that it uses */
+    int core;          /* index of the processor that it is pinned to; -1: none */
+    bool resumed;      /* started from a checkpoint */
+    bool stepping;     /* past packing and set-up */
+    int64_t from_step; /* step of the newest checkpoint when it was started; -1: none */
+    double start;      /* gn_now() */
+    char folder[GN_PATH_SIZE];
+} gn_child;
+
+typedef struct gn_child_way {
+    const char *program;     /* path of gneiss */
+    const sigset_t *signals; /* signals that the child blocks */
+    const cpu_set_t *pinned; /* NULL: any processor of the parent */
+    bool own_threads;        /* threads as in its scene, not child->threads */
+    bool allow_gmsh;         /* --allow-gmsh */
+} gn_child_way;
+
+/* ---- a run as a separate process, so that a crash affects no other run. Private to src/sweep ----
+ */
+
+/* ---- starting ---- */
+
+/* Creates a new file in place of any existing one; an existing link is not followed. */
+static int open_log(const char *folder, const char *name) {
+    char path[GN_PATH_SIZE + 32];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (unlink(path) != 0 && errno != ENOENT) return -1;
+    return open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+}
+
+/* Runs in the child between fork and exec, with system calls only. A separate process group keeps
+ * the terminal's Ctrl-C from it: the parent passes signals on, once. */
+static void become(const gn_child_way *way, char *const *arguments, const int descriptor[3],
+                   pid_t parent) {
+    setpgid(0, 0);
+    if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0 || getppid() != parent) _exit(GNEISS_INTERRUPTED);
+    for (int k = 0; k < 3; k++)
+        if (dup2(descriptor[k], k) < 0) _exit(GNEISS_ERROR_IO);
+    if (way->pinned) (void)sched_setaffinity(0, sizeof *way->pinned, way->pinned);
+    sigprocmask(SIG_SETMASK, way->signals, NULL);
+    execv(way->program, arguments);
+    _exit(GNEISS_ERROR_IO);
+}
+
+static gneiss_status fork_into(gn_child *child, const gn_child_way *way, char *const *arguments,
+                               gneiss_error *error) {
+    int descriptor[3] = {open("/dev/null", O_RDONLY | O_CLOEXEC),
+                         open_log(child->folder, "progress.jsonl"),
+                         open_log(child->folder, "messages.txt")};
+    gneiss_status status = GNEISS_OK;
+    pid_t parent = getpid();
+    if (descriptor[0] < 0 || descriptor[1] < 0 || descriptor[2] < 0) {
+        status = gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be written: %s", child->folder,
+                         strerror(errno));
+    } else {
+        child->pid = fork();
+        if (child->pid == 0) become(way, arguments, descriptor, parent);
+        if (child->pid < 0)
+            status =
+                gn_fail(error, GNEISS_ERROR_MEMORY, "no process for a run: %s", strerror(errno));
+    }
+    for (int k = 0; k < 3; k++)
+        if (descriptor[k] >= 0) close(descriptor[k]);
+    child->start = gn_now();
+    return status;
+}
+
+/* Returns the step of the newest checkpoint in a folder; -1: none. */
+static int64_t newest_checkpoint(const char *folder) {
+    int64_t step = -1;
+    size_t count = 0;
+    if (gn_checkpoint_list(folder, &step, 1, &count, NULL) != GNEISS_OK || !count) return -1;
+    return step;
+}
+
+/* Starts `gneiss run` on scene.yaml in child->folder, or `gneiss resume`; its output goes to
+ * progress.jsonl and messages.txt there. The child gets SIGTERM when its parent dies in any way. */
+static gneiss_status child_start(gn_child *child, const gn_child_way *way, gneiss_error *error) {
+    char scene[GN_PATH_SIZE + 32], threads[16];
+    snprintf(scene, sizeof scene, "%s/scene.yaml", child->folder);
+    snprintf(threads, sizeof threads, "%d", child->threads);
+    char *const run[] = {"gneiss", "run", scene, "--out", child->folder, "--force"},
+                *const resume[] = {"gneiss", "resume", child->folder};
+    char *arguments[16];
+    size_t count = child->resumed ? sizeof resume / sizeof *resume : sizeof run / sizeof *run;
+    memcpy(arguments, child->resumed ? resume : run, count * sizeof *arguments);
+    arguments[count++] = "--log";
+    arguments[count++] = "json";
+    if (way->allow_gmsh) arguments[count++] = "--allow-gmsh";
+    if (!way->own_threads) {
+        arguments[count++] = "--threads";
+        arguments[count++] = threads;
+    }
+    arguments[count] = NULL;
+    child->from_step = newest_checkpoint(child->folder);
+    child->stepping = false;
+    return fork_into(child, way, arguments, error);
+}
+
+/* ---- watching ---- */
+
+/* Reads the last `size` - 1 bytes of a file; "" if it cannot be read. */
+static void read_tail(const char *folder, const char *name, char *text, size_t size) {
+    char path[GN_PATH_SIZE + 32];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    text[0] = '\0';
+    int descriptor = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0) return;
+    off_t end = lseek(descriptor, 0, SEEK_END), from = end - (off_t)(size - 1);
+    ssize_t got = pread(descriptor, text, size - 1, from > 0 ? from : 0);
+    text[got > 0 ? got : 0] = '\0';
+    close(descriptor);
+}
+
+/* Reads the last complete line: {"step":12, ..., "eta":3.5, ...}. */
+static double child_remaining(gn_child *child) {
+    char text[1 << 10];
+    read_tail(child->folder, "progress.jsonl", text, sizeof text);
+    char *last = strrchr(text, '\n');
+    if (!last) return NAN;
+    *last = '\0';
+    char *line = strrchr(text, '\n');
+    line = line ? line + 1 : text;
+    child->stepping |= strstr(line, "\"step\"") != NULL;
+    const char *eta = strstr(line, "\"eta\"");
+    if (!eta || !(eta = strchr(eta, ':'))) return NAN;
+    eta += 1 + strspn(eta + 1, " ");
+    return *eta == 'n' ? NAN : strtod(eta, NULL); /* null */
+}
+
+/* ---- the end ---- */
+
+/* Reads from the last "gneiss: ..." that is no warning to the end, without line breaks. */
+static void last_message(const char *folder, char *message, size_t size) {
+    char text[1 << 13];
+    read_tail(folder, "messages.txt", text, sizeof text);
+    const char *from = NULL;
+    for (char *at = text; (at = strstr(at, "gneiss: ")); at++)
+        if ((at == text || at[-1] == '\n') && strncmp(at, "gneiss: warning", 15) != 0)
+            from = at + 8;
+    size_t used = 0;
+    for (; from && *from && used + 1 < size; from++)
+        message[used++] = (unsigned char)*from < 0x20 || *from == 0x7f ? ' ' : *from;
+    while (used && message[used - 1] == ' ') used--;
+    message[used] = '\0';
+}
+
+/* Translates the wait status of a child, with its last message, into an outcome. */
+static void child_outcome(const gn_child *child, int wait_status, gn_outcome *outcome) {
+    *outcome = (gn_outcome){.state = GN_RUN_FAILED};
+    if (WIFSIGNALED(wait_status)) {
+        int number = WTERMSIG(wait_status);
+        outcome->code = 128 + number;
+        snprintf(outcome->message, sizeof outcome->message, "ended by signal %d (%s)", number,
+                 strsignal(number));
+        return;
+    }
+    outcome->code = WEXITSTATUS(wait_status);
+    if (outcome->code == GNEISS_OK) {
+        outcome->state = GN_RUN_DONE;
+        return;
+    }
+    last_message(child->folder, outcome->message, sizeof outcome->message);
+    if (!outcome->message[0])
+        snprintf(outcome->message, sizeof outcome->message, "exit code %d without a message",
+                 outcome->code);
+}
+
+#define _GNU_SOURCE /* sched_getaffinity */
 
 /* Consecutive kills without a new checkpoint after which a run counts as failed. */
 enum { KILLS_MOST = 5 };
@@ -54,8 +232,10 @@ bool gn_sweep_run_in_shard(const gn_sweep *sweep, const gn_sweep_way *way, size_
     return sweep->runs[run].original == run && (!way->shards || run % way->shards == way->shard);
 }
 
-gneiss_status gn_sweep_read_outcomes(const gn_sweep *sweep, const char *directory,
-                                     gn_outcome *outcome, gneiss_error *error) {
+/* Counts the runs of the shard by state; `outcome` [run_count] is filled for all runs of the sweep.
+ */
+static gneiss_status read_outcomes(const gn_sweep *sweep, const char *directory,
+                                   gn_outcome *outcome, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     for (size_t k = 0; k < sweep->run_count; k++) {
         size_t original = sweep->runs[k].original;
@@ -72,15 +252,11 @@ gneiss_status gn_sweep_read_outcomes(const gn_sweep *sweep, const char *director
 
 static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
     const gn_sweep *sweep = pool->sweep;
-    gn_outcome *outcome = gn_alloc_array(sweep->run_count, sizeof *outcome);
-    pool->tasks = gn_alloc_array(sweep->run_count, sizeof *pool->tasks);
-    gneiss_status status =
-        outcome && pool->tasks
-            ? GNEISS_OK
-            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu runs", sweep->run_count);
-    if (status == GNEISS_OK)
-        status = gn_sweep_read_outcomes(sweep, pool->way->directory, outcome, error);
-    for (size_t k = 0; status == GNEISS_OK && k < sweep->run_count; k++) {
+    GN_FREED gn_outcome *outcome = NULL;
+    GN_TRY(gn_new(&outcome, sweep->run_count, "runs", error));
+    GN_TRY(gn_new(&pool->tasks, sweep->run_count, "runs", error));
+    GN_TRY(read_outcomes(sweep, pool->way->directory, outcome, error));
+    for (size_t k = 0; k < sweep->run_count; k++) {
         if (!gn_sweep_run_in_shard(sweep, pool->way, k)) continue;
         run_task *task = &pool->tasks[pool->task_count++];
         *task = (run_task){.run = k, .outcome = outcome[k]};
@@ -90,8 +266,7 @@ static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
         pool->done += task->over && task->outcome.state == GN_RUN_DONE;
         pool->failed += task->over && task->outcome.state == GN_RUN_FAILED;
     }
-    gn_free(outcome);
-    return status;
+    return GNEISS_OK;
 }
 
 /* Lists the processors of this process, in their order. */
@@ -118,7 +293,7 @@ static double remaining(run_pool *pool) {
     double sum = 0.0, longest = 0.0, expected = 0.0, now = gn_now();
     size_t known = 0, waiting = 0;
     for (size_t k = 0; k < pool->child_count; k++) {
-        double left = gn_child_remaining(&pool->children[k]);
+        double left = child_remaining(&pool->children[k]);
         if (!isfinite(left)) continue;
         sum += left;
         longest = fmax(longest, left);
@@ -158,7 +333,7 @@ static bool waits_for_packing(run_pool *pool, uint64_t packing) {
     for (size_t k = 0; k < pool->child_count; k++) {
         gn_child *c = &pool->children[k];
         if (pool->sweep->runs[c->run].packing != packing) continue;
-        if (!c->stepping) (void)gn_child_remaining(c);
+        if (!c->stepping) (void)child_remaining(c);
         if (!c->stepping) return true;
     }
     return false;
@@ -178,19 +353,13 @@ static bool in_use(const char *folder) {
 static gneiss_status write_scene(const run_pool *pool, const run_task *task, const char *folder,
                                  gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
-    gn_scene *scene = gn_alloc(sizeof *scene);
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
-    gneiss_status status = gn_sweep_scene(pool->sweep, task->run, scene, error);
-    if (status == GNEISS_OK) {
-        char *text = gn_scene_write(scene);
-        snprintf(path, sizeof path, "%s/scene.yaml", folder);
-        status = text ? gn_write_text_file(path, text, GN_RENAMED, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the text of a scene");
-        free(text);
-        gn_scene_free(scene);
-    }
-    gn_free(scene);
-    return status;
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_sweep_scene(pool->sweep, task->run, scene, error));
+    GN_FREED char *text = gn_scene_write(scene);
+    if (!text) return gn_no_memory(error, "the text of a scene");
+    snprintf(path, sizeof path, "%s/scene.yaml", folder);
+    return gn_write_text_file(path, text, GN_RENAMED, error);
 }
 
 /* Returns the processors for the next run: a share of the free ones. */
@@ -236,7 +405,7 @@ static gneiss_status prepare(const run_pool *pool, run_task *task, gn_child *chi
     gn_outcome_remove(folder, task->outcome.lost);
     if (task->afresh) GN_TRY(gn_checkpoint_prune(folder, 0, error));
     GN_TRY(gn_outcome_rename_foreign(folder, error));
-    child->resumed = !task->afresh && gn_newest_checkpoint(folder) >= 0;
+    child->resumed = !task->afresh && newest_checkpoint(folder) >= 0;
     task->afresh = false;
     return child->resumed ? GNEISS_OK : write_scene(pool, task, folder, error);
 }
@@ -263,7 +432,7 @@ static gneiss_status start(run_pool *pool, run_task *task, bool *started, gneiss
         way.pinned = &set;
     }
     GN_TRY(prepare(pool, task, child, error));
-    GN_TRY(gn_child_start(child, &way, error));
+    GN_TRY(child_start(child, &way, error));
     *started = task->running = true;
     pool->child_task[pool->child_count++] = (size_t)(task - pool->tasks);
     report_event(pool, child->resumed ? "resumed" : "started", task->run, NULL);
@@ -298,7 +467,7 @@ static bool was_killed(const gn_outcome *outcome) {
 
 /* A run that was killed is resumed, unless this happens repeatedly without progress. */
 static bool may_resume(run_task *task, const gn_child *child) {
-    if (gn_newest_checkpoint(child->folder) > child->from_step) task->kills = 0;
+    if (newest_checkpoint(child->folder) > child->from_step) task->kills = 0;
     return ++task->kills < KILLS_MOST;
 }
 
@@ -309,7 +478,7 @@ static gneiss_status take_in(run_pool *pool, size_t place, int wait_status, gnei
     pool->children[place] = pool->children[pool->child_count];
     pool->child_task[place] = pool->child_task[pool->child_count];
     task->running = false;
-    gn_child_outcome(&child, wait_status, &task->outcome);
+    child_outcome(&child, wait_status, &task->outcome);
     bool killed = was_killed(&task->outcome);
     if (killed && pool->stopping) return GNEISS_OK;
     if (killed && may_resume(task, &child)) {

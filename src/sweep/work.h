@@ -2,7 +2,7 @@
 #ifndef GN_SWEEP_WORK_H
 #define GN_SWEEP_WORK_H
 
-#include "sweep/outcome.h"
+#include "sweep/summary.h"
 
 #include <signal.h>
 
@@ -32,11 +32,6 @@ typedef struct gn_sweep_way {
     void *context;
     const volatile sig_atomic_t *interrupted;
 } gn_sweep_way;
-
-/* Counts the runs of the shard by state; `outcome` [run_count] is filled for all runs of the sweep.
- */
-gneiss_status gn_sweep_read_outcomes(const gn_sweep *sweep, const char *directory,
-                                     gn_outcome *outcome, gneiss_error *error);
 
 /* True if a run belongs to the shard: equal runs belong to one shard. */
 bool gn_sweep_run_in_shard(const gn_sweep *sweep, const gn_sweep_way *way, size_t run);

@@ -394,6 +394,11 @@ void gn_world_free(gn_world *w) {
     memset(w, 0, sizeof *w);
 }
 
+void gn_world_delete(gn_world **world) {
+    if (*world) gn_world_free(*world);
+    gn_free(*world);
+}
+
 uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_solids *solids, const gn_periodic_box *box) {
     uint64_t h = gn_dem_hash(ctx, dem, GN_HASH_SEED);

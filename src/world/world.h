@@ -70,6 +70,8 @@ struct gn_world {
 gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error);
 
 void gn_world_free(gn_world *world);
+/* Frees the world that *world points to, and its block (GN_FREED_BY); *world may be NULL. */
+void gn_world_delete(gn_world **world);
 
 /* Effects, threads and kernels from world->scene; gn_world_create and resume call it. */
 gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box,

@@ -1,8 +1,13 @@
 /* Errors of a reading by cause, from the laws of the study of accuracy. */
-#ifndef GN_ACCURACY_CAUSES_H
-#define GN_ACCURACY_CAUSES_H
+#ifndef GN_ACCURACY_ACCURACY_H
+#define GN_ACCURACY_ACCURACY_H
 
-#include "accuracy/slopes.h"
+#include "frame/parts.h"
+#include "scene/scene.h"
+#include "world/world.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 enum { GN_CAUSES_MAX = 10, GN_CAUSE_NOTES_MAX = 6, GN_CAUSE_NOTE_SIZE = 256 };
 
@@ -53,5 +58,59 @@ double gn_causes_total(const gn_error_causes *causes);
 /* Returns the total without packing and round-off: the error that the mean over several packings
  * keeps. */
 double gn_causes_without_scatter(const gn_error_causes *causes);
+
+typedef enum gn_slope_form {
+    GN_SLOPE_POWER,       /* coefficient (group/reference)^exponent */
+    GN_SLOPE_LINEAR,      /* coefficient (group - reference) */
+    GN_SLOPE_EXPONENTIAL, /* coefficient exp(-group/reference) */
+    GN_SLOPE_RATIO,       /* (group/reference)^exponent - 1 */
+    GN_SLOPE_CONSTANT     /* coefficient */
+} gn_slope_form;
+
+/* A law of relative errors. A bias has a sign (positive: the reading is too large); a scatter is a
+ * standard deviation. Missing numbers are NaN. */
+typedef struct gn_slope {
+    const char *study; /* case of the study: compression, tension, ... */
+    const char *reading, *effect, *group;
+    bool scatter;
+    gn_slope_form form;
+    double coefficient, coefficient_error, exponent, exponent_error, reference;
+    double low, high; /* measured range of the group */
+} gn_slope;
+extern const gn_slope gn_slopes[];
+extern const size_t gn_slope_count;
+
+/* A ratio from the tests of the study that turns an estimated quantity into a predicted one. */
+typedef struct gn_slope_base {
+    const char *study, *quantity;
+    double value;
+} gn_slope_base;
+extern const gn_slope_base gn_slope_bases[];
+extern const size_t gn_slope_base_count;
+
+/* Finds a law; NULL: the study has none. */
+const gn_slope *gn_slope_find(const char *study, const char *reading, const char *effect,
+                              bool scatter);
+
+/* The error at a group, and its standard error. */
+double gn_slope_at(const gn_slope *slope, double group);
+double gn_slope_error_at(const gn_slope *slope, double group);
+
+/* Returns a ratio; NaN: the study has none. */
+double gn_slope_base_of(const char *study, const char *quantity);
+
+/* Fills the groups that follow from the scene and its specimen; `speed` is NaN. Returns the reason
+ * why the study does not cover the scene; NULL: it does. */
+const char *gn_study_find_case(const gn_step_context *ctx, const gn_dem *dem,
+                               gn_test_groups *groups);
+
+/* Closing motions of the two ends of the test along its axis, in the sense of the test: m/s at a
+ * time, the largest up to time.end, and m up to a time. */
+double gn_test_closing(const gn_scene *scene, double time);
+double gn_test_fastest(const gn_scene *scene);
+double gn_test_path(const gn_scene *scene, double time);
+
+/* Bulk density of the specimen, kg/m3. */
+double gn_test_bulk_density(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids);
 
 #endif

@@ -1,0 +1,25 @@
+/* Allocations that report their failure, and blocks that are freed at the end of their scope. */
+#ifndef GN_BASE_NEW_H
+#define GN_BASE_NEW_H
+
+#include "base/error.h"
+#include "base/memory.h"
+
+/* Allocates `count` zeroed items for the pointer at `place`: GN_TRY(gn_new(&row, n, "rows",
+ * error)). `what` names the items in the message. *place is NULL after a failure. */
+#define gn_new(place, count, what, error)                                                          \
+    gn_new_array((place), (count), sizeof **(place), (what), (error))
+gneiss_status gn_new_array(void *place, size_t count, size_t size, const char *what,
+                           gneiss_error *error);
+
+/* A local pointer whose block is freed when its scope ends: GN_FREED double *row = NULL; */
+#define GN_FREED __attribute__((cleanup(gn_free_at)))
+void gn_free_at(void *place);
+
+/* A local object that `function` frees when its scope ends. */
+#define GN_FREED_BY(function) __attribute__((cleanup(function)))
+
+/* Lack of memory for an object that a function returns as NULL. */
+gneiss_status gn_no_memory(gneiss_error *error, const char *what);
+
+#endif
