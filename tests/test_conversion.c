@@ -239,7 +239,8 @@ static void find_empty(const gn_world *w, const double near[3], double low[3], d
     size_t mesh;
     gn_free(gn_fem_places(b, &mesh));
     uint8_t *holds = calloc(mesh, 1);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) holds[gn_home_id(&w->dem, p)] = 1;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        holds[gn_dormant_element(&w->dem, p)] = 1;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double lower[3] = {0.0}, upper[3] = {0.0}, d2 = 0.0;
         bounds_of(b, e, lower, upper);

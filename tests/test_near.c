@@ -76,7 +76,7 @@ static void omitting_distant_pairs_changes_no_bit(void **state) {
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         gn_world *packed = made(&cases[k], 2), *whole = made(&cases[k], 1);
         size_t on = 0, held = 0;
-        whole->dem.near.barred = true;
+        whole->dem.near.disabled = true;
         whole->dem.near.on = false;
         for (int n = 0; n < 40; n++) {
             run_steps(packed, 25);
@@ -178,7 +178,7 @@ static void acting_pairs_are_found(void **state) {
 static void losses_are_the_same_to_rounding(void **state) {
     (void)state;
     gn_world *packed = made(&cases[3], 1), *whole = made(&cases[3], 1);
-    whole->dem.near.barred = true;
+    whole->dem.near.disabled = true;
     whole->dem.near.on = false;
     run_steps(packed, 600);
     run_steps(whole, 600);

@@ -9,6 +9,7 @@
 #include "particles/parameters.h"
 #include "scene/scene.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -107,7 +108,7 @@ static void complete(const gn_step_context *ctx, const gn_dem *dem, size_t p, do
     const gn_particles *q = &dem->particles;
     const double *v = q->vel + 4 * p, *spin = q->spin ? q->spin + 4 * p : NULL;
     memset(damping, 0, 6 * sizeof *damping);
-    if (!(v[3] > 0.0)) {
+    if (!gn_particle_is_active(q, p)) {
         memset(total, 0, 6 * sizeof *total);
         return;
     }

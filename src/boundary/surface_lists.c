@@ -7,6 +7,7 @@
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "surfaces/facet.h"
@@ -49,7 +50,7 @@ void gn_surface_centre(const gn_dem *dem, const gn_boundary *boundary, const gn_
 size_t gn_surfaces_near(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         size_t p, int32_t *found) {
     size_t count = 0;
-    if (!(dem->particles.vel[4 * p + 3] > 0.0)) return 0;
+    if (!gn_particle_is_active(&dem->particles, p)) return 0;
     for (size_t k = 0; k < boundary->surface_count; k++) {
         const gn_surface *s = &boundary->surfaces[k];
         double centre[3], reach = dem->particles.pos[4 * p + 3] + dem->verlet.skin;

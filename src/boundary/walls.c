@@ -23,6 +23,7 @@
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "timestep/indentation.h"
 #include "world/origin.h"
@@ -76,7 +77,8 @@ static double free_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 }
 
 static bool near_wall(const gn_dem *dem, const gn_boundary *boundary, size_t p, size_t k) {
-    return dem->particles.vel[4 * p + 3] > 0.0 && wall_gap(dem, boundary, p, k) <= dem->verlet.skin;
+    return gn_particle_is_active(&dem->particles, p) &&
+           wall_gap(dem, boundary, p, k) <= dem->verlet.skin;
 }
 
 /* Finds the row in the old list; both lists are sorted by (particle, wall), and the old one is

@@ -88,7 +88,7 @@ void gn_print_stages_done(const gn_run *run) {
         }
         const gn_stage_state *s = &world->stages.state[k],
                              *next = k < world->stages.now ? s + 1 : NULL;
-        double steps = (next ? next->step : (double)world->ctx.step) - s->step;
+        const double steps = (double)((next ? next->step : world->ctx.step) - s->step);
         printf("  stage %-16s %10.0f steps from t = %.4g s: %s\n", stage->name, steps, s->time,
                gn_stage_reason(stage, (gn_stage_cause)s->ended, reason, sizeof reason));
     }

@@ -20,6 +20,7 @@
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
 #include "solids/elements.h"
@@ -46,13 +47,13 @@ gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_
     int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
     gneiss_status status = place && element ? GNEISS_OK : no_memory(error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        const bool awake = dem->prepared.soa.capacity && q->vel[4 * p + 3] > 0.0;
-        if (gn_home_id(dem, p) >= count)
+        const bool awake = dem->prepared.soa.capacity && gn_particle_is_active(q, p);
+        if (gn_dormant_element(dem, p) >= count)
             status = gn_fail(error, GNEISS_ERROR_INPUT,
                              "expected particles in the %zu elements of the mesh, found number %zu",
-                             count, gn_home_id(dem, p));
+                             count, gn_dormant_element(dem, p));
         else
-            element[p] = awake ? place[gn_home_id(dem, p)] : -1;
+            element[p] = awake ? place[gn_dormant_element(dem, p)] : -1;
     }
     if (status == GNEISS_OK)
         status = gn_ties_take(gn_coupled_solid(solids), q, element, ties, error);

@@ -100,7 +100,7 @@ static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) 
         if (!gn_broken(bonds->cause[c])) continue;
         for (int end = 0; end < 2; end++) {
             const int32_t p = end ? bonds->j[c] : bonds->i[c],
-                          e = place[gn_home_id(dem, (size_t)p)];
+                          e = place[gn_dormant_element(dem, (size_t)p)];
             if (e >= 0 && kind[e] == GN_FRONT_READY) kind[e] = GN_FRONT_LEAVING;
         }
     }

@@ -8,6 +8,7 @@
 #include "conversion/conversion_private.h"
 #include "couple/ties.h"
 #include "scene/scene.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 #include "zones/zones.h"
@@ -85,10 +86,10 @@ gn_tally gn_conversion_tally(const gn_conversion *c) {
     gn_tally t = {0};
     mark_tied(c);
     for (size_t n = 0; n < nodes->soa.count; n++)
-        if (nodes->vel[4 * n + 3] > 0.0)
+        if (gn_particle_is_active(nodes, n))
             add(&t, d, 1.0 / nodes->vel[4 * n + 3], nodes->pos + 4 * n, nodes->vel + 4 * n);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!gn_particle_is_active(q, p)) continue;
         if (!c->tied[p]) add(&t, d, 1.0 / q->vel[4 * p + 3], q->pos + 4 * p, q->vel + 4 * p);
         if (q->spin) add_spin(&t, d, inertia_of(c, p), q->spin + 4 * p);
     }
@@ -146,7 +147,7 @@ bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double 
 
 bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t p) {
     const gn_particles *q = &c->world->dem.particles;
-    if (!(q->vel[4 * p + 3] > 0.0)) return false;
+    if (!gn_particle_is_active(q, p)) return false;
     return who == GN_SCALED_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
 }
 

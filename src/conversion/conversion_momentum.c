@@ -12,6 +12,7 @@
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
 #include "fem/solid.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 #include "zones/zone_state.h"
@@ -47,7 +48,7 @@ static bool node_takes(const rigid *r, size_t n, size_t a) {
     const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const int32_t slot = b->prescribed.count ? b->nodes.slot[n] : -1;
     const double part = b->nodes.blend[2 * n];
-    if (!(b->nodes.vel[4 * n + 3] > 0.0) || (slot >= 0 && b->prescribed.mask[slot] >> a & 1))
+    if (!gn_particle_is_active(&b->nodes, n) || (slot >= 0 && b->prescribed.mask[slot] >> a & 1))
         return false;
     return r->who == TAKERS_ALL || part != c->node_part[2 * n] ||
            (r->who == TAKERS_ZONE && part < 1.0);
@@ -56,7 +57,7 @@ static bool node_takes(const rigid *r, size_t n, size_t a) {
 static bool particle_takes(const rigid *r, size_t p) {
     const gn_dem *d = &r->c->world->dem;
     if (r->c->freed[p]) return true;
-    return r->who == TAKERS_ALL && d->particles.vel[4 * p + 3] > 0.0 && !r->c->tied[p] &&
+    return r->who == TAKERS_ALL && gn_particle_is_active(&d->particles, p) && !r->c->tied[p] &&
            !(d->prescribed.count && d->particles.slot[p] >= 0);
 }
 

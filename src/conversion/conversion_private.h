@@ -38,7 +38,7 @@ typedef struct gn_conversion {
 
 /* The element, by place before, that a particle is in; -1: gone already. */
 static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
-    return c->place[gn_home_id(&c->world->dem, p)];
+    return c->place[gn_dormant_element(&c->world->dem, p)];
 }
 
 /* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;

@@ -82,12 +82,12 @@ static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const g
     gn_particles *q = &dem->particles;
     const gn_elements *elements = &gn_coupled_solid(solids)->elements;
     char at[GN_POINT_SIZE], message[256];
-    for (size_t p = 0; p < q->soa.count; p++) gn_dormant_of(dem, p)->home = -1.0;
+    for (size_t p = 0; p < q->soa.count; p++) gn_dormant_of(dem, p)->element = -1;
     for (size_t k = 0; k < ties->count; k++) /* particles have the order of their ids as yet */
-        dem->dormant[ties->tie[k].id].home = elements->id[ties->tie[k].element];
+        dem->dormant[ties->tie[k].id].element = elements->id[ties->tie[k].element];
     for (size_t p = 0; p < q->soa.count; p++) {
         q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
-        if (gn_dormant_of(dem, p)->home >= 0.0) continue;
+        if (gn_dormant_of(dem, p)->element >= 0) continue;
         snprintf(message, sizeof message,
                  "expected every particle in an element, found particle %d at %s m in none",
                  q->id[p], gn_point_text(ctx->scene.origin, q->start + 4 * p, at));
@@ -240,7 +240,7 @@ typedef struct boxed {
  * all count. */
 static int32_t element_of(const boxed *q, int32_t p) {
     if (q->dem->prepared.soa.capacity && !gn_is_dormant(q->dem, (size_t)p)) return -1;
-    const int32_t e = q->place[gn_home_id(q->dem, (size_t)p)];
+    const int32_t e = q->place[gn_dormant_element(q->dem, (size_t)p)];
     return e < 0 || q->kind[e] == GN_FRONT_FIXED ? -1 : e;
 }
 

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-/* What is reported of a larger ratio, as of what falls and hardly touches. */
+/* Largest reported ratio; bodies that fall and hardly touch have larger ones. */
 #define GN_UNBALANCED_MOST 1000.0
 
 /* Parts add theirs: particles first, whose mean contact force the others use. */

@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-/* What lasts from step to step; doubles only. */
+/* State that lasts from step to step; doubles only. */
 typedef struct gn_servo_state {
     double base;     /* u, m/s or 1/s */
     double expected; /* N or J: what the share alone would have come to */
@@ -24,14 +24,14 @@ struct gn_periodic_box {
     double path;  /* m: by how much such a branch may have shrunk since */
 };
 
-/* Of the scene as it stands: whether there is anything to do; 1 over what the lengths were. */
+/* Tell whether the sides of the box move in the present scene, and did so in the last step. */
 bool gn_box_moves(const gn_step_context *ctx, const gn_periodic_box *box);
 bool gn_box_moved(const gn_periodic_box *box);
 
 /* m/s: the most by which the ends of a listed contact came apart with it in the last step. */
 double gn_box_speed(const gn_periodic_box *box);
-/* What a search for neighbours came to: that the box is too narrow for one is the fault of the
- * scene at the start, later of what moves its sides. */
+/* Returns the status of a search for neighbours: a box that is too narrow for it is an error of the
+ * scene at the start, later one of the motion of its sides. */
 gneiss_status gn_box_narrowed(const gn_step_context *ctx, const gn_periodic_box *box,
                               gneiss_status found, gneiss_error *error);
 /* m2 (2D: m x 1 m): across the axis along which the box has no sides. */

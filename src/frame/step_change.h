@@ -7,8 +7,8 @@
 
 #include <stddef.h>
 
-/* Of a step of another length than the last: rows [.][4] as they are before it, NULL:
- * no memory; what the change adds to the energy, in halves. */
+/* A step of another length than the last one: gn_rows_copy copies rows [.][4] before it, NULL: no
+ * memory; gn_rows_add_step_change adds the resulting change of energy to its halves. */
 double *gn_rows_copy(const gn_particles *of, const double *rows);
 void gn_rows_add_step_change(const gn_step_context *ctx, const double *past, const double *now,
                              size_t count, double halves[2]);

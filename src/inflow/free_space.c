@@ -6,6 +6,7 @@
 #include "boundary/surface.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
 
@@ -118,7 +119,7 @@ gneiss_status gn_room_open(const gn_step_context *ctx, const gn_dem *dem,
     *r = (gn_room){.ctx = ctx, .dem = dem, .boundary = boundary};
     gneiss_status status = reserve(r, 64, error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++)
-        if (q->vel[4 * p + 3] > 0.0)
+        if (gn_particle_is_active(q, p))
             status = collect(r, q->pos + 4 * p, lower, upper, radius, error);
     if (status == GNEISS_OK) status = make_cells(r, lower, upper, radius, error);
     if (status != GNEISS_OK) gn_room_close(r);

@@ -22,6 +22,7 @@
 #include "scene/scene.h"
 #include "sched/hold.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/origin.h"
 #include "world/world.h"
@@ -64,7 +65,7 @@ enum { LEFT = -1 };
 static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, double reach) {
     const gn_particles *q = &dem->particles;
     const double *x = q->pos + 4 * p;
-    if (q->vel[4 * p + 3] == 0.0) return 0;
+    if (!gn_particle_is_active(q, p)) return 0;
     for (size_t k = 0; k < ctx->scene.sink_count; k++)
         if (gn_sink_takes(ctx, dem, k, p)) return (int32_t)k + 1;
     return ctx->scene.has_domain && !in_domain(ctx, x, reach) ? LEFT : 0;
@@ -336,7 +337,7 @@ static bool is_near(const gn_step_context *ctx, const gn_dem *dem, const double 
         const double way = ctx->dt_past * fabs(v[a]);
         if (x[a] + way < lower[a] || x[a] - way > upper[a]) return false;
     }
-    return v[3] > 0.0;
+    return gn_particle_is_active(&dem->particles, p);
 }
 
 bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem) {
@@ -477,7 +478,7 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
 static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
     const gn_particles *q = &dem->particles;
     size_t count = 0;
-    for (size_t p = 0; p < q->soa.count; p++) place[p] = q->vel[4 * p + 3] > 0.0 ? 1 : -1;
+    for (size_t p = 0; p < q->soa.count; p++) place[p] = gn_particle_is_active(q, p) ? 1 : -1;
     for (int l = 0; l < GN_LIST_COUNT; l++) {
         const gn_contacts *list = &dem->list[l].contacts;
         if (!gn_list_kinds[l]->persistent) continue;

@@ -13,6 +13,7 @@
 #include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/fragments.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
 
@@ -85,7 +86,7 @@ static void mark_off(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
 }
 
 static bool is_there(const gn_dem *dem, size_t p) {
-    return dem->particles.vel[4 * p + 3] > 0.0 || gn_is_dormant(dem, p);
+    return gn_particle_is_active(&dem->particles, p) || gn_is_dormant(dem, p);
 }
 
 static void mark_removed(gn_dem *dem, gn_gauge *gauge) {

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "kernels/law.h"
+#include "soa/particle_state.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,7 +14,7 @@ enum { CONTACT_BLOCK = 8192 };
 /* --- the springs --- */
 
 static bool removed(const gn_particles *particles, int32_t i) {
-    return particles->vel[4 * (size_t)i + 3] == 0.0;
+    return !gn_particle_is_active(particles, i);
 }
 
 static void nearest_image(const gn_assembly *assembly, double d[3]) {
@@ -277,7 +278,7 @@ static gneiss_status scale_dofs(gn_springs *system, gneiss_error *error) {
 bool gn_spectrum_can_move(const gn_spectrum *spectrum, int32_t i) {
     const gn_assembly *a = spectrum->assembly;
     const gn_particles *p = a->particles;
-    if (i < 0 || p->vel[4 * (size_t)i + 3] == 0.0) return false;
+    if (i < 0 || !gn_particle_is_active(p, i)) return false;
     unsigned space = a->dimension == 3,
              free = spectrum->fixed ? ~(unsigned)spectrum->fixed[i] : ~0u;
     unsigned turns = p->spin && p->spin[4 * (size_t)i + 3] > 0.0 ? (space ? 0x38u : 0x20u) : 0u;

@@ -23,10 +23,6 @@ static inline double gn_assembly_branch(const gn_assembly *assembly, size_t i, s
     return sqrt(square);
 }
 
-static inline bool gn_particle_removed(const gn_particles *particles, size_t p) {
-    return particles->vel[4 * p + 3] == 0;
-}
-
 /* Returns the volume of a sphere, or the area of a disc (unit thickness). */
 static inline double gn_particle_volume(const gn_particles *particles, size_t p, int dimension) {
     return gn_ball_volume(dimension, particles->pos[4 * p + 3]);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "measure/assembly.h"
 #include "measure/delaunay.h"
+#include "soa/particle_state.h"
 
 #include <string.h>
 
@@ -12,7 +13,7 @@ static void packing_extent(const gn_particles *particles, double lower[3], doubl
     bool any = false;
     for (int a = 0; a < 3; a++) lower[a] = upper[a] = NAN;
     for (size_t p = 0; p < particles->soa.count; p++) {
-        if (gn_particle_removed(particles, p)) continue;
+        if (!gn_particle_is_active(particles, p)) continue;
         const double *x = particles->pos + 4 * p;
         for (int a = 0; a < 3; a++) {
             lower[a] = any ? fmin(lower[a], x[a] - x[3]) : x[a] - x[3];
@@ -51,7 +52,7 @@ static size_t farthest(const gn_particles *particles, const double n[3]) {
     for (size_t p = 0; p < particles->soa.count; p++) {
         const double *x = particles->pos + 4 * p;
         double reach = n[0] * x[0] + n[1] * x[1] + n[2] * x[2];
-        if (reach > most && !gn_particle_removed(particles, p)) most = reach, found = p;
+        if (reach > most && gn_particle_is_active(particles, p)) most = reach, found = p;
     }
     return found;
 }
@@ -147,7 +148,7 @@ static int32_t *outer_particles(const gn_particles *particles, int dimension, co
         size_t n = particles->soa.count - first < BLOCK ? particles->soa.count - first : BLOCK;
         find_inside(particles->pos + 4 * first, n, &s, rounding * extent, inside);
         for (size_t p = 0; p < n; p++)
-            if (!inside[p] && !gn_particle_removed(particles, first + p))
+            if (!inside[p] && gn_particle_is_active(particles, first + p))
                 outer[(*count)++] = (int32_t)(first + p);
     }
     return outer;

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "measure/assembly.h"
 #include "soa/bond_causes.h"
+#include "soa/particle_state.h"
 
 #include <string.h>
 
@@ -114,7 +115,7 @@ static void count_particles(const gn_assembly *assembly, double volume,
     const gn_particles *particles = assembly->particles;
     double sum = 0;
     for (size_t p = 0; p < particles->soa.count; p++) {
-        if (gn_particle_removed(particles, p)) continue;
+        if (!gn_particle_is_active(particles, p)) continue;
         double r = particles->pos[4 * p + 3];
         if (figures->particles == 0) figures->radius_min = figures->radius_max = r;
         figures->radius_min = fmin(figures->radius_min, r);
@@ -143,7 +144,7 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
     count_particles(assembly, volume, &g);
     for (size_t k = 0; k < pair_count; k++) {
         size_t i = (size_t)pairs[2 * k], j = (size_t)pairs[2 * k + 1];
-        if (gn_particle_removed(particles, i) || gn_particle_removed(particles, j)) continue;
+        if (!gn_particle_is_active(particles, i) || !gn_particle_is_active(particles, j)) continue;
         double l[3], length = gn_assembly_branch(assembly, i, j, l);
         double reach = particles->pos[4 * i + 3] + particles->pos[4 * j + 3];
         if (length - reach > tolerance * reach) continue;

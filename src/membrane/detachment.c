@@ -12,6 +12,7 @@
 #include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -74,8 +75,8 @@ static bool mark_detached(const gn_step_context *ctx, gn_dem *dem) {
     for (size_t p = 0; members && p < q->soa.count; p++)
         largest = members[p] > largest ? members[p] : largest;
     for (size_t p = 0; p < q->soa.count; p++) {
-        bool off = q->vel[4 * p + 3] == 0.0 || (members && GN_CHIP * members[p] < largest &&
-                                                (loosened || has_left(dem, mean, p)));
+        bool off = !gn_particle_is_active(q, p) || (members && GN_CHIP * members[p] < largest &&
+                                                    (loosened || has_left(dem, mean, p)));
         if (!off || gn_is_detached(q, p)) continue;
         memset(q->skin + 4 * p, 0, 3 * sizeof *q->skin);
         q->skin[4 * p + 3] = going;

@@ -40,7 +40,7 @@ double gn_membrane_pressure(const gn_dem *dem) {
 }
 
 int32_t gn_patch_bearer(const gn_dem *d, const gn_patch *patch) {
-    return patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
+    return patch->owner >= 0 ? d->index_of_id[patch->owner] : -1;
 }
 
 double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body) {
@@ -174,7 +174,7 @@ static gneiss_status list_bodies(gn_dem *dem, size_t bodies, gneiss_error *error
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     for (size_t k = 0; k < d->patch_count; k++) {
         const int32_t p = gn_patch_bearer(d, &d->patches[k]);
-        if (p >= 0) d->skin_body[p] = (int32_t)d->patches[k].body;
+        if (p >= 0) d->skin_body[p] = d->patches[k].body;
     }
     return GNEISS_OK;
 }
@@ -189,7 +189,7 @@ gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gn
 
 const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_dem *d = dem;
-    const bool several = d->membrane->bodies > 1.0 && ctx->scene.membrane.follow;
+    const bool several = d->membrane->bodies > 1 && ctx->scene.membrane.follow;
     return several ? d->skin_gradient[d->skin_body[p]] : d->membrane->gradient;
 }
 
@@ -206,7 +206,7 @@ gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_
     bool dropped = false;
     if (look) GN_TRY(gn_membrane_detach(ctx, dem, &dropped, error));
     /* Several bodies have no common deformation. */
-    if (m->follow && (look || dem->membrane->bodies == 1.0))
+    if (m->follow && (look || dem->membrane->bodies == 1))
         fit_skin(ctx, dem, ALL, dem->membrane->gradient);
     if (look) GN_TRY(gn_membrane_update_areas(ctx, dem, dropped, error));
     if (!look) GN_TRY(gn_membrane_fit_bodies(ctx, dem, error));
@@ -216,7 +216,7 @@ gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_
         for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
     /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
-    if (m->follow && dem->membrane->bodies == 1.0) gn_membrane_rebalance(ctx, dem, q->applied);
+    if (m->follow && dem->membrane->bodies == 1) gn_membrane_rebalance(ctx, dem, q->applied);
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3 && gn_is_loaded(q, p); a++)
             q->applied[4 * p + a] = q->load[4 * p + a] - pressure * q->applied[4 * p + a];

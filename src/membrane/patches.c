@@ -164,7 +164,7 @@ static double stretch_of(const gn_patch *patch, const double turn[9], const doub
  * this concerns, otherwise 0. */
 static double limit_stretch(const double as_whole[9], const gn_dem *d, size_t k,
                             double gradient[9]) {
-    const double owner = d->patches[k].owner;
+    const int32_t owner = d->patches[k].owner;
     double turn[9], whole[9], size = 0.0;
     bool holds = true;
     gn_cofactor3(gradient, turn);
@@ -188,7 +188,7 @@ static void add_patches(const gn_step_context *ctx, gn_dem *dem, const look *l, 
         if (!gn_is_detached(&d->particles, p))
             memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
     for (size_t k = 0; k < d->patch_count;) {
-        const double owner = d->patches[k].owner;
+        const int32_t owner = d->patches[k].owner;
         const int32_t at = gn_patch_bearer(d, &d->patches[k]);
         double bared[3] = {0};
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
@@ -296,7 +296,7 @@ static void find_open(const gn_dem *dem, int32_t *group, double (*sums)[4]) {
 
 /* Numbers from 0 on for bodies that are closed, the last for all others. Returns how many. `number`
  * [particles] is room. */
-static size_t number_bodies(gn_dem *dem, const int32_t *group, int32_t *number) {
+static int64_t number_bodies(gn_dem *dem, const int32_t *group, int32_t *number) {
     gn_dem *d = dem;
     int32_t count = 0;
     bool open = false;
@@ -308,7 +308,7 @@ static size_t number_bodies(gn_dem *dem, const int32_t *group, int32_t *number) 
         open = open || group[p] == OPEN;
         d->patches[k].body = group[p] == OPEN ? count : number[group[p]];
     }
-    return (size_t)count + open;
+    return (int64_t)count + open;
 }
 
 /* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
@@ -318,7 +318,7 @@ static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, int
     const size_t n = dem->particles.soa.count;
     if (!group) {
         bring_into_balance(ctx, dem, (gn_skin_body){0}, place);
-        dem->membrane->bodies = 1.0;
+        dem->membrane->bodies = 1;
         return GNEISS_OK;
     }
     double(*sums)[4] = gn_alloc_array(n + 1, sizeof *sums);
@@ -328,7 +328,7 @@ static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, int
         if (group[p] == (int32_t)p)
             bring_into_balance(ctx, dem, (gn_skin_body){group, (int32_t)p}, place);
     bring_into_balance(ctx, dem, (gn_skin_body){group, OPEN}, place);
-    dem->membrane->bodies = (double)number_bodies(dem, group, (int32_t *)sums);
+    dem->membrane->bodies = number_bodies(dem, group, (int32_t *)sums);
     gn_free(sums);
     return GNEISS_OK;
 }

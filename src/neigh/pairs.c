@@ -1,6 +1,7 @@
 #include "neigh/pairs.h"
 
 #include "base/memory.h"
+#include "soa/particle_state.h"
 
 #include <math.h>
 #include <omp.h>
@@ -36,7 +37,7 @@ typedef struct bucket {
 } bucket;
 
 static bool removed(const gn_particles *particles, size_t k) {
-    return particles->vel[4 * k + 3] == 0.0;
+    return !gn_particle_is_active(particles, k);
 }
 
 /* Tells whether the box has two sides across axis a, which are the same plane. */

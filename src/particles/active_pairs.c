@@ -39,26 +39,26 @@ static bool is_written(const gn_field *field) {
     return false;
 }
 
-/* What all pairs share is read where it is. */
-static void find_columns(gn_near *n, const gn_contacts *list, const gn_uniform *uniform) {
+/* Parameters that all pairs share are read in the list itself. */
+static void find_columns(gn_near *near, const gn_contacts *list, const gn_uniform *uniform) {
     size_t stream = 0;
-    n->uniform = *uniform;
-    n->columns = 0;
+    near->uniform = *uniform;
+    near->columns = 0;
     for (size_t f = 0; f < gn_contact_record.field_count; f++) {
         const gn_field *field = &gn_contact_record.fields[f];
         if (!gn_field_active(field, list->soa.effects) || field->layout != GN_COLUMNS) continue;
         if (field->type != GN_F64 || is_uniform(field, uniform)) continue;
-        assert(n->columns < GN_NEAR_COLUMNS);
-        n->column[n->columns++] =
+        assert(near->columns < GN_NEAR_COLUMNS);
+        near->column[near->columns++] =
             (gn_near_column){field->offset, field->components, is_written(field), stream};
         stream += (size_t)field->components;
     }
 }
 
 /* Doubles per pair. */
-static size_t streams_of(const gn_near *n) {
-    if (!n->columns) return 0;
-    const gn_near_column *last = &n->column[n->columns - 1];
+static size_t streams_of(const gn_near *near) {
+    if (!near->columns) return 0;
+    const gn_near_column *last = &near->column[near->columns - 1];
     return last->stream + (size_t)last->components;
 }
 
@@ -93,7 +93,7 @@ static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
  * twice, in either precision. */
 static bool worth_while(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box) {
     const gn_effects against = GN_FX_BONDS | GN_FX_CONTACT_FORCES | GN_FX_MIXED;
-    return !dem->near.barred && !(ctx->effects & against) && !ctx->scene.has_couple &&
+    return !dem->near.disabled && !(ctx->effects & against) && !ctx->scene.has_couple &&
            !gn_box_moves(ctx, box) && dem->pairs.contacts.soa.count && sparse(ctx, dem);
 }
 
@@ -101,26 +101,26 @@ static bool worth_while(const gn_step_context *ctx, const gn_dem *dem, const gn_
 
 enum { STEPS_AT_FIRST = 4 };
 
-static void free_room(gn_near *n) {
-    gn_free(n->i);
-    gn_free(n->j);
-    gn_free(n->place);
-    gn_free(n->data);
-    gn_free(n->act);
-    gn_free(n->count);
-    n->i = n->j = n->count = NULL;
-    n->place = NULL;
-    n->data = NULL;
-    n->act = NULL;
-    n->room = 0;
+static void free_room(gn_near *near) {
+    gn_free(near->i);
+    gn_free(near->j);
+    gn_free(near->place);
+    gn_free(near->data);
+    gn_free(near->act);
+    gn_free(near->count);
+    near->i = near->j = near->count = NULL;
+    near->place = NULL;
+    near->data = NULL;
+    near->act = NULL;
+    near->room = 0;
 }
 
-void gn_near_free(gn_near *n) {
-    free_room(n);
-    gn_free(n->kept_act);
-    gn_free(n->kept_paths);
-    gn_free(n->paths);
-    *n = (gn_near){0};
+void gn_near_free(gn_near *near) {
+    free_room(near);
+    gn_free(near->kept_act);
+    gn_free(near->kept_paths);
+    gn_free(near->paths);
+    *near = (gn_near){0};
 }
 
 /* Behind the pairs of a block there is room for what vectors read and write beyond them. */
@@ -184,50 +184,52 @@ size_t gn_near_bytes(const gn_dem *dem) {
 /* Room for rounding. */
 static const double more = 1.0 + 1e-6;
 
-/* What a span of so many steps takes up, if velocities go on to change by as much in a step. */
+/* Returns the path within a span of `steps` steps if velocities go on changing by `change` in each.
+ */
 static double drift(const gn_near_past *past, double change, int steps) {
     return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
 }
 
-static double largest_change(const gn_near *n) {
+static double largest_change(const gn_near *near) {
     double most = 0.0;
-    for (size_t b = 0; b < n->path_count; b++) most = fmax(most, n->paths[b].last);
+    for (size_t b = 0; b < near->path_count; b++) most = fmax(most, near->paths[b].last);
     return most;
 }
 
-/* What is found now is to hold for so many steps, if velocities go on to change as in the last
- * step, and a half again. Where little happens a collision may begin, but seldom the fiercest. */
-static void begin_span(gn_near *n, int steps) {
+/* Begins a span: the pairs found now are to hold for `steps` steps if velocities go on changing by
+ * 1.5 times as much as in the last step. Where little happens a collision may begin, but seldom the
+ * fiercest. */
+static void begin_span(gn_near *near, int steps) {
     static const double reserve = 1.5, of_largest = 0.2;
-    const double least = of_largest * largest_change(n);
-    const gn_near_past *past = &n->past;
-    for (size_t b = 0; b < n->path_count; b++) {
-        const double last = n->paths[b].last, before = past->dt[1] * last;
+    const double least = of_largest * largest_change(near);
+    const gn_near_past *past = &near->past;
+    for (size_t b = 0; b < near->path_count; b++) {
+        const double last = near->paths[b].last, before = past->dt[1] * last;
         const double soon = reserve * drift(past, fmax(last, least), steps);
-        n->paths[b] = (gn_near_path){.margin = more * fmax(soon, before), .last = last};
+        near->paths[b] = (gn_near_path){.margin = more * fmax(soon, before), .last = last};
     }
-    n->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
+    near->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
 }
 
 /* Looking costs about half of what the kernel does with as many pairs; the longer it is to hold,
  * the more pairs do not touch. So many steps that both together cost least are gone up to and down
  * from again: pairs and not seconds decide. */
-static void tune_steps(gn_near *n) {
+static void tune_steps(gn_near *near) {
     enum { MOST = 64 };
     static const double look = 0.5; /* of what the kernel takes for a pair */
     double act = 0.0;
-    for (size_t b = 0; b < n->blocks; b++) act += n->count[b];
-    const double cost = act + look * n->listed / fmax(n->span.steps, 1.0);
-    if (cost > n->cost) n->towards = -n->towards;
-    n->cost = cost;
-    n->steps += n->towards;
-    if (n->steps < 1) n->steps = 1;
-    if (n->steps > MOST) n->steps = MOST;
+    for (size_t b = 0; b < near->blocks; b++) act += near->count[b];
+    const double cost = act + look * near->listed / fmax(near->span.steps, 1.0);
+    if (cost > near->cost) near->towards = -near->towards;
+    near->cost = cost;
+    near->steps += near->towards;
+    if (near->steps < 1) near->steps = 1;
+    if (near->steps > MOST) near->steps = MOST;
 }
 
-/* A sweep at other velocities than those that led to the places tells nothing of who touched a step
- * ago. All pairs of new lists are worked on once: zeros that changed their sign with the places of
- * their ends lose it, see put. */
+/* A sweep at other velocities than those that led to the positions does not show which pairs
+ * touched a step ago. All pairs of new lists are processed once: zeros that changed their sign with
+ * the places of their ends lose it, see put. */
 void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
     gn_near *n = &dem->near;
     if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
@@ -279,38 +281,39 @@ typedef struct block_of_pairs {
     uint8_t *act;
 } block_of_pairs;
 
-static block_of_pairs block_at(const gn_near *n, const gn_contacts *list, size_t length,
+static block_of_pairs block_at(const gn_near *near, const gn_contacts *list, size_t length,
                                size_t block) {
     const size_t count = list->soa.count;
-    block_of_pairs b = {.number = block, .begin = block * length, .at = block * n->stride};
+    block_of_pairs b = {.number = block, .begin = block * length, .at = block * near->stride};
     b.end = b.begin + length < count ? b.begin + length : count;
     b.groups = gn_blocks(b.end - b.begin, GN_NEAR_GROUP);
-    b.act = n->act + b.at / GN_NEAR_GROUP;
+    b.act = near->act + b.at / GN_NEAR_GROUP;
     return b;
 }
 
-static size_t take_all(const block_of_pairs *b) {
-    const size_t count = b->end - b->begin;
-    memset(b->act, 0xff, b->groups);
+static size_t take_all(const block_of_pairs *block) {
+    const size_t count = block->end - block->begin;
+    memset(block->act, 0xff, block->groups);
     if (count % GN_NEAR_GROUP)
-        b->act[b->groups - 1] = (uint8_t)((1u << count % GN_NEAR_GROUP) - 1u);
+        block->act[block->groups - 1] = (uint8_t)((1u << count % GN_NEAR_GROUP) - 1u);
     return count;
 }
 
 /* Which of the block act. */
 static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
-                 const block_of_pairs *b) {
+                 const block_of_pairs *block) {
     const gn_partials *q = pairs->partials;
     const gn_near_kernels *kernels = ctx->kernels->near;
     gn_near *n = &dem->near;
     gn_near_args args = {.pos = pairs->pos,
                          .vel = pairs->vel,
                          .prefetched = pairs->spin,
-                         .i = pairs->contacts->i + b->begin,
-                         .j = pairs->contacts->j + b->begin,
-                         .particle = q->particle + q->first[b->number],
-                         .count = b->end - b->begin,
-                         .particles = (size_t)(q->first[b->number + 1] - q->first[b->number]),
+                         .i = pairs->contacts->i + block->begin,
+                         .j = pairs->contacts->j + block->begin,
+                         .particle = q->particle + q->first[block->number],
+                         .count = block->end - block->begin,
+                         .particles =
+                             (size_t)(q->first[block->number + 1] - q->first[block->number]),
                          .widening = 1.0 + 1e-9,
                          .paths = n->paths,
                          .ahead = n->span.ahead,
@@ -318,79 +321,84 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
                          .periodic = ctx->effects & GN_FX_PERIODIC};
     memcpy(args.period, pairs->period, sizeof args.period);
     memcpy(args.inverse_period, pairs->inverse_period, sizeof args.inverse_period);
-    n->count[b->number] = (int32_t)(n->whole ? take_all(b) : kernels->find(&args, b->act));
+    n->count[block->number] =
+        (int32_t)(n->whole ? take_all(block) : kernels->find(&args, block->act));
 }
 
 /* Their ends and places. */
 static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_contact_args *pairs,
-                      const block_of_pairs *b) {
+                      const block_of_pairs *block) {
     const gn_near_kernels *kernels = ctx->kernels->near;
     const gn_near *n = &dem->near;
-    int32_t *i = n->i + b->at, *j = n->j + b->at;
-    kernels->pack32(i, pairs->contacts->i + b->begin, b->act, b->groups);
-    kernels->pack32(j, pairs->contacts->j + b->begin, b->act, b->groups);
-    kernels->pack32(n->place + 2 * b->at, pairs->partials->place + 2 * b->begin, b->act, b->groups);
-    for (size_t k = (size_t)n->count[b->number]; k % GN_LANES_MAX; k++) {
+    int32_t *i = n->i + block->at, *j = n->j + block->at;
+    kernels->pack32(i, pairs->contacts->i + block->begin, block->act, block->groups);
+    kernels->pack32(j, pairs->contacts->j + block->begin, block->act, block->groups);
+    kernels->pack32(n->place + 2 * block->at, pairs->partials->place + 2 * block->begin, block->act,
+                    block->groups);
+    for (size_t k = (size_t)n->count[block->number]; k % GN_LANES_MAX; k++) {
         i[k] = gn_null_first(&dem->particles);
         j[k] = gn_null_second(&dem->particles);
     }
 }
 
-/* Who was packed before who acts was found anew. */
+/* The pairs that were packed before the active ones were found again. */
 typedef struct packed_before {
     size_t count;
     uint8_t act[GN_CONTACT_BLOCK / GN_NEAR_GROUP];
 } packed_before;
 
-/* Of pairs that were not packed it is zero; see put. */
+/* Columns of pairs that were not packed are zero; see put. */
 static void move_packed(const gn_step_context *ctx, double *data, const packed_before *was,
-                        const block_of_pairs *b) {
+                        const block_of_pairs *block) {
     double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
     memcpy(old, data, (was->count + GN_NEAR_GROUP) * sizeof *old);
-    ctx->kernels->near->repack(data, old, was->act, b->act, b->groups);
+    ctx->kernels->near->repack(data, old, was->act, block->act, block->groups);
 }
 
 /* Columns of the block, with zeros behind them. Those that the kernel writes are where `was` are
  * packed, if that is given, else in the list. */
 static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
-                  const packed_before *was, const block_of_pairs *b) {
+                  const packed_before *was, const block_of_pairs *block) {
     const gn_near *n = &dem->near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; a < (size_t)n->column[k].components; a++) {
-            double *to = n->data + (n->column[k].stream + a) * n->room + b->at;
-            const double *from = column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin;
+            double *to = n->data + (n->column[k].stream + a) * n->room + block->at;
+            const double *from =
+                column_of(list, &n->column[k]) + a * list->soa.capacity + block->begin;
             if (was && n->column[k].written)
-                move_packed(ctx, to, was, b);
+                move_packed(ctx, to, was, block);
             else
-                ctx->kernels->near->pack(to, from, b->act, b->groups);
-            memset(to + n->count[b->number], 0, GN_LANES_MAX * sizeof *to);
+                ctx->kernels->near->pack(to, from, block->act, block->groups);
+            memset(to + n->count[block->number], 0, GN_LANES_MAX * sizeof *to);
         }
 }
 
 /* And back. Of pairs that are not packed it is zero, as they did not touch when they last were.
  * Zeros lose their sign: whether a pair that does not touch was worked on must not show. */
 static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
-                const block_of_pairs *b) {
+                const block_of_pairs *block) {
     const gn_near *n = &dem->near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; n->column[k].written && a < (size_t)n->column[k].components; a++)
-            ctx->kernels->near->unpack(
-                column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin,
-                n->data + (n->column[k].stream + a) * n->room + b->at, b->act, b->groups);
+            ctx->kernels->near->unpack(column_of(list, &n->column[k]) + a * list->soa.capacity +
+                                           block->begin,
+                                       n->data + (n->column[k].stream + a) * n->room + block->at,
+                                       block->act, block->groups);
 }
 
 /* --- the kernel on them --- */
 
-/* What the kernel gets for the list. */
-static gn_contacts packed(const gn_near *n, const gn_contacts *list, const block_of_pairs *b) {
+/* Returns the list that the kernel works on: the packed columns of a block. */
+static gn_contacts packed(const gn_near *near, const gn_contacts *list,
+                          const block_of_pairs *block) {
     gn_contacts part = *list;
-    for (int k = 0; k < n->columns; k++)
-        *(double **)(void *)((char *)&part + n->column[k].offset) =
-            n->data + n->column[k].stream * n->room + b->at;
-    part.soa.count = (size_t)n->count[b->number];
-    part.soa.capacity = n->room;
-    part.i = n->i + b->at;
-    part.j = n->j + b->at;
+    for (int k = 0; k < near->columns; k++)
+        *(double **)(void *)((char *)&part + near->column[k].offset) =
+            near->data + near->column[k].stream * near->room + block->at;
+    part.soa.count = (size_t)near->count[block->number];
+    part.soa.capacity = near->room;
+    part.i = near->i + block->at;
+    part.j = near->j + block->at;
     return part;
 }
 
@@ -444,10 +452,10 @@ void gn_near_forget(const gn_step_context *ctx, gn_dem *dem) {
 /* --- checkpoints --- */
 
 /* Behind the last pair of a block nothing is marked. */
-static void clear_ends(gn_near *n, const gn_contacts *list, size_t length) {
-    for (size_t k = 0; k < n->blocks; k++) {
-        const block_of_pairs b = block_at(n, list, length, k);
-        memset(b.act + b.groups, 0, n->stride / GN_NEAR_GROUP - b.groups);
+static void clear_ends(gn_near *near, const gn_contacts *list, size_t length) {
+    for (size_t k = 0; k < near->blocks; k++) {
+        const block_of_pairs b = block_at(near, list, length, k);
+        memset(b.act + b.groups, 0, near->stride / GN_NEAR_GROUP - b.groups);
     }
 }
 
@@ -471,15 +479,15 @@ gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *group
 }
 
 /* How many of a block; false where there is a mark behind its pairs. */
-static bool count_block(gn_near *n, const block_of_pairs *b) {
+static bool count_block(gn_near *near, const block_of_pairs *block) {
     int32_t count = 0;
     bool good = true;
-    for (size_t k = 0; k < n->stride; k++) {
-        const int marked = b->act[k / GN_NEAR_GROUP] >> k % GN_NEAR_GROUP & 1;
+    for (size_t k = 0; k < near->stride; k++) {
+        const int marked = block->act[k / GN_NEAR_GROUP] >> k % GN_NEAR_GROUP & 1;
         count += marked;
-        good = good && (!marked || k < b->end - b->begin);
+        good = good && (!marked || k < block->end - block->begin);
     }
-    n->count[b->number] = count;
+    near->count[block->number] = count;
     return good;
 }
 
@@ -495,12 +503,12 @@ static bool take_marks(gn_dem *dem) {
     return good;
 }
 
-static bool take_paths(gn_near *n) {
-    bool good = n->kept_path_count == n->path_count;
+static bool take_paths(gn_near *near) {
+    bool good = near->kept_path_count == near->path_count;
     if (!good) return false;
-    memcpy(n->paths, n->kept_paths, n->path_count * sizeof *n->paths);
-    for (size_t b = 0; b < n->path_count; b++) {
-        const gn_near_path *p = &n->paths[b];
+    memcpy(near->paths, near->kept_paths, near->path_count * sizeof *near->paths);
+    for (size_t b = 0; b < near->path_count; b++) {
+        const gn_near_path *p = &near->paths[b];
         good = good && p->margin >= 0.0 && p->last >= 0.0 && p->change >= 0.0 && p->drift >= 0.0;
     }
     return good;

@@ -28,7 +28,7 @@ typedef struct gn_near_column {
 
 enum { GN_NEAR_COLUMNS = 48 };
 
-/* What the last steps did. */
+/* The last steps. */
 typedef struct gn_near_past {
     int known;    /* how many of the last steps, at most two, were steps from the one before */
     double dt[2]; /* s, of the last one and the one before that */
@@ -42,8 +42,8 @@ typedef struct gn_near_span {
     int steps;      /* sweeps that worked on it */
 } gn_near_span;
 
-/* What a checkpoint has of it besides `act`: numbers only. Which pairs are packed beside each other
- * decides in which order losses are summed, so a run that goes on packs those that it had. */
+/* The part of it in checkpoints besides `act`, in doubles. The pairs that are packed beside each
+ * other determine the order in which losses are summed, so a resumed run packs the same ones. */
 typedef struct gn_near_kept {
     double known, dt[2];                        /* gn_near_past */
     double ahead, elapsed, over, worked;        /* gn_near_span */
@@ -52,13 +52,13 @@ typedef struct gn_near_kept {
 
 typedef struct gn_near {
     bool on;        /* for the present lists */
-    bool barred;    /* never: for who compares */
+    bool disabled;  /* forced off, for reference comparisons */
     bool fresh;     /* no sweep yet over these lists */
     bool packed;    /* the columns of those found */
     bool unsettled; /* columns of the list that the kernel writes are not up to date */
     bool whole;     /* in this sweep: all pairs are worked on */
-    bool look;      /* in this sweep: who acts is found anew, */
-    bool move;      /* and what was packed stays so, in other places */
+    bool look;      /* in this sweep: the active pairs are found again, */
+    bool move;      /* and packed columns stay packed, in other places */
     bool again;     /* in the next sweep: those of `act` are packed from the list, */
     bool take;      /* in this one */
     gn_near_past past;
@@ -95,9 +95,9 @@ gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_pe
 void gn_near_free(gn_near *near);
 size_t gn_near_bytes(const gn_dem *dem);
 
-/* Puts what was packed back into the list of pairs: for who reads shear, fd, closeness or roll of
- * it. The list is then as if nothing had been packed, which is why a world that is only read may be
- * settled. */
+/* Writes packed columns back into the list of pairs, before shear, fd, closeness or roll are read
+ * there. The list is then as if nothing had been packed, so that a constant world may be settled.
+ */
 void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
 /* Columns of pairs were or will be changed by others than the kernel; also velocities or places, by
  * others than a step. */

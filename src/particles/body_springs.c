@@ -8,36 +8,39 @@
 #include <math.h>
 
 /* N/m; infinite: rigid, by Hertz's law only. */
-static double stiffness_of(const gn_scene *s, size_t place) {
-    bool wall = place < s->wall_count, hertz = gn_scene_hertz(s);
-    double own = wall ? s->walls[place].stiffness : s->bodies[place - s->wall_count].stiffness;
+static double stiffness_of(const gn_scene *scene, size_t place) {
+    bool wall = place < scene->wall_count, hertz = gn_scene_hertz(scene);
+    double own =
+        wall ? scene->walls[place].stiffness : scene->bodies[place - scene->wall_count].stiffness;
     return hertz && (wall || !(own > 0.0)) ? (double)INFINITY : own;
 }
 
-static double kratio_of(const gn_scene *s, size_t place) {
-    return place < s->wall_count ? s->walls[place].kratio : s->bodies[place - s->wall_count].kratio;
+static double kratio_of(const gn_scene *scene, size_t place) {
+    return place < scene->wall_count ? scene->walls[place].kratio
+                                     : scene->bodies[place - scene->wall_count].kratio;
 }
 
-static const gn_material *material_of(const gn_scene *s, size_t place) {
-    const char *name = gn_scene_surface_at(s, place).material;
-    return gn_scene_hertz(s) && *name ? &s->materials[gn_scene_find_material(s, name)] : NULL;
+static const gn_material *material_of(const gn_scene *scene, size_t place) {
+    const char *name = gn_scene_surface_at(scene, place).material;
+    return gn_scene_hertz(scene) && *name ? &scene->materials[gn_scene_find_material(scene, name)]
+                                          : NULL;
 }
 
 /* With a material its own friction and restitution, without one those of the side and the scene. */
-static double friction_of(const gn_scene *s, size_t place) {
-    const gn_material *m = material_of(s, place);
-    return m ? m->friction : gn_scene_surface_at(s, place).friction;
+static double friction_of(const gn_scene *scene, size_t place) {
+    const gn_material *m = material_of(scene, place);
+    return m ? m->friction : gn_scene_surface_at(scene, place).friction;
 }
-static double damping_of(const gn_scene *s, size_t place) {
-    const gn_material *m = material_of(s, place);
+static double damping_of(const gn_scene *scene, size_t place) {
+    const gn_material *m = material_of(scene, place);
     return m && m->restitution >= 0.0 ? gn_restitution_fraction(m->restitution)
-                                      : gn_contact_damping_fraction(s);
+                                      : gn_contact_damping_fraction(scene);
 }
 
-/* Of two rigid ones nothing. */
-static gn_touch_side springs_of(const gn_scene *s, size_t a, size_t b) {
-    double p = stiffness_of(s, a), q = stiffness_of(s, b), sum = p + q;
-    double pk = kratio_of(s, a), qk = kratio_of(s, b);
+/* Combines the springs of two bodies; two rigid ones have none. */
+static gn_touch_side springs_of(const gn_scene *scene, size_t a, size_t b) {
+    double p = stiffness_of(scene, a), q = stiffness_of(scene, b), sum = p + q;
+    double pk = kratio_of(scene, a), qk = kratio_of(scene, b);
     gn_touch_side side = {.part = 1.0};
     if (!(sum > 0.0) || (isinf(p) && isinf(q))) return side;
     if (isinf(sum)) {
@@ -50,23 +53,23 @@ static gn_touch_side springs_of(const gn_scene *s, size_t a, size_t b) {
     return side;
 }
 
-gn_body_spring gn_body_spring_of(const gn_scene *s, size_t place, size_t other) {
-    const gn_material *p = material_of(s, place), *q = material_of(s, other);
-    const gn_contact_def *own = p && q ? gn_scene_find_contact(s, p, q) : NULL;
-    gn_body_spring spring = {springs_of(s, place, other),
-                             fmax(damping_of(s, place), damping_of(s, other))};
-    spring.side.friction = fmin(friction_of(s, place), friction_of(s, other));
+gn_body_spring gn_body_spring_of(const gn_scene *scene, size_t place, size_t other) {
+    const gn_material *p = material_of(scene, place), *q = material_of(scene, other);
+    const gn_contact_def *own = p && q ? gn_scene_find_contact(scene, p, q) : NULL;
+    gn_body_spring spring = {springs_of(scene, place, other),
+                             fmax(damping_of(scene, place), damping_of(scene, other))};
+    spring.side.friction = fmin(friction_of(scene, place), friction_of(scene, other));
     if (own && own->friction != GN_COMBINED) spring.side.friction = own->friction;
     if (own && own->restitution != GN_COMBINED)
         spring.damping = gn_restitution_fraction(own->restitution);
     return spring;
 }
 
-double gn_body_damping_most(const gn_scene *s) {
+double gn_body_damping_most(const gn_scene *scene) {
     double most = 0.0;
-    for (size_t k = 0; k < s->body_count; k++)
-        for (size_t n = 0; n < s->wall_count + k; n++) {
-            gn_body_spring spring = gn_body_spring_of(s, s->wall_count + k, n);
+    for (size_t k = 0; k < scene->body_count; k++)
+        for (size_t n = 0; n < scene->wall_count + k; n++) {
+            gn_body_spring spring = gn_body_spring_of(scene, scene->wall_count + k, n);
             if (spring.side.stiffness > 0.0) most = fmax(most, spring.damping);
         }
     return most;

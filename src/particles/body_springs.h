@@ -16,7 +16,7 @@ typedef struct gn_body_spring {
 } gn_body_spring;
 gn_body_spring gn_body_spring_of(const gn_scene *scene, size_t place, size_t other);
 
-/* Of critical, of any of these contacts. */
+/* Returns the largest damping fraction of these contacts. */
 double gn_body_damping_most(const gn_scene *scene);
 
 #endif

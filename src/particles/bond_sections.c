@@ -60,7 +60,7 @@ static double gamma_of(const gn_step_context *ctx, const gn_dem *dem) {
 
 /* --- polyhedra --- */
 
-/* What the particles have around them. */
+/* The faces of the cells of all particles. */
 typedef struct faces {
     int32_t *start, *bond; /* [particles + 1] into [2 bonds]: the bonds of each */
     double *scale;         /* [particles] of Dempack's sections */

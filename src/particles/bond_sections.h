@@ -7,7 +7,8 @@
 
 #include <stddef.h>
 
-/* Of the bonds, whose ends and lengths are known; and gamma. Does nothing for other laws. */
+/* Finds the sections of the bonds, whose ends and lengths are known, and gamma. Does nothing for
+ * other laws. */
 gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
 /* How the sections fill the body. */

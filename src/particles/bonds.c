@@ -37,9 +37,9 @@ static bool bondable(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
            *distance >= sum * (1.0 - ctx->scene.overlap_range);
 }
 
-/* Of the smaller radius. A bond turns with the line of its centres: where these are hardly farther
- * apart than what it is stretched and sheared before it breaks (some thousandths of a radius), the
- * line turns by large angles in a step and the energy goes wrong. */
+/* Least length of a bond over the smaller radius. A bond turns with the line of its centres: where
+ * these are hardly farther apart than what it is stretched and sheared before it breaks (some
+ * thousandths of a radius), the line turns by large angles in a step and the energy goes wrong. */
 static const double bond_least = 0.01;
 
 static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
@@ -102,15 +102,15 @@ static void set_bond(const gn_step_context *ctx, gn_dem *dem, size_t c, int32_t 
 
 /* --- overlaps that are free of stress, without a bond --- */
 
-/* Of pairs without a bond: the distances at which they have no force. */
+/* Pairs without a bond that overlap, and the distances at which they have no force. */
 typedef struct free_overlaps {
     gn_pair_list pairs;
     double *rest; /* [pairs.count] m */
 } free_overlaps;
 
-static void free_overlaps_free(free_overlaps *o) {
-    gn_pair_list_free(&o->pairs);
-    gn_free(o->rest);
+static void free_overlaps_free(free_overlaps *overlaps) {
+    gn_pair_list_free(&overlaps->pairs);
+    gn_free(overlaps->rest);
 }
 
 static gneiss_status make_room(free_overlaps *o, size_t count, gneiss_error *error) {
@@ -120,10 +120,10 @@ static gneiss_status make_room(free_overlaps *o, size_t count, gneiss_error *err
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu overlaps", count);
 }
 
-static void add_overlap(free_overlaps *o, int32_t i, int32_t j, double rest) {
-    o->pairs.pair[o->pairs.count][0] = i;
-    o->pairs.pair[o->pairs.count][1] = j;
-    o->rest[o->pairs.count++] = rest;
+static void add_overlap(free_overlaps *overlaps, int32_t i, int32_t j, double rest) {
+    overlaps->pairs.pair[overlaps->pairs.count][0] = i;
+    overlaps->pairs.pair[overlaps->pairs.count][1] = j;
+    overlaps->rest[overlaps->pairs.count++] = rest;
 }
 
 /* Overlaps below this share of r_i + r_j are rounding of the places. */
@@ -143,18 +143,18 @@ static bool overlaps_are_free(const gn_step_context *ctx) {
 /* Pairs that overlap and will have no bond: of other groups, of none, or by more than
  * bonds.overlap_range. */
 static gneiss_status find_overlaps(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_pair_list *pairs, free_overlaps *o,
+                                   const gn_pair_list *pairs, free_overlaps *overlaps,
                                    gneiss_error *error) {
     const bool bonds = ctx->scene.bonds == GN_SWITCH_ON;
     if (!overlaps_are_free(ctx)) return GNEISS_OK;
-    GN_TRY(make_room(o, pairs->count, error));
+    GN_TRY(make_room(overlaps, pairs->count, error));
     for (size_t c = 0; c < pairs->count; c++) {
         const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
         const double *pos = dem->particles.pos,
                      sum = pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
         double distance;
         if (bondable(ctx, dem, i, j, &distance) && bonds) continue;
-        if (distance < sum * (1.0 - overlap_least)) add_overlap(o, i, j, distance);
+        if (distance < sum * (1.0 - overlap_least)) add_overlap(overlaps, i, j, distance);
     }
     return GNEISS_OK;
 }
@@ -216,7 +216,7 @@ static gn_pair_query bond_query(const gn_step_context *ctx, const gn_dem *dem) {
                            ctx->threads};
 }
 
-/* Of the bonds that there are now; what earlier ones may dissipate stays what it was. */
+/* Fracture energies of planes refer to the present bonds; those of earlier bonds do not change. */
 static void share_out_energies(const gn_step_context *ctx, gn_dem *dem) {
     if (ctx->scene.fracture_energy_of == GN_FRACTURE_BODY) dem->derived.cut = gn_law_cut(ctx, dem);
 }
@@ -291,7 +291,7 @@ static gneiss_status find_bonds(const gn_step_context *ctx, const gn_dem *dem, g
                                 gn_from_run *from, free_overlaps *loose, gneiss_error *error) {
     const gn_pair_query query = bond_query(ctx, dem);
     const bool from_run = ctx->scene.specimen.from[0] && ctx->scene.specimen.from_bonds;
-    /* Of several stages a later one may be the first with bonds. */
+    /* A later stage may be the first with bonds. */
     const bool bonds = ctx->effects & GN_FX_BONDS && ctx->scene.bonds == GN_SWITCH_ON;
     GN_TRY(gn_pairs_find(&query, pairs, error));
     GN_TRY(check_distinct(ctx, dem, pairs, error));

@@ -17,7 +17,7 @@
 
 /* Means over the bonds: of the diameters, and of what a wave takes for a length in a chain of equal
  * masses m and springs k of length L, sqrt(m/k)/L. */
-static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *b) {
+static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *bursts) {
     const gn_contacts *list = &dem->bonds.contacts;
     const double *pos = dem->particles.pos, *vel = dem->particles.vel;
     double across = 0.0, slow = 0.0;
@@ -31,11 +31,11 @@ static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_burst
         count++;
     }
     if (!count) return;
-    b->reach = ctx->scene.burst_reach * across / (double)count;
-    b->window = b->reach * slow / (double)count;
+    bursts->reach = ctx->scene.burst_reach * across / (double)count;
+    bursts->window = bursts->reach * slow / (double)count;
 }
 
-/* --- who belongs together --- */
+/* --- events that belong together --- */
 
 typedef struct grid {
     const gn_step_context *ctx;
@@ -89,8 +89,8 @@ static void join(grid *g, int32_t k) {
     g->latest[bucket] = k;
 }
 
-static bool is_break(const gn_event *e) {
-    return gn_broken((uint8_t)e->cause);
+static bool is_break(const gn_event *event) {
+    return gn_broken((uint8_t)event->cause);
 }
 
 static gneiss_status join_all(const gn_step_context *ctx, const gn_dem *dem, const gn_bursts *b,
@@ -119,58 +119,61 @@ static gneiss_status join_all(const gn_step_context *ctx, const gn_dem *dem, con
 
 /* --- what they come to --- */
 
-static void add(const gn_step_context *ctx, const gn_dem *dem, gn_burst *b, const gn_event *e) {
-    const gn_event *first = &dem->events.rows[b->first];
+static void add(const gn_step_context *ctx, const gn_dem *dem, gn_burst *burst,
+                const gn_event *event) {
+    const gn_event *first = &dem->events.rows[burst->first];
     double d[3];
-    gn_branch(ctx, first->place, e->place, d);
-    for (int a = 0; a < 3; a++) b->place[a] += d[a];
-    b->duration = e->time - first->time;
-    b->energy += ctx->effects & GN_FX_ENERGY ? e->energy : NAN;
-    b->tension += e->cause == GN_BROKEN_TENSION;
-    b->size++;
+    gn_branch(ctx, first->place, event->place, d);
+    for (int a = 0; a < 3; a++) burst->place[a] += d[a];
+    burst->duration = event->time - first->time;
+    burst->energy += ctx->effects & GN_FX_ENERGY ? event->energy : NAN;
+    burst->tension += event->cause == GN_BROKEN_TENSION;
+    burst->size++;
 }
 
-static void sum_up(const gn_step_context *ctx, const gn_dem *dem, int32_t *parent, gn_bursts *b) {
+static void sum_up(const gn_step_context *ctx, const gn_dem *dem, int32_t *parent,
+                   gn_bursts *bursts) {
     const gn_events *list = &dem->events;
     for (size_t k = 0; k < list->count; k++) {
         const gn_event *e = &list->rows[k];
-        b->of[k] = -1;
+        bursts->of[k] = -1;
         if (!is_break(e)) continue;
         const int32_t root = gn_set_root(parent, (int32_t)k);
         if (root == (int32_t)k)
-            b->row[b->count++] = (gn_burst){.time = e->time, .first = (int64_t)k};
-        b->of[k] = root == (int32_t)k ? (int32_t)b->count - 1 : b->of[root];
-        add(ctx, dem, &b->row[b->of[k]], e);
+            bursts->row[bursts->count++] = (gn_burst){.time = e->time, .first = (int64_t)k};
+        bursts->of[k] = root == (int32_t)k ? (int32_t)bursts->count - 1 : bursts->of[root];
+        add(ctx, dem, &bursts->row[bursts->of[k]], e);
     }
-    for (size_t k = 0; k < b->count; k++)
+    for (size_t k = 0; k < bursts->count; k++)
         for (int a = 0; a < 3; a++)
-            b->row[k].place[a] =
-                list->rows[b->row[k].first].place[a] + b->row[k].place[a] / b->row[k].size;
+            bursts->row[k].place[a] = list->rows[bursts->row[k].first].place[a] +
+                                      bursts->row[k].place[a] / bursts->row[k].size;
 }
 
-gneiss_status gn_bursts_find(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *b,
+gneiss_status gn_bursts_find(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *bursts,
                              gneiss_error *error) {
     const size_t events = dem->events.count;
-    *b = (gn_bursts){0};
+    *bursts = (gn_bursts){0};
     if (!(ctx->effects & GN_FX_EVENTS)) return GNEISS_OK;
-    find_windows(ctx, dem, b);
+    find_windows(ctx, dem, bursts);
     int32_t *parent = gn_alloc_array(events + 1, sizeof *parent);
-    b->row = gn_alloc_array(events + 1, sizeof *b->row);
-    b->of = gn_alloc_array(events + 1, sizeof *b->of);
-    gneiss_status status = parent && b->row && b->of ? join_all(ctx, dem, b, parent, error)
-                                                     : gn_fail(error, GNEISS_ERROR_MEMORY,
-                                                               "no memory for %zu events", events);
-    if (status == GNEISS_OK) sum_up(ctx, dem, parent, b);
+    bursts->row = gn_alloc_array(events + 1, sizeof *bursts->row);
+    bursts->of = gn_alloc_array(events + 1, sizeof *bursts->of);
+    gneiss_status status =
+        parent && bursts->row && bursts->of
+            ? join_all(ctx, dem, bursts, parent, error)
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", events);
+    if (status == GNEISS_OK) sum_up(ctx, dem, parent, bursts);
     gn_free(parent);
     return status;
 }
 
-void gn_bursts_free(gn_bursts *b) {
-    gn_free(b->row);
-    gn_free(b->of);
-    *b = (gn_bursts){0};
+void gn_bursts_free(gn_bursts *bursts) {
+    gn_free(bursts->row);
+    gn_free(bursts->of);
+    *bursts = (gn_bursts){0};
 }
 
-double gn_burst_magnitude(const gn_burst *b) {
-    return b->energy > 0.0 ? 2.0 / 3.0 * log10(b->energy) - 3.2 : NAN;
+double gn_burst_magnitude(const gn_burst *burst) {
+    return burst->energy > 0.0 ? 2.0 / 3.0 * log10(burst->energy) - 3.2 : NAN;
 }

@@ -105,7 +105,7 @@ static void set_masses(const gn_step_context *ctx, gn_dem *dem) {
     }
 }
 
-/* Of particles from another run, as they were there. */
+/* Particles from another run keep the velocities that they had there. */
 static gneiss_status take_velocities(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_particles *q = &dem->particles;
     gn_from_run from;

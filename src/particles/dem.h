@@ -51,7 +51,7 @@ typedef struct gn_resolution {
     int64_t first, second;
 } gn_resolution;
 
-/* What a step summed up to, over all blocks. */
+/* Sums of a step over all blocks. */
 typedef struct gn_dem_sums {
     gn_contact_sums list[GN_LIST_COUNT]; /* of each contact list */
     gn_contact_sums contacts;            /* of all lists */
@@ -70,7 +70,7 @@ typedef struct gn_mass_scaling {
     int64_t raised;  /* particles */
 } gn_mass_scaling;
 
-/* A membrane (membrane.h), in doubles, as checkpoints have it. Areas act where they are; tensors
+/* A membrane (membrane.h). Areas act where they are; tensors
  * are sums of areas times places or ways, m3. */
 typedef struct gn_membrane {
     double pressure;    /* Pa, in the last step */
@@ -81,28 +81,29 @@ typedef struct gn_membrane {
     double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
     double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
                         shape */
-    double bodies;   /* that the skin is of, at the last look; those that are not closed as one */
     double from;     /* Pa, that it comes from while its ramp lasts */
     double since;    /* s, when that began */
     double unlike;   /* share of it that followed it as a whole as what is around would have
                         stretched it out of all measure; the most at any look */
+    int64_t bodies;  /* that the skin is of, at the last look; those that are not closed as one */
 } gn_membrane;
 
-/* A part of the surface that one particle bears, where things were at the start, in doubles, as
- * checkpoints have it: what it had of a side of the body, or a face of its cell that was bared. */
+/* A part of the surface that one particle bears, where things were at the start:
+ * what it had of a side of the body, or a face of its cell that was bared. */
 typedef struct gn_patch {
     double point[3]; /* m, its middle */
     double area[3];  /* m2, outward */
     double rest[9];  /* m3, sum of areas times ways from the middle */
     double size;     /* m2; 0: a face, whose size is that of its area */
-    double owner;    /* id of the particle that bears it; -1: none is left */
-    double body;     /* of those of the skin the one that it was of at the last look */
+    int32_t owner;   /* id of the particle that bears it; -1: none is left */
+    int32_t body;    /* of those of the skin the one that it was of at the last look */
 } gn_patch;
 
-/* A particle of a body whose elements convert (conversion.h), in doubles as in checkpoints. */
+/* A particle of a body that converts (conversion.h). */
 typedef struct gn_dormant_particle {
-    double inverse_mass, inverse_inertia; /* 1/kg, 1/(kg m2), after activation; 0: it is active */
-    double home; /* element that contains it at the start, by its place in the mesh */
+    /* 1/kg, 1/(kg m2): those that it has when it is released; 0: it is active */
+    double inverse_mass, inverse_inertia;
+    int32_t element; /* the element that contains it at the start, by its place in the mesh */
 } gn_dormant_particle;
 
 /* Room for counting fragments (fragments.c), with bonds. */

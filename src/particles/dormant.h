@@ -24,13 +24,14 @@ static inline bool gn_is_hidden_pair(const gn_step_context *ctx, const gn_dem *d
     const double *part = dem->particles.blend;
     return gn_converts(ctx) && !(part[2 * (size_t)i] + part[2 * (size_t)j] > 0.0);
 }
-static inline size_t gn_home_id(const gn_dem *dem, size_t p) {
-    return (size_t)gn_dormant_of(dem, p)->home;
+/* Returns the element that contains a particle at the start, by its place in the mesh. */
+static inline size_t gn_dormant_element(const gn_dem *dem, size_t p) {
+    return (size_t)gn_dormant_of(dem, p)->element;
 }
 
-/* Marks the blocks of particles that all sleep, when lists are made. */
+/* Marks the blocks of particles that are all dormant, when lists are made. */
 gneiss_status gn_dormant_find_blocks(gn_dem *dem, gneiss_error *error);
-/* Particles that sleep (conversion_limits.c). */
+/* Returns the number of dormant particles. */
 size_t gn_dormant_count(const gn_dem *dem);
 
 #endif

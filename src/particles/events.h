@@ -1,5 +1,4 @@
-/* What happened to bonds for the first time: breaks, softening, yield. At most three rows a bond.
- */
+/* First events of bonds: failure, softening, yield; at most three rows for a bond. */
 #ifndef GN_PARTICLES_EVENTS_H
 #define GN_PARTICLES_EVENTS_H
 
@@ -10,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What it was, beside gn_cause, as the state of a bond in output. */
+/* Kinds of events besides gn_cause, with the numbers of the states of bonds in output. */
 enum { GN_EVENT_SOFTENING = 4, GN_EVENT_YIELD = 5 };
 
 typedef struct gn_event {

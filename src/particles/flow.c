@@ -13,6 +13,7 @@
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -20,14 +21,18 @@
 
 /* --- regions --- */
 
-static gneiss_status make_region(const gn_flow_region *r, gn_domain **domain, gneiss_error *error) {
+static gneiss_status make_region(const gn_flow_region *region, gn_domain **domain,
+                                 gneiss_error *error) {
     double upper[3];
-    for (int a = 0; a < 3; a++) upper[a] = r->origin[a] + r->size[a];
-    if (r->has_rectangle) return gn_domain_rectangle(r->origin, upper, domain, error);
-    if (r->has_disc) return gn_domain_disc(r->origin, 0.5 * r->diameter, domain, error);
-    if (r->corner_count) return gn_domain_polygon(r->corners, r->corner_count, domain, error);
-    if (r->has_box) return gn_domain_box(r->origin, upper, domain, error);
-    return gn_domain_cylinder(r->origin, 0.5 * r->diameter, r->height, domain, error);
+    for (int a = 0; a < 3; a++) upper[a] = region->origin[a] + region->size[a];
+    if (region->has_rectangle) return gn_domain_rectangle(region->origin, upper, domain, error);
+    if (region->has_disc)
+        return gn_domain_disc(region->origin, 0.5 * region->diameter, domain, error);
+    if (region->corner_count)
+        return gn_domain_polygon(region->corners, region->corner_count, domain, error);
+    if (region->has_box) return gn_domain_box(region->origin, upper, domain, error);
+    return gn_domain_cylinder(region->origin, 0.5 * region->diameter, region->height, domain,
+                              error);
 }
 
 static gneiss_status at(const gn_step_context *ctx, gn_scene_place where, const char *list,
@@ -80,14 +85,14 @@ gneiss_status gn_flow_create(const gn_step_context *ctx, gn_dem *dem, gneiss_err
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sources and sinks");
 }
 
-void gn_flow_free(gn_flow *f) {
-    for (size_t k = 0; f->region && k < f->regions; k++) gn_domain_free(f->region[k]);
-    gn_free((void *)f->region);
-    gn_free(f->unit);
-    gn_free(f->sources);
-    gn_free(f->sinks);
-    gn_free(f->lost);
-    *f = (gn_flow){0};
+void gn_flow_free(gn_flow *flow) {
+    for (size_t k = 0; flow->region && k < flow->regions; k++) gn_domain_free(flow->region[k]);
+    gn_free((void *)flow->region);
+    gn_free(flow->unit);
+    gn_free(flow->sources);
+    gn_free(flow->sinks);
+    gn_free(flow->lost);
+    *flow = (gn_flow){0};
 }
 
 /* --- what may come --- */
@@ -140,10 +145,10 @@ void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[
 
 /* --- what has gone --- */
 
-static double beyond(const gn_sink_def *d, const double x[3]) {
+static double beyond(const gn_sink_def *def, const double x[3]) {
     double way[3];
-    for (int a = 0; a < 3; a++) way[a] = x[a] - d->point[a];
-    return gn_dot3(way, d->normal);
+    for (int a = 0; a < 3; a++) way[a] = x[a] - def->point[a];
+    return gn_dot3(way, def->normal);
 }
 
 bool gn_sink_has(const gn_step_context *ctx, const gn_dem *dem, size_t sink, const double x[4]) {
@@ -169,7 +174,7 @@ void gn_flow_count(const gn_step_context *ctx, gn_dem *dem) {
         const gn_sink_def *d = &ctx->scene.sinks[k];
         for (size_t p = 0; !d->remove && p < q->soa.count; p++) {
             bool before = beyond(d, q->ref + 4 * p) >= 0.0, now = beyond(d, q->pos + 4 * p) >= 0.0;
-            if (before != now && q->vel[4 * p + 3] > 0.0)
+            if (before != now && gn_particle_is_active(q, p))
                 count_crossing(dem, k, p, now ? 1.0 : -1.0);
         }
     }
@@ -206,7 +211,7 @@ void gn_flow_row(const gn_step_context *ctx, gn_dem *dem) {
 size_t gn_world_present(const gn_dem *dem) {
     size_t count = 0;
     for (size_t p = 0; p < dem->particles.soa.count; p++)
-        count += dem->particles.vel[4 * p + 3] > 0.0;
+        count += gn_particle_is_active(&dem->particles, p);
     return count;
 }
 

@@ -67,8 +67,8 @@ double gn_flow_mean_radius(const gn_step_context *ctx);
 void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[3],
                     double upper[3]);
 
-/* Whether a source has a particle that should be there and lists have stood long enough to be made
- * for it. */
+/* Tells whether a source has a particle that is due and the lists are old enough to be rebuilt for
+ * it. */
 bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem);
 /* Lets in what is due and finds room. At the start (`first`) there must be particles then. */
 gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
@@ -89,7 +89,7 @@ bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem);
 const char *gn_flow_wall_before(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k);
 
-/* Whether a particle is where a sink has it. */
+/* Tells whether a particle is inside the region of a sink. */
 bool gn_sink_has(const gn_step_context *ctx, const gn_dem *dem, size_t sink, const double x[4]);
 /* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
 double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink);

@@ -9,6 +9,7 @@
 #include "particles/dem.h"
 #include "particles/dormant.h"
 #include "soa/bond_causes.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -80,10 +81,10 @@ const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
     for (int l = 0; l < GN_LIST_COUNT; l++)
         join_touching(ctx, dem, &dem->list[l].contacts, q->parent);
     for (size_t k = 0; k < p->soa.count; k++)
-        if (p->vel[4 * k + 3] > 0.0) q->members[gn_set_root(q->parent, (int32_t)k)]++;
+        if (gn_particle_is_active(p, k)) q->members[gn_set_root(q->parent, (int32_t)k)]++;
     for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
         q->members[k] =
-            p->vel[4 * k + 3] > 0.0 ? q->members[gn_set_root(q->parent, (int32_t)k)] : 0;
+            gn_particle_is_active(p, k) ? q->members[gn_set_root(q->parent, (int32_t)k)] : 0;
     return q->members;
 }
 
@@ -125,7 +126,7 @@ gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem) {
 /* --- as a list --- */
 
 static bool is_there(const gn_dem *dem, size_t p) {
-    return dem->particles.vel[4 * p + 3] > 0.0 && !gn_is_dormant(dem, p);
+    return gn_particle_is_active(&dem->particles, p) && !gn_is_dormant(dem, p);
 }
 
 /* `at`: the first particle of the piece by its id, for images. */

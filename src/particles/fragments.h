@@ -43,8 +43,7 @@ void gn_fragments_free(gn_fragment_list *list);
  * call of either. */
 const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem);
 
-/* Whether anything that was held has come loose: a bond has broken or was dissolved, or a particle
- * has left the domain. */
+/* Tells whether a bond has broken or was dissolved, or a particle has left the domain. */
 bool gn_world_has_loosened(const gn_dem *dem);
 
 /* A body with fewer particles than this share of the largest one's has come off it. */

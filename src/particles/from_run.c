@@ -13,7 +13,7 @@
 
 static const double light = 299792458.0, far = 1e30; /* m/s, m: bounds of what a file may hold */
 
-/* What the file has of all particles; those that were removed are left out of *from. */
+/* Data of all particles in the file; removed ones are left out of *from. */
 typedef struct source {
     gn_h5 *file;
     size_t all, bonds;

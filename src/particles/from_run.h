@@ -21,7 +21,7 @@ typedef struct gn_from_run {
     double volume;       /* m3 (2D: m2) of the body that was packed; of a run 0 */
 } gn_from_run;
 
-/* What specimen.from names, with what the scene asks for. */
+/* Reads the run that specimen.from names, with the data that the scene requests. */
 gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_error *error);
 void gn_from_run_free(gn_from_run *from);
 

@@ -7,6 +7,7 @@
 #include "particles/dormant.h"
 #include "particles/law.h"
 #include "particles/lists.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #ifndef NDEBUG
@@ -80,7 +81,7 @@ static void assert_complete(const gn_step_context *ctx, const gn_dem *dem) {
         for (int32_t j = i + 1; j < n; j++) {
             const double *x = q->pos + 4 * (int64_t)i, *y = q->pos + 4 * (int64_t)j;
             double d[3], gap = sqrt(gn_branch(ctx, x, y, d)) - x[3] - y[3];
-            bool there = q->vel[4 * (int64_t)i + 3] > 0.0 && q->vel[4 * (int64_t)j + 3] > 0.0;
+            bool there = gn_particle_is_active(q, i) && gn_particle_is_active(q, j);
             there = there && !gn_is_hidden_pair(ctx, dem, i, j);
             bool bond = listed(&dem->bonds.contacts, i, j),
                  pair = listed(&dem->pairs.contacts, i, j);

@@ -1,4 +1,4 @@
-/* What must be true of a world between two steps: looked at in builds with assertions. */
+/* Invariants of a world between two steps, checked in builds with assertions. */
 #ifndef GN_PARTICLES_INVARIANTS_H
 #define GN_PARTICLES_INVARIANTS_H
 

@@ -1,4 +1,4 @@
-/* What the contact laws (kernels/law.h) are told of the world. */
+/* Contact laws (kernels/law.h) applied to the particles of a world. */
 #include "kernels/law.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -65,14 +65,14 @@ double gn_inverse_mass_along(const gn_dem *dem, size_t p, const double n[3]) {
     return slot < 0 ? inverse : gn_free_share(dem->prescribed.mask[slot], n) * inverse;
 }
 
-/* Of a particle that shares its place with elements as if it were alone: its contacts are weighted
- * as a whole. */
+/* Returns the inverse mass of a particle; one that shares its place with elements counts with its
+ * whole mass, because its contacts are weighted as a whole. */
 static double own_inverse_along(const gn_dem *dem, size_t p, const double n[3]) {
     const double *blend = dem->particles.blend;
     return gn_inverse_mass_along(dem, p, n) * (blend ? blend[2 * p + 1] : 1.0);
 }
 
-/* Of the pair along the line between its centres, where it is now. */
+/* Returns the inverse mass of a pair along the present line between its centres. */
 static double pair_inverse_mass(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
                                 int32_t j) {
     const double *pos = dem->particles.pos;
@@ -99,8 +99,9 @@ static gn_law_pair pair_of(const gn_step_context *ctx, const gn_dem *dem, int32_
         .own = ctx->scene.contact_count ? gn_scene_find_contact(&ctx->scene, a, b) : NULL};
 }
 
-/* Of a bond by who its ends are, so that neither order nor the number of threads matters. */
-static uint64_t lot_of(const gn_dem *dem, int32_t i, int32_t j) {
+/* Returns the random seed of a bond, from the ids of its ends, so that neither the order nor the
+ * number of threads matters. */
+static uint64_t seed_of(const gn_dem *dem, int32_t i, int32_t j) {
     uint64_t a = (uint64_t)dem->particles.id[i], b = (uint64_t)dem->particles.id[j];
     return 1 + (a < b ? a << 32 | b : b << 32 | a);
 }
@@ -111,7 +112,7 @@ static gn_law_pair pair_of_contact(const gn_step_context *ctx, const gn_dem *dem
     if (!list->rn) return pair;
     pair.area = list->area ? list->area[c] : 0.0;
     pair.length = list->length0[c];
-    pair.draw_id = lot_of(dem, list->i[c], list->j[c]);
+    pair.draw_id = seed_of(dem, list->i[c], list->j[c]);
     return pair;
 }
 
@@ -132,7 +133,7 @@ void gn_contact_set(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *
     if (part != 1.0) law->weigh(list, c, part);
 }
 
-/* Laws by area that are told none have that of a pair that was never bonded. */
+/* Without a given area, laws by area take that of a pair that was never bonded. */
 static double area_of(const gn_step_context *ctx, const gn_dem *dem, const gn_law *law,
                       const gn_law_pair *pair, double overlap) {
     gn_law_model model = model_of(ctx, dem);
@@ -178,7 +179,7 @@ void gn_contacts_set_dashpots(const gn_step_context *ctx, const gn_dem *dem, gn_
     }
 }
 
-/* What a bond has gone through stands in its strengths as well: a broken one has a negative one. */
+/* Damage stays: it is also in the strengths of a bond, and a broken one has a negative strength. */
 static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->mu) list->mu[c] = now->mu[c];
     if (list->rolling) list->rolling[c] = now->rolling[c];

@@ -22,6 +22,7 @@
 #include "scene/scene.h"
 #include "sched/hold.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "soa/single.h"
 #include "timestep/step_limit.h"
@@ -54,7 +55,7 @@ size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j) {
     return low;
 }
 
-/* Whether the list has (i, j), walking on from *at: both lists are sorted. */
+/* Tells whether the list has (i, j), advancing from *at: both lists are sorted. */
 static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
     while (*at < list->soa.count && comes_before(list, *at, i, j)) (*at)++;
     return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
@@ -177,7 +178,6 @@ static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swappe
     gn_soa_mirror(&gn_contact_record, list, swapped, turned);
 }
 
-/* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
 gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error) {
     size_t count = list->soa.count;
     gn_renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
@@ -186,7 +186,8 @@ gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss
     if (!keys || !swapped)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
-        int32_t i = place[list->i[c]], j = place[list->j[c]];
+        int32_t i = list->i[c], j = list->j[c];
+        if (place) i = place[i], j = place[j];
         keys[c] = (gn_renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
     }
     gn_contacts now = {0};
@@ -250,7 +251,7 @@ void gn_dem_sum_masses(gn_dem *dem) {
     dem->mass = s->added = s->largest = 0.0;
     s->raised = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue; /* removed */
+        if (!gn_particle_is_active(q, p)) continue; /* removed */
         double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
         dem->mass += own < 1.0 ? own * mass : mass;
         s->added += (1.0 - own) * mass;

@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 /* Numbers of particles (lists.c): null particles behind the last one, index_of_id, and the ends of
- * contacts, which are sorted again; place[old] is the new one. */
+ * contacts, which are sorted again; place[old] is the new one, NULL: numbers stay. */
 void gn_dem_null_particles(const gn_step_context *ctx, gn_dem *dem);
 void gn_dem_number_ids(gn_dem *dem);
 gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error);

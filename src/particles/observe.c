@@ -25,7 +25,7 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
     gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &dem->particles);
-    /* Of all bonds: of some alone it stays what it was in the last step. */
+    /* The pressure needs all bonds; for some alone it stays that of the last step. */
     if (list == &dem->bonds.contacts) gn_dem_confine(ctx, dem, copy);
     gn_contact_args args =
         gn_dem_contact_args(ctx, dem, box, &(gn_contact_list){.contacts = *copy}, false);

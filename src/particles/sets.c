@@ -1,4 +1,4 @@
-/* Particle sets: who belongs to them, what they change, how they move. */
+/* Particle sets: their particles, the properties that they change, their motion. */
 #include "particles/sets.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -10,37 +10,39 @@
 #include "particles/parameters.h"
 #include "scene/scene.h"
 #include "scene/table.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <math.h>
 #include <string.h>
 
-static bool in_end(const gn_step_context *ctx, const gn_set_def *s, const double *x) {
-    int axis = (int)s->end_axis;
-    double r = s->end_by_surface ? x[3] : 0.0;
-    return s->end_upper ? x[axis] + r >= ctx->upper[axis] - s->end_depth
-                        : x[axis] - r <= ctx->lower[axis] + s->end_depth;
+static bool in_end(const gn_step_context *ctx, const gn_set_def *set_def, const double *x) {
+    int axis = (int)set_def->end_axis;
+    double r = set_def->end_by_surface ? x[3] : 0.0;
+    return set_def->end_upper ? x[axis] + r >= ctx->upper[axis] - set_def->end_depth
+                              : x[axis] - r <= ctx->lower[axis] + set_def->end_depth;
 }
 
-static bool in_ids(const gn_set_def *s, int32_t id) {
-    for (size_t k = 0; k < s->id_count; k++)
-        if (s->ids[k] == id) return true;
+static bool in_ids(const gn_set_def *set_def, int32_t id) {
+    for (size_t k = 0; k < set_def->id_count; k++)
+        if (set_def->ids[k] == id) return true;
     return false;
 }
 
-static bool selected_at(const gn_step_context *ctx, const gn_set_def *s, const double *x,
+static bool selected_at(const gn_step_context *ctx, const gn_set_def *set_def, const double *x,
                         int32_t id) {
-    if (s->has_box)
+    if (set_def->has_box)
         for (int a = 0; a < (int)ctx->scene.dimension; a++) {
             double seen = gn_point_out(ctx->scene.origin[a], x[a]);
-            if (seen < s->box_min[a] || seen > s->box_max[a]) return false;
+            if (seen < set_def->box_min[a] || seen > set_def->box_max[a]) return false;
         }
-    if (s->end_axis >= 0 && !in_end(ctx, s, x)) return false;
-    return !s->id_count || in_ids(s, id);
+    if (set_def->end_axis >= 0 && !in_end(ctx, set_def, x)) return false;
+    return !set_def->id_count || in_ids(set_def, id);
 }
 
-static bool selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *s, size_t p) {
-    return selected_at(ctx, s, dem->particles.pos + 4 * p, dem->particles.id[p]);
+static bool selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *set_def,
+                     size_t p) {
+    return selected_at(ctx, set_def, dem->particles.pos + 4 * p, dem->particles.id[p]);
 }
 
 /* By where it was at the start; places of a periodic box have moved by whole lengths since. */
@@ -56,8 +58,8 @@ bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, 
 
 static bool starts_in(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
-    if (!(q->vel[4 * p + 3] > 0.0)) return false; /* it has left */
-    if (q->id[p] >= dem->made) return false;      /* a source's: sets are of the specimen */
+    if (!gn_particle_is_active(q, p)) return false; /* it has left */
+    if (q->id[p] >= dem->made) return false;        /* a source's: sets are of the specimen */
     return gn_set_selected(ctx, dem, set, p);
 }
 
@@ -72,24 +74,25 @@ static uint8_t motion_mask(const gn_motion *motion) {
     return mask;
 }
 
-static size_t count_selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *s) {
+static size_t count_selected(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_set_def *set_def) {
     size_t count = 0;
-    for (size_t p = 0; p < dem->particles.soa.count; p++) count += selected(ctx, dem, s, p);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) count += selected(ctx, dem, set_def, p);
     return count;
 }
 
-static gneiss_status check_ids(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *s,
-                               gneiss_error *error) {
-    for (size_t k = 0; k < s->id_count; k++)
-        if (s->ids[k] < 0 || s->ids[k] >= (int64_t)dem->particles.soa.count)
+static gneiss_status check_ids(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_set_def *set_def, gneiss_error *error) {
+    for (size_t k = 0; k < set_def->id_count; k++)
+        if (set_def->ids[k] < 0 || set_def->ids[k] >= (int64_t)dem->particles.soa.count)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
-                           gn_scene_at(&ctx->scene, s->where, "sets").text, s->name,
-                           dem->particles.soa.count - 1, (long long)s->ids[k]);
-    if (count_selected(ctx, dem, s) == 0)
+                           gn_scene_at(&ctx->scene, set_def->where, "sets").text, set_def->name,
+                           dem->particles.soa.count - 1, (long long)set_def->ids[k]);
+    if (count_selected(ctx, dem, set_def) == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: set '%s': select: expected particles, found none in this selection",
-                       gn_scene_at(&ctx->scene, s->where, "sets").text, s->name);
+                       gn_scene_at(&ctx->scene, set_def->where, "sets").text, set_def->name);
     return GNEISS_OK;
 }
 
@@ -109,23 +112,23 @@ gneiss_status gn_sets_assign(const gn_step_context *ctx, gn_dem *dem, gneiss_err
 }
 
 /* Initial motion and force of one set; the total force is shared out by mass. */
-static void apply_set(const gn_step_context *ctx, gn_dem *dem, const gn_set_def *s) {
+static void apply_set(const gn_step_context *ctx, gn_dem *dem, const gn_set_def *set_def) {
     gn_particles *q = &dem->particles;
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (selected(ctx, dem, s, p)) mass += 1.0 / q->vel[4 * p + 3];
+        if (selected(ctx, dem, set_def, p)) mass += 1.0 / q->vel[4 * p + 3];
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!selected(ctx, dem, s, p)) continue;
+        if (!selected(ctx, dem, set_def, p)) continue;
         for (int k = 0; k < 3; k++) {
-            if (s->has_initial_velocity) q->vel[4 * p + k] = s->initial_velocity[k];
-            if (s->has_initial_spin && q->spin) q->spin[4 * p + k] = s->initial_spin[k];
-            if (s->has_force && q->applied)
-                q->applied[4 * p + k] += s->force[k] / q->vel[4 * p + 3] / mass;
+            if (set_def->has_initial_velocity) q->vel[4 * p + k] = set_def->initial_velocity[k];
+            if (set_def->has_initial_spin && q->spin) q->spin[4 * p + k] = set_def->initial_spin[k];
+            if (set_def->has_force && q->applied)
+                q->applied[4 * p + k] += set_def->force[k] / q->vel[4 * p + 3] / mass;
         }
     }
 }
 
-/* Of their own mass, those that have left have none. */
+/* Returns the own mass of a particle; removed ones have none. */
 static double own_mass(const gn_particles *q, size_t p) {
     double inverse = q->vel[4 * p + 3];
     return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;

@@ -133,11 +133,12 @@ void gn_extent_add(gn_extent *extent, const double point[3], double radius) {
     }
 }
 
-static void add_lattice(const gn_lattice *l, gn_extent *extent) {
-    unit_cell cell = cell_of(l->kind);
-    double upper[3], a = 2.0 * l->radius * l->spacing;
-    for (int d = 0; d < 3; d++) upper[d] = l->origin[d] + a * cell.edge[d] * (double)l->cells[d];
-    gn_extent_add(extent, l->origin, 0.0);
+static void add_lattice(const gn_lattice *lattice, gn_extent *extent) {
+    unit_cell cell = cell_of(lattice->kind);
+    double upper[3], a = 2.0 * lattice->radius * lattice->spacing;
+    for (int d = 0; d < 3; d++)
+        upper[d] = lattice->origin[d] + a * cell.edge[d] * (double)lattice->cells[d];
+    gn_extent_add(extent, lattice->origin, 0.0);
     gn_extent_add(extent, upper, 0.0);
 }
 
@@ -181,8 +182,8 @@ void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
     if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);
 }
 
-/* What is made here goes into the box as it stands; rows may have been written with what had gone
- * through its sides. */
+/* A generated packing has to lie in the box as it is; rows of a file may include particles that
+ * have passed through its sides. */
 static gneiss_status check_box(const gn_scene *scene, const gn_packing *packing,
                                gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;

@@ -9,11 +9,12 @@
 #include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <math.h>
 
-/* Of all particles of a cell, m. */
+/* Displacements of all particles of a cell, m. */
 typedef struct ways {
     double low[3], high[3];
 } ways;
@@ -22,8 +23,8 @@ typedef struct grid {
     double low[3], scale[3]; /* scale: cells per m */
     size_t count[3];
     bool closed[3];    /* the last cell is beside the first */
-    size_t begin, end; /* layers, those of one place along the last axis, with somebody in them or
-                          in the next one; in all others cells are of no use */
+    size_t begin, end; /* layers of cells, of one place along the last axis, with a particle in them
+                          or in the next one; cells of all others are unused */
     ways *cell;
 } grid;
 
@@ -79,8 +80,8 @@ static ways *cell_of(const grid *g, const double x[3]) {
     return &g->cell[row * g->count[0] + place_of(g, x[0], 0)];
 }
 
-/* A box that is high for what is in it has mostly layers without anybody. Where the lowest one has
- * somebody all count: the highest may be next to it. */
+/* In a box that is high for its contents most layers are empty. If the lowest one is not, all
+ * count: the highest may be next to it. */
 static void find_layers(const ways *room, grid *g) {
     const size_t low = place_of(g, room->low[2], 2);
     g->begin = low > 0 ? low - 1 : 0;
@@ -91,7 +92,7 @@ static void fill(const gn_particles *q, grid *g) {
     const size_t layer = cells_of_layer(g);
     for (size_t k = layer * g->begin; k < layer * g->end; k++) g->cell[k] = none;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!gn_particle_is_active(q, p)) continue;
         const double *x = q->pos + 4 * p, *from = q->ref + 4 * p;
         const double d[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
         merge(cell_of(g, from), d, d);

@@ -101,8 +101,9 @@ gneiss_status gn_checkpoint_put_arrays(gn_h5 *file, const gn_checkpoint_array *a
     for (size_t k = 0; k < count; k++) {
         char path[128];
         snprintf(path, sizeof path, "arrays/%s", arrays[k].name);
-        GN_TRY(gn_h5_put(file, path, arrays[k].type, arrays[k].rows, arrays[k].components, 0,
-                         *arrays[k].data, NULL, NULL, error));
+        const char *data = *arrays[k].data;
+        GN_TRY(gn_h5_put(file, path, arrays[k].type, arrays[k].rows, arrays[k].components,
+                         arrays[k].size, data ? data + arrays[k].offset : NULL, NULL, NULL, error));
     }
     return GNEISS_OK;
 }
@@ -112,12 +113,14 @@ gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_ar
     for (size_t k = 0; k < count; k++) {
         char path[128];
         snprintf(path, sizeof path, "arrays/%s", arrays[k].name);
-        size_t item = gn_type_size(arrays[k].type) * arrays[k].components;
-        *arrays[k].data = gn_alloc_array(arrays[k].rows + 1, item);
+        const size_t item = gn_type_size(arrays[k].type) * arrays[k].components;
+        if (!arrays[k].offset)
+            *arrays[k].data =
+                gn_alloc_array(arrays[k].rows + 1, arrays[k].size ? arrays[k].size : item);
         if (!*arrays[k].data)
             return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", arrays[k].name);
-        GN_TRY(gn_h5_get(file, path, arrays[k].type, arrays[k].rows, arrays[k].components, 0,
-                         *arrays[k].data, error));
+        GN_TRY(gn_h5_get(file, path, arrays[k].type, arrays[k].rows, arrays[k].components,
+                         arrays[k].size, (char *)*arrays[k].data + arrays[k].offset, error));
     }
     return GNEISS_OK;
 }
@@ -126,9 +129,9 @@ enum { GAUGE_ARRAYS = 3 };
 
 static void list_gauge(gn_strain_gauge *g, int32_t **belongs, size_t gauged,
                        gn_checkpoint_array out[GAUGE_ARRAYS]) {
-    out[0] = (gn_checkpoint_array){"gauge_id", GN_I32, g->count, 1, (void **)&g->id};
-    out[1] = (gn_checkpoint_array){"gauge_weight", GN_F64, g->count, 3, (void **)&g->weight};
-    out[2] = (gn_checkpoint_array){"gauge_belongs", GN_I32, gauged, 1, (void **)belongs};
+    out[0] = GN_CHECKPOINT_ARRAY("gauge_id", GN_I32, g->count, 1, &g->id);
+    out[1] = GN_CHECKPOINT_ARRAY("gauge_weight", GN_F64, g->count, 3, &g->weight);
+    out[2] = GN_CHECKPOINT_ARRAY("gauge_belongs", GN_I32, gauged, 1, belongs);
 }
 
 /* --- writing --- */
@@ -146,23 +149,30 @@ static gneiss_status put_history(const gn_run *run, gn_h5 *file, gneiss_error *e
     return GNEISS_OK;
 }
 
-enum { STAGE_NUMBERS = sizeof(gn_stage_state) / sizeof(double) };
+enum { STAGE_ARRAYS = 2 };
+
+static void list_stages(gn_stage_state **stages, size_t count,
+                        gn_checkpoint_array out[STAGE_ARRAYS]) {
+    out[0] = GN_CHECKPOINT_MEMBERS("stages", GN_F64, count, 3, stages, gn_stage_state, time);
+    out[1] = GN_CHECKPOINT_MEMBERS("stage_numbers", GN_I64, count, 3, stages, gn_stage_state, step);
+}
 
 static gneiss_status put_stages(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     int64_t stage = (int64_t)w->stages.now;
     gn_stage_state *stages = w->stages.state;
-    gn_checkpoint_array array = {"stages", GN_F64, w->ctx.given.stage_count, STAGE_NUMBERS,
-                                 (void **)&stages};
+    gn_checkpoint_array arrays[STAGE_ARRAYS];
+    list_stages(&stages, w->ctx.given.stage_count, arrays);
     if (!w->ctx.given.stage_count) return GNEISS_OK;
     GN_TRY(gn_h5_attribute_i64(file, "/", "stage", &stage, 1, error));
-    return gn_checkpoint_put_arrays(file, &array, 1, error);
+    return gn_checkpoint_put_arrays(file, arrays, STAGE_ARRAYS, error);
 }
 
 enum { KEPT_NUMBERS = sizeof(gn_kept_snapshot) / sizeof(double) };
 
 static gneiss_status put_kept(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     gn_kept_snapshot none = {0}, *list = run->kept.list ? run->kept.list : &none;
-    gn_checkpoint_array array = {"kept", GN_F64, run->kept.count, KEPT_NUMBERS, (void **)&list};
+    gn_checkpoint_array array =
+        GN_CHECKPOINT_ARRAY("kept", GN_F64, run->kept.count, KEPT_NUMBERS, &list);
     return gn_checkpoint_put_arrays(file, &array, 1, error);
 }
 
@@ -282,7 +292,8 @@ static gneiss_status get_kept(gn_run *run, const gn_h5 *file, const char *path,
     gn_kept *k = &run->kept;
     GN_TRY(gn_h5_rows(file, "arrays/kept", &k->count, error));
     k->capacity = k->count;
-    gn_checkpoint_array array = {"kept", GN_F64, k->count, KEPT_NUMBERS, (void **)&k->list};
+    gn_checkpoint_array array =
+        GN_CHECKPOINT_ARRAY("kept", GN_F64, k->count, KEPT_NUMBERS, &k->list);
     GN_TRY(gn_checkpoint_get_arrays(file, &array, 1, error));
     return kept_is_good(run) ? GNEISS_OK
                              : gn_fail(error, GNEISS_ERROR_INPUT,
@@ -342,18 +353,17 @@ static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_erro
  * one. */
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
-    double least = 0.0;
+    int64_t least = 0;
     for (size_t k = 0; k < w->ctx.given.stage_count && k <= w->stages.now; k++) {
         const gn_stage_state *s = &w->stages.state[k];
-        bool good = s->row >= least && s->row <= (double)run->history.row_count && s->step >= 0.0 &&
-                    s->step <= (double)w->ctx.step && s->ended >= 0.0 &&
-                    s->ended <= GN_STAGE_PRESSED;
+        bool good = s->row >= least && s->row <= (int64_t)run->history.row_count && s->step >= 0 &&
+                    s->step <= w->ctx.step && s->ended >= 0 && s->ended <= GN_STAGE_PRESSED;
         least = s->row;
         if (!good)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: arrays/stages: expected steps, rows of the history and causes of "
-                           "an end in row %zu, found %g, %g, %g",
-                           path, k, s->step, s->row, s->ended);
+                           "an end in row %zu, found %lld, %lld, %lld",
+                           path, k, (long long)s->step, (long long)s->row, (long long)s->ended);
     }
     return GNEISS_OK;
 }
@@ -361,15 +371,15 @@ static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_er
 static gneiss_status get_stages(gn_world *w, const gn_h5 *file, const char *path,
                                 gneiss_error *error) {
     int64_t stage = 0;
-    gn_checkpoint_array array = {"stages", GN_F64, w->ctx.given.stage_count, STAGE_NUMBERS,
-                                 (void **)&w->stages.state};
+    gn_checkpoint_array arrays[STAGE_ARRAYS];
+    list_stages(&w->stages.state, w->ctx.given.stage_count, arrays);
     if (!w->ctx.given.stage_count) return GNEISS_OK;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "stage", &stage, 1, error));
     if (stage < 0 || (size_t)stage >= w->ctx.given.stage_count)
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a stage below %zu, found %lld",
                        path, w->ctx.given.stage_count, (long long)stage);
     w->stages.now = (size_t)stage;
-    return gn_checkpoint_get_arrays(file, &array, 1, error);
+    return gn_checkpoint_get_arrays(file, arrays, STAGE_ARRAYS, error);
 }
 
 /* Messages about the text name the checkpoint because its lines are not those of the scene file. */

@@ -30,19 +30,16 @@ _Static_assert(sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0 &&
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     gn_boundary *b = &w->boundary;
     size_t n = 0, bodies = w->ctx.scene.body_count;
-    out[n++] = (gn_checkpoint_array){"walls", GN_F64, w->ctx.scene.wall_count, sizeof(gn_wall) / 8,
-                                     (void **)&b->walls};
+    out[n++] = GN_CHECKPOINT_ARRAY("walls", GN_F64, w->ctx.scene.wall_count, sizeof(gn_wall) / 8,
+                                   &b->walls);
     if (!bodies) return n;
-    out[n++] =
-        (gn_checkpoint_array){"bodies", GN_F64, bodies, sizeof(gn_rigid) / 8, (void **)&b->bodies};
-    out[n++] = (gn_checkpoint_array){"body_shape", GN_I64, bodies, 3, (void **)&b->body_shape};
-    out[n++] = (gn_checkpoint_array){"body_vertex", GN_F64, b->body_vertex_count, 4,
-                                     (void **)&b->body_vertex};
-    out[n++] = (gn_checkpoint_array){"body_corner", GN_I32, b->body_corner_count, 1,
-                                     (void **)&b->body_corner};
+    out[n++] = GN_CHECKPOINT_ARRAY("bodies", GN_F64, bodies, sizeof(gn_rigid) / 8, &b->bodies);
+    out[n++] = GN_CHECKPOINT_ARRAY("body_shape", GN_I64, bodies, 3, &b->body_shape);
+    out[n++] = GN_CHECKPOINT_ARRAY("body_vertex", GN_F64, b->body_vertex_count, 4, &b->body_vertex);
+    out[n++] = GN_CHECKPOINT_ARRAY("body_corner", GN_I32, b->body_corner_count, 1, &b->body_corner);
     if (b->pairs.count)
-        out[n++] = (gn_checkpoint_array){"body_pairs", GN_F64, b->pairs.count,
-                                         sizeof(gn_body_pair) / 8, (void **)&b->pairs.pair};
+        out[n++] = GN_CHECKPOINT_ARRAY("body_pairs", GN_F64, b->pairs.count,
+                                       sizeof(gn_body_pair) / 8, &b->pairs.pair);
     return n;
 }
 

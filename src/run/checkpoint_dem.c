@@ -56,41 +56,56 @@ static const gn_piece pieces[] = {
     DOUBLES(scaling.step),
     DOUBLES(scaling.reached),
 };
-enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 9 };
+enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 12 };
 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     size_t n = 0;
     gn_prescription *f = &w->dem.prescribed;
     if (w->ctx.effects & GN_FX_MEMBRANE) {
-        out[n++] = (gn_checkpoint_array){"membrane", GN_F64, 1, sizeof(gn_membrane) / 8,
-                                         (void **)&w->dem.membrane};
-        out[n++] = (gn_checkpoint_array){"patches", GN_F64, w->dem.patch_count,
-                                         sizeof(gn_patch) / 8, (void **)&w->dem.patches};
+        out[n++] = GN_CHECKPOINT_MEMBERS("membrane", GN_F64, 1, offsetof(gn_membrane, bodies) / 8,
+                                         &w->dem.membrane, gn_membrane, pressure);
+        out[n++] = GN_CHECKPOINT_MEMBERS("membrane_bodies", GN_I64, 1, 1, &w->dem.membrane,
+                                         gn_membrane, bodies);
+        out[n++] =
+            GN_CHECKPOINT_MEMBERS("patches", GN_F64, w->dem.patch_count,
+                                  offsetof(gn_patch, owner) / 8, &w->dem.patches, gn_patch, point);
+        out[n++] = GN_CHECKPOINT_MEMBERS("patch_owners", GN_I32, w->dem.patch_count, 2,
+                                         &w->dem.patches, gn_patch, owner);
     }
     if (w->ctx.effects & GN_FX_HERTZ && w->ctx.scene.has_specimen)
-        out[n++] = (gn_checkpoint_array){"driven", GN_F64,
-                                         w->ctx.scene.wall_count + w->ctx.scene.body_count +
-                                             w->ctx.scene.set_count,
-                                         1, (void **)&w->dem.driven};
+        out[n++] = GN_CHECKPOINT_ARRAY("driven", GN_F64,
+                                       w->ctx.scene.wall_count + w->ctx.scene.body_count +
+                                           w->ctx.scene.set_count,
+                                       1, &w->dem.driven);
     if (!(w->ctx.effects & GN_FX_PRESCRIBED)) return n;
-    out[n++] = (gn_checkpoint_array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
-    out[n++] = (gn_checkpoint_array){"prescribed_mask", GN_U8, f->count, 1, (void **)&f->mask};
-    out[n++] =
-        (gn_checkpoint_array){"prescribed_velocity", GN_F64, f->count, 6, (void **)&f->velocity};
-    out[n++] = (gn_checkpoint_array){"prescribed_load", GN_F64, f->count, 6, (void **)&f->load};
-    out[n++] =
-        (gn_checkpoint_array){"channel_set", GN_I32, f->count, 6, (void **)&w->dem.channel_set};
-    out[n++] = (gn_checkpoint_array){"set_reaction", GN_F64, w->ctx.scene.set_count, 6,
-                                     (void **)&w->dem.set_reaction};
+    out[n++] = GN_CHECKPOINT_ARRAY("prescribed_set", GN_I32, f->count, 1, &f->set);
+    out[n++] = GN_CHECKPOINT_ARRAY("prescribed_mask", GN_U8, f->count, 1, &f->mask);
+    out[n++] = GN_CHECKPOINT_ARRAY("prescribed_velocity", GN_F64, f->count, 6, &f->velocity);
+    out[n++] = GN_CHECKPOINT_ARRAY("prescribed_load", GN_F64, f->count, 6, &f->load);
+    out[n++] = GN_CHECKPOINT_ARRAY("channel_set", GN_I32, f->count, 6, &w->dem.channel_set);
+    out[n++] = GN_CHECKPOINT_ARRAY("set_reaction", GN_F64, w->ctx.scene.set_count, 6,
+                                   &w->dem.set_reaction);
     return n;
 }
 
-enum { SLEEPER = sizeof(gn_dormant_particle) / 8, PATH = sizeof(gn_near_path) / 8 };
+enum { PATH = sizeof(gn_near_path) / 8 };
+
+enum { DORMANT_ARRAYS = 2 };
+
+static void list_dormant(gn_dormant_particle **rows, size_t count,
+                         gn_checkpoint_array out[DORMANT_ARRAYS]) {
+    out[0] = GN_CHECKPOINT_MEMBERS("sleepers", GN_F64, count, 2, rows, gn_dormant_particle,
+                                   inverse_mass);
+    out[1] = GN_CHECKPOINT_MEMBERS("sleeper_elements", GN_I32, count, 1, rows, gn_dormant_particle,
+                                   element);
+}
 
 static gneiss_status put_dormant(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    gn_dormant_particle *rows = w->dem.dormant;
+    gn_checkpoint_array arrays[DORMANT_ARRAYS];
+    list_dormant(&rows, w->dem.particles.soa.count, arrays);
     GN_TRY(gn_h5_put_record(file, "prepared", &gn_contact_record, &w->dem.prepared, error));
-    return gn_h5_put(file, "sleepers", GN_F64, w->dem.particles.soa.count, SLEEPER, 0,
-                     w->dem.dormant, NULL, NULL, error);
+    return gn_checkpoint_put_arrays(file, arrays, DORMANT_ARRAYS, error);
 }
 
 gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
@@ -156,12 +171,11 @@ static bool good_prescription(const gn_world *w) {
 
 static bool good_patches(const gn_world *w) {
     const gn_membrane *m = w->dem.membrane;
-    bool good = !m || (m->bodies >= 0.0 && m->bodies <= (double)w->dem.ids + 1.0);
+    bool good = !m || (m->bodies >= 0 && m->bodies <= w->dem.ids + 1);
     for (size_t k = 0; k < w->dem.patch_count; k++) {
-        double owner = w->dem.patches[k].owner;
-        double body = w->dem.patches[k].body;
-        good = good && owner >= -1.0 && owner < (double)w->dem.ids && body >= 0.0 &&
-               (body == 0.0 || body < w->dem.membrane->bodies);
+        const gn_patch *patch = &w->dem.patches[k];
+        good = good && patch->owner >= -1 && patch->owner < w->dem.ids && patch->body >= 0 &&
+               (patch->body == 0 || patch->body < m->bodies);
     }
     return good;
 }
@@ -198,16 +212,15 @@ static gneiss_status get_dormant(gn_world *w, const gn_h5 *file, const char *pat
                                  gneiss_error *error) {
     gn_dem *d = &w->dem;
     const size_t count = d->particles.soa.count;
+    gn_checkpoint_array arrays[DORMANT_ARRAYS];
     GN_TRY(gn_h5_get_record(file, "prepared", &gn_contact_record, &d->prepared,
                             gn_contact_list_effects(w->ctx.effects, true), error));
-    d->dormant = gn_alloc_array(count + 1, sizeof *d->dormant);
-    if (!d->dormant)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", count);
-    GN_TRY(gn_h5_get(file, "sleepers", GN_F64, count, SLEEPER, 0, d->dormant, error));
+    list_dormant(&d->dormant, count, arrays);
+    GN_TRY(gn_checkpoint_get_arrays(file, arrays, DORMANT_ARRAYS, error));
     for (size_t p = 0; p < count; p++)
-        if (!(d->dormant[p].home >= 0.0 && d->dormant[p].home < INT32_MAX))
-            return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of elements, found %g",
-                           path, d->dormant[p].home);
+        if (d->dormant[p].element < 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of elements, found %d",
+                           path, d->dormant[p].element);
     return GNEISS_OK;
 }
 

@@ -13,15 +13,14 @@ _Static_assert(sizeof(gn_source_state) % 8 == 0 && sizeof(gn_sink_state) % 8 == 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[ARRAYS_MOST]) {
     gn_flow *f = &w->dem.flow;
     size_t n = 0;
-    out[n++] = (gn_checkpoint_array){"lost", GN_F64, f->lost_count, sizeof(gn_lost) / 8,
-                                     (void **)&f->lost};
+    out[n++] = GN_CHECKPOINT_ARRAY("lost", GN_F64, f->lost_count, sizeof(gn_lost) / 8, &f->lost);
     if (!gn_scene_has_flow(&w->ctx.scene)) return n;
-    out[n++] = (gn_checkpoint_array){"sources", GN_F64, w->ctx.scene.source_count,
-                                     sizeof(gn_source_state) / 8, (void **)&f->sources};
-    out[n++] = (gn_checkpoint_array){"sinks", GN_F64, w->ctx.scene.sink_count,
-                                     sizeof(gn_sink_state) / 8, (void **)&f->sinks};
+    out[n++] = GN_CHECKPOINT_ARRAY("sources", GN_F64, w->ctx.scene.source_count,
+                                   sizeof(gn_source_state) / 8, &f->sources);
+    out[n++] = GN_CHECKPOINT_ARRAY("sinks", GN_F64, w->ctx.scene.sink_count,
+                                   sizeof(gn_sink_state) / 8, &f->sinks);
     /* Computed from particles of which some have been removed. */
-    out[n++] = (gn_checkpoint_array){"loose", GN_U8, (size_t)w->dem.ids, 1, (void **)&w->dem.loose};
+    out[n++] = GN_CHECKPOINT_ARRAY("loose", GN_U8, (size_t)w->dem.ids, 1, &w->dem.loose);
     return n;
 }
 

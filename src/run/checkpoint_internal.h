@@ -9,13 +9,25 @@
 #include "soa/field.h"
 #include "world/world.h"
 
-/* One data set of the group `arrays`, and the array that it fills. */
+#include <stddef.h>
+
+/* One data set of the group `arrays`, and the array that it fills; or members of the structs of an
+ * array, which follow those of `offset` 0. */
 typedef struct gn_checkpoint_array {
     const char *name;
     gn_type type;
     size_t rows, components;
     void **data;
+    size_t size, offset; /* bytes of a struct, and of those before the members; 0: no structs */
 } gn_checkpoint_array;
+
+/* A whole array of numbers at *data. */
+#define GN_CHECKPOINT_ARRAY(NAME, TYPE, ROWS, COMPONENTS, DATA)                                    \
+    ((gn_checkpoint_array){NAME, TYPE, ROWS, COMPONENTS, (void **)(DATA), 0, 0})
+/* Members of one type, from `first` on, in the structs at *data. */
+#define GN_CHECKPOINT_MEMBERS(NAME, TYPE, ROWS, COMPONENTS, DATA, STRUCT, first)                   \
+    ((gn_checkpoint_array){NAME, TYPE, ROWS, COMPONENTS, (void **)(DATA), sizeof(STRUCT),          \
+                           offsetof(STRUCT, first)})
 
 gneiss_status gn_checkpoint_put_arrays(gn_h5 *file, const gn_checkpoint_array *arrays, size_t count,
                                        gneiss_error *error);

@@ -14,6 +14,7 @@
 #include "particles/observe.h"
 #include "soa/bond_causes.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
 #include "world/space.h"
@@ -42,8 +43,9 @@ READ(radius, w->dem.particles.pos[4 * k + 3])
 READ(damage, v->damage[k])
 READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
-READ(mass, w->dem.particles.vel[4 * k + 3] > 0.0 ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
-READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0 && !gn_is_dormant(&w->dem, k))
+READ(mass,
+     gn_particle_is_active(&w->dem.particles, k) ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
+READ(removed, !gn_particle_is_active(&w->dem.particles, k) && !gn_is_dormant(&w->dem, k))
 READ(dormant, gn_is_dormant(&w->dem, k))
 READ(membrane_area, fmax(w->dem.particles.skin[4 * k + 3], 0.0))
 

@@ -347,7 +347,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
          sets(overrides, count, "time.stop.unbalanced")))
         w->ctx.scene.stop_peak_drop = w->ctx.given.stop_peak_drop = 0.0;
     for (size_t k = 0; k < count; k++) /* the condition is evaluated again */
-        if (ends_stage(&overrides[k])) w->stages.state[w->stages.now].ended = 0.0;
+        if (ends_stage(&overrides[k])) w->stages.state[w->stages.now].ended = 0;
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"), false);
     return GNEISS_OK;

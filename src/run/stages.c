@@ -41,7 +41,7 @@ bool gn_run_staged(const gn_run *run) {
 
 bool gn_run_stages_left(const gn_run *run) {
     return gn_run_staged(run) &&
-           !(is_last(run) && (state_of(run)->ended != 0.0 || !gn_stage_has_end(stage_of(run))));
+           !(is_last(run) && (state_of(run)->ended != 0 || !gn_stage_has_end(stage_of(run))));
 }
 
 /* --- conditions --- */
@@ -98,7 +98,7 @@ static gn_servo_row membrane_row(const gn_run *run, size_t row) {
         count += 1.0;
     }
     /* Under a membrane that follows a single body the mean stress refers to the enclosed volume. */
-    const bool follows = s->membrane.follow && run->world.dem.membrane->bodies == 1.0;
+    const bool follows = s->membrane.follow && run->world.dem.membrane->bodies == 1;
     return (gn_servo_row){sum / count / (follows ? 1.0 : volume_left(run, row)),
                           gn_table_at(&s->membrane.pressure, in_row(run, "time", row))};
 }
@@ -217,7 +217,7 @@ static void end(gn_run *run, gn_stage_cause cause) {
     char reason[96], name[GN_NAME_SIZE + 64];
     gn_stage_state *s = state_of(run);
     if (cause == GN_STAGE_RUNS) return;
-    s->ended = (double)cause;
+    s->ended = cause;
     if (!is_last(run)) return;
     name_stage(run, name, sizeof name);
     run->finished = true;
@@ -226,23 +226,22 @@ static void end(gn_run *run, gn_stage_cause cause) {
 }
 
 void gn_run_stage_row(gn_run *run) {
-    if (state_of(run)->ended == 0.0) end(run, cause_in_row(run));
+    if (state_of(run)->ended == 0) end(run, cause_in_row(run));
 }
 
 void gn_run_stage_time(gn_run *run) {
     const gn_world *w = &run->world;
     const gn_stage *e = stage_of(run);
     const gn_stage_state *s = state_of(run);
-    if (s->ended != 0.0) {
+    if (s->ended != 0) {
         end(run, (gn_stage_cause)s->ended);
         return;
     }
-    if (e->steps >= 0 && (double)w->ctx.step - s->step >= (double)e->steps)
-        end(run, GN_STAGE_STEPS);
+    if (e->steps >= 0 && w->ctx.step - s->step >= e->steps) end(run, GN_STAGE_STEPS);
     /* A stage with a time above 0, however short, takes a step. */
-    bool begun = e->time == 0.0 || (double)w->ctx.step > s->step;
+    bool begun = e->time == 0.0 || w->ctx.step > s->step;
     bool over = begun && w->ctx.time - s->time >= e->time - 0.5 * w->ctx.dt;
-    if (s->ended == 0.0 && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
+    if (s->ended == 0 && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
 }
 
 double gn_run_stage_duration(const gn_run *run) {
@@ -283,9 +282,9 @@ gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error) 
     gn_world *w = &run->world;
     *entered = false;
     gn_run_stage_time(run);
-    while (!run->finished && state_of(run)->ended != 0.0) {
+    while (!run->finished && state_of(run)->ended != 0) {
         GN_TRY(gn_world_enter(w, w->stages.now + 1, error));
-        state_of(run)->row = (double)run->history.row_count;
+        state_of(run)->row = (int64_t)run->history.row_count;
         *entered = true;
         gn_run_stage_time(run);
     }

@@ -19,7 +19,7 @@ static bool find_dormant(const gn_dem *dem, const gn_solids *solids, const int32
                          size_t p, gn_tie *tie, gn_ties *one) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     if (!places) return false;
-    *tie = gn_tie_at(b, places[gn_home_id(dem, p)], dem->particles.start + 4 * p);
+    *tie = gn_tie_at(b, places[gn_dormant_element(dem, p)], dem->particles.start + 4 * p);
     *one = (gn_ties){.corners = b->dimension + 1, .count = 1, .tie = tie};
     return true;
 }

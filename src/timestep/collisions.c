@@ -19,6 +19,7 @@
 #include "particles/dem.h"
 #include "particles/law.h"
 #include "scene/scene.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
@@ -537,7 +538,7 @@ static gneiss_status find_flight(const gn_step_context *ctx, const gn_dem *dem,
     extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
     if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
     for (size_t p = 0; p < dem->particles.soa.count; p++) {
-        if (dem->particles.vel[4 * p + 3] == 0.0) continue;
+        if (!gn_particle_is_active(&dem->particles, p)) continue;
         size_t held = inverse_mass(ctx, dem, p) == 0.0, kind = 2 * held + loose(dem, p);
         keep_extremes(dem, &classes[4 * (size_t)dem->particles.material[p] + kind], p);
         if (!held) flight_of_walls(ctx, dem, boundary, p, f);

@@ -12,6 +12,7 @@
 #include "particles/lists.h"
 #include "scene/place.h"
 #include "scene/scene.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
@@ -217,7 +218,7 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses", q->soa.count);
     gneiss_status status = gn_dem_masses(ctx, dem, boundary, false, limit, NULL, factor, error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!gn_particle_is_active(q, p)) continue;
         most = fmax(most, factor[p]);
         sum += (factor[p] - 1.0) * gn_own_share(q, p) / q->vel[4 * p + 3];
     }

@@ -22,7 +22,7 @@ void gn_features_free(gn_features *features);
 
 /* Finds which of them the scene uses. */
 void gn_features_choose(gn_world *world);
-/* The same, and holds their blocks: when lists have been made. */
+/* Finds the used features and holds their blocks, after lists were made. */
 gneiss_status gn_features_follow_lists(gn_world *world, gneiss_error *error);
 /* Calls the hooks at a place. */
 gneiss_status gn_features_run(gn_world *world, gn_hook_place place, gneiss_error *error);

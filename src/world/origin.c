@@ -24,13 +24,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the smallest radius or height. Strains at which rock breaks are 1e-4 to 1e-3; what rounding
- * does to them stays below 1e-4 of that. */
+/* Spacing of doubles over the smallest radius or height. Strains at which rock breaks are 1e-4 to
+ * 1e-3; the effect of rounding on them stays below 1e-4 of that. */
 
 /* --- choosing --- */
 
-static void add_elements(const gn_scene *s, const gn_mesh *mesh, gn_extent *extent) {
-    const gn_element_def *e = &s->elements;
+static void add_elements(const gn_scene *scene, const gn_mesh *mesh, gn_extent *extent) {
+    const gn_element_def *e = &scene->elements;
     const gn_beam_def *b = &e->beam;
     const double beam[3] = {b->length, b->height, b->thickness};
     const double *lower = e->has_beam ? b->origin : e->origin, *size = e->has_beam ? beam : e->size;
@@ -44,31 +44,32 @@ static void add_elements(const gn_scene *s, const gn_mesh *mesh, gn_extent *exte
 }
 
 /* Only axes along which the model lies far away get more than a small multiple of its extent. */
-static void settle(gn_scene *s, const gn_extent *extent) {
+static void settle(gn_scene *scene, const gn_extent *extent) {
     double size = 0.0, far = 0.0, middle[3] = {0, 0, 0};
     int exponent;
-    for (int64_t a = 0; a < s->dimension; a++) {
+    for (int64_t a = 0; a < scene->dimension; a++) {
         middle[a] = 0.5 * extent->lower[a] + 0.5 * extent->upper[a];
         size = fmax(size, extent->upper[a] - extent->lower[a]);
         far = fmax(far, fabs(middle[a]));
     }
-    s->has_origin = true;
-    memset(s->origin, 0, sizeof s->origin);
+    scene->has_origin = true;
+    memset(scene->origin, 0, sizeof scene->origin);
     if (!isfinite(far) || !(far > 1000.0 * size)) return;
     frexp(size, &exponent);
     double unit = ldexp(1.0, exponent);
-    for (int64_t a = 0; a < s->dimension; a++) {
+    for (int64_t a = 0; a < scene->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
-        s->origin[a] = fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* as the key is bounded */
+        scene->origin[a] =
+            fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* as the key is bounded */
     }
 }
 
-static gneiss_status read_elements(const gn_scene *s, gn_mesh *mesh, gneiss_error *error) {
-    const gn_element_def *e = &s->elements;
+static gneiss_status read_elements(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error) {
+    const gn_element_def *e = &scene->elements;
     gneiss_status status = GNEISS_OK;
     if (gn_is_geometry(e->mesh_path)) {
         char command[GN_PATH_SIZE + 128];
-        gn_mesh_geometry_command(e->mesh_path, (int)s->dimension, command, sizeof command);
+        gn_mesh_geometry_command(e->mesh_path, (int)scene->dimension, command, sizeof command);
         status = gn_fail(error, GNEISS_ERROR_INPUT,
                          "expected a mesh of elements (.msh), found the geometry '%.300s'; %.700s, "
                          "with Mesh.ElementOrder = 1; in LINEAR.geo, meshes it, which runs what it "
@@ -79,26 +80,28 @@ static gneiss_status read_elements(const gn_scene *s, gn_mesh *mesh, gneiss_erro
     }
     if (status == GNEISS_OK) return status;
     gn_scene_place where = e->mesh_where.line ? e->mesh_where : e->where;
-    return gn_fail_context(error, "%s: ", gn_scene_at(s, where, "elements.mesh").text);
+    return gn_fail_context(error, "%s: ", gn_scene_at(scene, where, "elements.mesh").text);
 }
 
-gneiss_status gn_origin_choose(gn_scene *s, const gn_mesh *mesh, gneiss_error *error) {
+gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_error *error) {
     gn_extent extent = GN_EXTENT_NONE;
     gn_mesh own = {0};
-    if (s->has_origin) return GNEISS_OK;
-    if (s->has_specimen) gn_specimen_extent(s, &extent);
-    if (s->has_elements && s->elements.mesh[0] && !mesh) GN_TRY(read_elements(s, &own, error));
-    if (s->has_elements) add_elements(s, mesh ? mesh : &own, &extent);
+    if (scene->has_origin) return GNEISS_OK;
+    if (scene->has_specimen) gn_specimen_extent(scene, &extent);
+    if (scene->has_elements && scene->elements.mesh[0] && !mesh)
+        GN_TRY(read_elements(scene, &own, error));
+    if (scene->has_elements) add_elements(scene, mesh ? mesh : &own, &extent);
     gn_mesh_free(&own);
-    settle(s, &extent);
+    settle(scene, &extent);
     return GNEISS_OK;
 }
 
 /* --- entering --- */
 
-static void take_off(const gn_scene *s, double *rows, size_t count, size_t width) {
+static void take_off(const gn_scene *scene, double *rows, size_t count, size_t width) {
     for (size_t k = 0; k < count; k++)
-        for (size_t a = 0; a < (size_t)s->dimension; a++) rows[width * k + a] -= s->origin[a];
+        for (size_t a = 0; a < (size_t)scene->dimension; a++)
+            rows[width * k + a] -= scene->origin[a];
 }
 
 gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
@@ -116,27 +119,27 @@ gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* What moves and is bonded is read when it is needed. */
-static gneiss_status read_run(gn_scene *s, gneiss_error *error) {
+/* Velocities and bonds are read when they are needed. */
+static gneiss_status read_run(gn_scene *scene, gneiss_error *error) {
     gn_from_run from;
-    GN_TRY(gn_from_run_read(s, &from, error));
-    s->specimen.packed = from.sphere;
-    s->specimen.packed_count = from.count;
-    s->specimen.packed_volume = from.volume;
+    GN_TRY(gn_from_run_read(scene, &from, error));
+    scene->specimen.packed = from.sphere;
+    scene->specimen.packed_count = from.count;
+    scene->specimen.packed_volume = from.volume;
     from.sphere = NULL;
     gn_from_run_free(&from);
     return GNEISS_OK;
 }
 
-static gneiss_status read_specimen(gn_scene *s, gneiss_error *error) {
+static gneiss_status read_specimen(gn_scene *scene, gneiss_error *error) {
     gn_packing packing;
-    if (!s->has_specimen) return GNEISS_OK;
-    if (s->specimen.from[0]) return read_run(s, error);
-    if (!s->specimen.file[0]) return GNEISS_OK;
-    GN_TRY(
-        gn_packing_read(s->specimen.path, (int)s->dimension, s->specimen.scale, &packing, error));
-    s->specimen.packed = packing.sphere;
-    s->specimen.packed_count = packing.count;
+    if (!scene->has_specimen) return GNEISS_OK;
+    if (scene->specimen.from[0]) return read_run(scene, error);
+    if (!scene->specimen.file[0]) return GNEISS_OK;
+    GN_TRY(gn_packing_read(scene->specimen.path, (int)scene->dimension, scene->specimen.scale,
+                           &packing, error));
+    scene->specimen.packed = packing.sphere;
+    scene->specimen.packed_count = packing.count;
     return GNEISS_OK;
 }
 
@@ -186,8 +189,8 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
-/* What something moves in a step; components far below the largest are taken for round-off. A
- * constant velocity is rounded the same way in step after step, up to half the spacing each. */
+/* Refuses a path in a step that is too short; components far below the largest count as round-off.
+ * A constant velocity is rounded the same way in step after step, up to half the spacing each. */
 static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, const char *what,
                               const double velocity[3], const double reach[3],
                               gneiss_error *error) {
@@ -273,10 +276,10 @@ static gneiss_status check_bodies(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-static gneiss_status check_elements(const gn_step_context *ctx, const gn_element_model *q,
+static gneiss_status check_elements(const gn_step_context *ctx, const gn_element_model *model,
                                     gneiss_error *error) {
-    const gn_element_def *e = q->def;
-    const gn_fem_solid *b = &q->solid;
+    const gn_element_def *e = model->def;
+    const gn_fem_solid *b = &model->solid;
     char what[GN_NAME_SIZE + 32];
     double reach[3], velocity[3];
     reach_of(&b->nodes, reach);

@@ -1,7 +1,7 @@
-/* What positions are computed relative to. A double has 16 digits: the farther a model lies from 0,
- * the fewer of them are left for its motion. Points come in relative to an origin near the model
- * (gn_origin_enter, gn_scene_shift) and go out again as the user sees them (gn_world_point_out,
- * gn_point_text). */
+/* The origin to which positions are relative in computations. A double has 16 digits: the farther a
+ * model lies from 0, the fewer of them are left for its motion. Points come in relative to an
+ * origin near the model (gn_origin_enter, gn_scene_shift) and go out again as the user sees them
+ * (gn_world_point_out, gn_point_text). */
 #ifndef GN_WORLD_ORIGIN_H
 #define GN_WORLD_ORIGIN_H
 
@@ -27,8 +27,9 @@ gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
  * 1e-8 of the smallest radius. */
 gneiss_status gn_origin_check_specimen(const gn_step_context *ctx, const gn_dem *dem,
                                        gneiss_error *error);
-/* The same of elements, by their least height, and of the reference points of bodies; and motion of
- * which a step moves less than 50 spacings. Once the step is known. */
+/* Refuses elements, by their least height, and reference points of bodies whose coordinates are too
+ * coarse in the same way; and motions of less than 50 spacings in a step. Called once the step is
+ * known. */
 gneiss_status gn_origin_check(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, const gn_solids *solids,
                               gneiss_error *error);

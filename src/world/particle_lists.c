@@ -58,7 +58,7 @@ static void wrap(const gn_step_context *ctx, gn_dem *dem) {
         }
 }
 
-/* What goes by the blocks of the lists: sums, and who works on what. */
+/* Allocates the sums of blocks and distributes the blocks of the lists among threads. */
 static gneiss_status ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     bool held = true;
     for (int l = 0; l < GN_LIST_COUNT; l++) {
@@ -122,9 +122,9 @@ static double largest_speed(const double *rows, size_t count) {
     return sqrt(most);
 }
 
-static double surface_speed(const gn_boundary *boundary, const gn_surface *s) {
-    if (s->body < 0) return largest_speed(s->velocity, s->vertices);
-    const gn_rigid *b = &boundary->bodies[s->body];
+static double surface_speed(const gn_boundary *boundary, const gn_surface *surface) {
+    if (surface->body < 0) return largest_speed(surface->velocity, surface->vertices);
+    const gn_rigid *b = &boundary->bodies[surface->body];
     return sqrt(gn_dot3(b->velocity, b->velocity)) + b->reach * sqrt(gn_dot3(b->spin, b->spin));
 }
 
@@ -153,7 +153,7 @@ static void widen_skin(const gn_step_context *ctx, gn_dem *dem, const gn_boundar
     if (given) q->widened = fmax(q->widened, needed);
 }
 
-/* What kernels read besides the records themselves, once lists and `ref` stand. */
+/* Prepares the data that kernels read besides the records, once lists and `ref` are complete. */
 static void ready_kernels(const gn_step_context *ctx, gn_dem *dem) {
     double period[3] = {0, 0, 0};
     if (ctx->effects & GN_FX_PERIODIC) memcpy(period, ctx->period, sizeof period);

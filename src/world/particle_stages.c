@@ -24,7 +24,8 @@ static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem, gn_sta
     return GNEISS_OK;
 }
 
-/* What particles are to walls and surfaces by Hertz's law, with what that changes of the energy. */
+/* Computes the parameters of contacts with walls and surfaces by Hertz's law again, and books the
+ * change of the stored energy. */
 static gneiss_status enter_hertz(const gn_step_context *ctx, gn_dem *dem,
                                  const gn_boundary *boundary, gn_ledger *ledger,
                                  gneiss_error *error) {
@@ -43,7 +44,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     w->dem.damping_fraction = gn_contact_damping_fraction(&w->ctx.scene);
     GN_TRY(enter_hertz(&w->ctx, &w->dem, &w->boundary, &w->ledger, error));
     GN_TRY(gn_motion_kernel_choose(w->ctx.kernels, w->ctx.effects, &w->dem.motion_kernel, error));
-    /* What differs between stages has no storage; files say what there is. */
+    /* Effects that differ between stages have no storage; files state the present ones. */
     w->dem.particles.soa.effects = w->ctx.effects;
     gn_lists_set_effects(&w->ctx, &w->dem);
     if (w->dem.dormant) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;

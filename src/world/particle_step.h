@@ -25,10 +25,10 @@ gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_p
 void gn_dem_forces(gn_world *world, bool measure);
 /* then the motion of what waited, and what the step sums up to. */
 void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure);
-/* Forces at the present places, for who looks for equilibrium: contacts see the velocities as those
- * of a path of `span` s that led here, 0: none. Then velocities get what the loads, gravity and
- * applied forces among them, do in half of `kick` s, without background damping; places are of no
- * use after that. With `kick` 0 nothing moves. */
+/* Computes forces at the present positions, for a search for equilibrium: contacts take the
+ * velocities as those of a path of `span` s that led here, 0: none. Then the loads, including
+ * gravity and applied forces, change the velocities for half of `kick` s, without background
+ * damping; positions are undefined after that. With `kick` 0 nothing moves. */
 void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
  * stress, Pa. */

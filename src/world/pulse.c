@@ -13,11 +13,11 @@
 
 #include <math.h>
 
-static void start(const gn_scene *s, gn_particles *q) {
-    const gn_pulse *p = &s->pulse;
+static void start(const gn_scene *scene, gn_particles *q) {
+    const gn_pulse *p = &scene->pulse;
     double n[3] = {0.0}, size2 = 0.0;
-    for (int a = 0; a < (int)s->dimension; a++) size2 += p->direction[a] * p->direction[a];
-    for (int a = 0; a < (int)s->dimension; a++) n[a] = p->direction[a] / sqrt(size2);
+    for (int a = 0; a < (int)scene->dimension; a++) size2 += p->direction[a] * p->direction[a];
+    for (int a = 0; a < (int)scene->dimension; a++) n[a] = p->direction[a] / sqrt(size2);
     for (size_t k = 0; k < q->soa.count; k++) {
         double at = 0.0, u, v;
         for (size_t a = 0; a < 3; a++) at += n[a] * (q->start[4 * k + a] - p->centre[a]);

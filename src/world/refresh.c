@@ -51,9 +51,9 @@ static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
                : 8.0 * skin;
 }
 
-/* m, that somebody flies in a step before Hertzian contacts set it: what is not listed a step
- * before it touches would be met with a step that is far too long for it. Where contacts are
- * resolved nobody goes as far. */
+/* Returns the largest path of a particle in a step, m, as long as Hertzian contacts do not limit
+ * the step: a pair that is not listed a step before it touches would collide with a step that is
+ * far too long. Where contacts are resolved, paths are shorter. */
 static double flown(const gn_step_context *ctx, const gn_dem *dem) {
     if (!(ctx->effects & GN_FX_HERTZ) || ctx->scene.step > 0.0 || ctx->step == 0) return 0.0;
     const double way = ctx->dt * sqrt(dem->done.motion.speed2);

@@ -19,13 +19,13 @@
 /* m; a part of a thousandth of that is small for a specimen, for one in a laboratory, and for a
  * tool. Beams that are bent in one are as long as the first. */
 static const double large = 5.0, large_in_test = 2.0, large_tool = 1.0;
-/* Of the size: what moves a specimen by less does not load it; rock breaks at 1e-4 to 1e-2. */
+/* Least displacement over the size of a specimen that loads it; rock breaks at 1e-4 to 1e-2. */
 static const double next_to_nothing = 1e-4;
 /* kg/m3: of materials as they are given in kg and m. */
 static const double density_least = 10.0, density_most = 3e4;
 /* Waves cross a body that often before it is loaded as a whole. */
 static const double crossings = 3.0;
-/* Of a tool or container over what it holds. */
+/* Largest size of a tool or container over that of its contents. */
 static const double size_ratio = 50.0;
 
 /* A file, the size of what is in it, and the size of its parts: radii, heights of elements. */
@@ -66,13 +66,13 @@ static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_si
     return true;
 }
 
-static bool element_file(const gn_step_context *ctx, const gn_solids *solids, file_size *f) {
+static bool element_file(const gn_step_context *ctx, const gn_solids *solids, file_size *file) {
     const gn_element_def *e = &ctx->scene.elements;
     if (!solids->count || !e->mesh[0] || e->scale_given) return false;
     const gn_fem_solid *b = &solids->elements[0]->solid;
-    *f = (file_size){"elements.mesh", e->where,
-                     longest_side(b->nodes.start, b->nodes.soa.count, false, b->dimension),
-                     0.5 * b->height};
+    *file = (file_size){"elements.mesh", e->where,
+                        longest_side(b->nodes.start, b->nodes.soa.count, false, b->dimension),
+                        0.5 * b->height};
     return true;
 }
 
@@ -87,64 +87,65 @@ static double length_of(const double v[3]) {
 }
 
 /* m/s, of whatever is moved; NaN: what drives the model is no speed. */
-static double largest_speed(const gn_scene *s) {
-    double most = s->random_velocity;
-    if (s->source_count || s->has_membrane || s->has_pulse || gn_scene_box_moves(s) ||
-        s->elements.load_count)
+static double largest_speed(const gn_scene *scene) {
+    double most = scene->random_velocity;
+    if (scene->source_count || scene->has_membrane || scene->has_pulse ||
+        gn_scene_box_moves(scene) || scene->elements.load_count)
         return NAN;
-    for (size_t k = 0; k < s->set_count; k++) {
-        fastest(s->sets[k].motion.velocity, &most);
-        most = fmax(most, length_of(s->sets[k].initial_velocity));
-        if (s->sets[k].has_force) return NAN;
+    for (size_t k = 0; k < scene->set_count; k++) {
+        fastest(scene->sets[k].motion.velocity, &most);
+        most = fmax(most, length_of(scene->sets[k].initial_velocity));
+        if (scene->sets[k].has_force) return NAN;
     }
-    for (size_t k = 0; k < s->wall_count; k++) {
-        fastest(s->walls[k].motion.velocity, &most);
-        if (s->walls[k].servo.active) return NAN;
+    for (size_t k = 0; k < scene->wall_count; k++) {
+        fastest(scene->walls[k].motion.velocity, &most);
+        if (scene->walls[k].servo.active) return NAN;
     }
-    for (size_t k = 0; k < s->body_count; k++) {
-        fastest(s->bodies[k].motion.velocity, &most);
-        most = fmax(most, length_of(s->bodies[k].initial_velocity));
-        if (length_of(s->bodies[k].initial_spin) > 0.0) return NAN;
+    for (size_t k = 0; k < scene->body_count; k++) {
+        fastest(scene->bodies[k].motion.velocity, &most);
+        most = fmax(most, length_of(scene->bodies[k].initial_velocity));
+        if (length_of(scene->bodies[k].initial_spin) > 0.0) return NAN;
         for (int a = 0; a < 3; a++)
-            if (s->bodies[k].motion.spin[a].count) return NAN;
+            if (scene->bodies[k].motion.spin[a].count) return NAN;
     }
-    for (size_t k = 0; s->has_elements && k < s->elements.motion_count; k++)
-        fastest(s->elements.motions[k].motion.velocity, &most);
+    for (size_t k = 0; scene->has_elements && k < scene->elements.motion_count; k++)
+        fastest(scene->elements.motions[k].motion.velocity, &most);
     return most;
 }
 
 /* Why a specimen of that size is none; "": nothing speaks against it. */
-static void reason(const gn_step_context *ctx, const file_size *f, char *text, size_t size) {
+static void reason(const gn_step_context *ctx, const file_size *file, char *text, size_t size) {
     const gn_scene *s = &ctx->scene;
     const double speed = ctx->given.stage_count ? NAN : largest_speed(s),
                  fall = length_of(s->gravity);
     const double way = speed * s->end, steps = s->end / ctx->dt,
-                 across = f->part > 0.0 ? f->longest / (2.0 * f->part) : 0.0;
-    const bool solid = f->key[0] == 'e' || s->bonds == GN_SWITCH_ON;
+                 across = file->part > 0.0 ? file->longest / (2.0 * file->part) : 0.0;
+    const bool solid = file->key[0] == 'e' || s->bonds == GN_SWITCH_ON;
     *text = '\0';
     if (gn_scene_tested(s))
         snprintf(text, size, "it is tested as in a laboratory");
-    else if (speed > 0.0 && way < next_to_nothing * f->longest)
+    else if (speed > 0.0 && way < next_to_nothing * file->longest)
         snprintf(
             text, size,
             "what moves at up to %.3g m/s comes %.2g m, %.1g of that, in the %.3g s of the run",
-            speed, way, way / f->longest, s->end);
+            speed, way, way / file->longest, s->end);
     else if (solid && !s->has_mass_scaling && steps < crossings * across)
         snprintf(text, size,
                  "the %.3g s of the run are %.2g steps, and a wave needs %.2g to cross it", s->end,
                  steps, across);
-    else if (speed == 0.0 && fall > 0.0 && 0.5 * fall * s->end * s->end < 0.01 * f->longest)
+    else if (speed == 0.0 && fall > 0.0 && 0.5 * fall * s->end * s->end < 0.01 * file->longest)
         snprintf(text, size, "gravity moves it by no more than %.2g m in the %.3g s of the run",
                  0.5 * fall * s->end * s->end, s->end);
 }
 
-static bool is_in_kilograms(const gn_scene *s) {
-    for (size_t k = 0; k < s->material_count; k++)
-        if (!(s->materials[k].density >= density_least && s->materials[k].density <= density_most))
+static bool is_in_kilograms(const gn_scene *scene) {
+    for (size_t k = 0; k < scene->material_count; k++)
+        if (!(scene->materials[k].density >= density_least &&
+              scene->materials[k].density <= density_most))
             return false;
-    for (size_t k = 0; s->has_elements && k < s->elements.material_count; k++)
-        if (!(s->elements.materials[k].density >= density_least &&
-              s->elements.materials[k].density <= density_most))
+    for (size_t k = 0; scene->has_elements && k < scene->elements.material_count; k++)
+        if (!(scene->elements.materials[k].density >= density_least &&
+              scene->elements.materials[k].density <= density_most))
             return false;
     return true;
 }
@@ -188,8 +189,8 @@ static bool body_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return false;
 }
 
-static bool is_tested(const gn_scene *s) {
-    return gn_scene_tested(s) && !gn_scene_test(s)->beam;
+static bool is_tested(const gn_scene *scene) {
+    return gn_scene_tested(scene) && !gn_scene_test(scene)->beam;
 }
 
 bool gn_scale_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,

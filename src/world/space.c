@@ -11,6 +11,7 @@
 #include "particles/observe.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -22,9 +23,9 @@ typedef struct span {
     double now, start;   /* 0: there are none */
 } span;
 
-static int find_wall(const gn_scene *s, int axis, double sense) {
-    for (size_t k = 0; k < s->wall_count; k++)
-        if (sense * s->walls[k].normal[axis] > 0.999) return (int)k;
+static int find_wall(const gn_scene *scene, int axis, double sense) {
+    for (size_t k = 0; k < scene->wall_count; k++)
+        if (sense * scene->walls[k].normal[axis] > 0.999) return (int)k;
     return -1;
 }
 
@@ -48,13 +49,13 @@ static span span_along(const gn_step_context *ctx, const gn_boundary *boundary,
     return x;
 }
 
-/* Of particles that move, radii included. */
+/* Finds the extent of active particles, radii included. */
 static bool extent_along(const gn_dem *dem, int axis, double *lower, double *upper) {
     const gn_particles *q = &dem->particles;
     *lower = INFINITY;
     *upper = -INFINITY;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!gn_particle_is_active(q, p)) continue;
         const double *x = q->pos + 4 * p;
         *lower = fmin(*lower, x[axis] - x[3]);
         *upper = fmax(*upper, x[axis] + x[3]);
@@ -99,7 +100,7 @@ static bool is_periodic_all_round(const gn_step_context *ctx) {
 static double membrane_growth(const gn_dem *dem) {
     const double *f = dem->membrane->gradient;
     double cofactor[9];
-    if (dem->membrane->bodies != 1.0) return 1.0;
+    if (dem->membrane->bodies != 1) return 1.0;
     gn_cofactor3(f, cofactor);
     const double growth = gn_dot3(f, cofactor);
     return growth > 0.0 ? growth : 1.0;

@@ -61,7 +61,7 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     const double pressure = gn_membrane_pressure_now(&w->ctx, &w->dem);
     w->stages.now = stage;
     w->stages.state[stage].time = w->ctx.time;
-    w->stages.state[stage].step = (double)w->ctx.step;
+    w->stages.state[stage].step = w->ctx.step;
     gneiss_status status = gn_stages_scene(w, next, error);
     if (status == GNEISS_OK) {
         gn_scene_free(&w->ctx.scene);
@@ -106,7 +106,7 @@ static bool wall_presses(const gn_dem *dem, const gn_wall_def *wall) {
     return false;
 }
 
-/* Of bodies and elements nothing is said. */
+/* Contacts of bodies and elements are not considered. */
 static bool contacts_press(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
     bool press = ctx->scene.body_count || solids->count || pairs_press(ctx, dem);
     for (size_t k = 0; !press && k < ctx->scene.wall_count; k++)

@@ -69,8 +69,8 @@ static gneiss_status read_elements(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* What waited moves, and what moves as a whole. Works are trapezoidal: one half closes the interval
- * that led here, one opens the coming one, and the reading lies between them. */
+/* Moves held blocks, and rigid walls and bodies. Works are trapezoidal: one half closes the
+ * interval that led here, one opens the coming one, and the reading lies between them. */
 static gneiss_status move(gn_world *w, watch *time, gneiss_error *error) {
     start(time);
     gn_dem_move(&w->ctx, &w->dem, &w->boundary, w->ctx.measure);
@@ -103,7 +103,7 @@ static gneiss_status finish(gn_world *w, watch *time, gneiss_error *error) {
 
 static gneiss_status find_forces(gn_world *w, watch *time, gneiss_error *error) {
     GN_TRY(gn_features_run(w, GN_HOOK_BEFORE_FORCES, error));
-    /* What does not wait for a feature moves with its forces. */
+    /* Blocks that no feature holds move with their forces. */
     gn_dem_forces(w, w->ctx.measure || w->ctx.sums);
     start(time);
     gn_boundary_forces(&w->ctx, &w->dem, &w->boundary);

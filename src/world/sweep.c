@@ -1,4 +1,4 @@
-/* The parallel part of a step: contacts, walls, motion. Who does what: sched/deal.h. */
+/* The parallel part of a step: contacts, walls, motion. Work distribution: sched/deal.h. */
 #include "base/timer.h"
 #include "boundary/boundary.h"
 #include "drive/box.h"
@@ -13,7 +13,7 @@
 
 #include <omp.h>
 
-/* What a thread takes with it. The first one books time under the phases. */
+/* The context of a thread. The first thread books time under the phases. */
 typedef struct work {
     gn_world *w;
     const gn_contact_args *contacts; /* [GN_LIST_COUNT] */

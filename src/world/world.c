@@ -26,6 +26,7 @@
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
@@ -241,7 +242,7 @@ static gneiss_status check_some_left(const gn_step_context *ctx, const gn_dem *d
                                      gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     for (size_t p = 0; p < dem->particles.soa.count; p++)
-        if (dem->particles.vel[4 * p + 3] != 0.0) return GNEISS_OK;
+        if (gn_particle_is_active(&dem->particles, p)) return GNEISS_OK;
     if (s->source_count || !s->sink_count) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s:%d:%d: sinks: expected a specimen of which something lies outside of them, "
@@ -260,7 +261,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    /* What bodies leave free to be sheared. */
+    /* The volume that bodies leave free is sheared. */
     if (gn_scene_test(&w->ctx.scene)->sheared)
         GN_TRY(measure_test(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_element_contact_create(&w->ctx, &w->boundary, &w->solids, error));
@@ -361,7 +362,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));
-    /* Of the step that is left when collisions have to be resolved, too. */
+    /* The step is now also limited by the resolution of collisions. */
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);
 }

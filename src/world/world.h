@@ -26,13 +26,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How a stage of the scene went; doubles, as checkpoints have it. */
+/* The course of a stage of the scene. */
 typedef struct gn_stage_state {
-    double time, step; /* s, steps: when it began */
-    double row;        /* rows of the history before it */
-    double ended;      /* gn_stage_cause; 0: not yet */
-    double strain;     /* of the test in its first row */
-    double peak;       /* Pa, largest stress of the test in it */
+    double time;   /* s: when it began */
+    double strain; /* of the test in its first row */
+    double peak;   /* Pa, largest stress of the test in it */
+    int64_t step;  /* when it began */
+    int64_t row;   /* rows of the history before it */
+    int64_t ended; /* gn_stage_cause; 0: not yet */
 } gn_stage_state;
 
 /* The stage of the scene that runs, and how each went. */
@@ -100,7 +101,7 @@ gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
-/* The same whether it is due or not. */
+/* Rebuilds the lists in any case. */
 gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
@@ -110,10 +111,11 @@ gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *
 void gn_world_find_volume_source(gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary, const gn_solids *solids);
 
-/* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
+/* Returns the body whose volume ctx->volume is: "the shape", "the convex hull of the particles",
+ * ... */
 const char *gn_world_volume_source(const gn_step_context *ctx);
 
-/* Of particles and elements, kg, without what was added for a longer step. */
+/* Returns the mass of particles and elements, kg, without mass added for a longer step. */
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids);
 
 /* Hash of the state: particles, contacts, walls, time. */

@@ -26,7 +26,7 @@ static bool add_to_dormant(const gn_step_context *ctx, const gn_dem *dem, const 
     for (size_t p = 0; place && p < dem->particles.soa.count; p++)
         for (int c = 0; c < 6 && gn_is_dormant(dem, p); c++)
             if (space || c < 2 || c == 3)
-                sigma[6 * p + (size_t)c] = stress[place[gn_home_id(dem, p)]][c];
+                sigma[6 * p + (size_t)c] = stress[place[gn_dormant_element(dem, p)]][c];
     const bool held = place || !gn_converts(ctx);
     gn_free(place);
     return held;
@@ -68,7 +68,7 @@ static int32_t *elements_of(const gn_step_context *ctx, const gn_dem *dem, const
     int32_t *place = gn_element_places(ctx, solids);
     int32_t *element = gn_alloc_array(n + 1, sizeof *element);
     if (element && (place || !gn_converts(ctx))) {
-        for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_home_id(dem, p)] : -1;
+        for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_dormant_element(dem, p)] : -1;
         for (size_t k = 0; k < q->ties.count; k++)
             if (q->place[k] >= 0) element[q->place[k]] = q->ties.tie[k].element;
     } else {

@@ -21,6 +21,7 @@
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "sched/hold.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "world/features.h"
@@ -254,7 +255,7 @@ static void weigh_consistent(const gn_dem *dem, gn_coupled *q) {
 static void find_places(const gn_dem *dem, gn_coupled *q) {
     for (size_t k = 0; k < q->ties.count; k++) {
         const int32_t p = dem->index_of_id[q->ties.tie[k].id];
-        q->place[k] = p >= 0 && dem->particles.vel[4 * (size_t)p + 3] > 0.0 ? p : -1;
+        q->place[k] = p >= 0 && gn_particle_is_active(&dem->particles, p) ? p : -1;
     }
 }
 
