@@ -131,8 +131,8 @@ bench_numbers bench_world_numbers(const bench_world *b) {
     n.contact_steps = w->dem.contact_steps;
     n.steps = w->step;
     n.rebuilds = w->dem.verlet.rebuilds;
-    n.seconds_lists = w->seconds[GN_PHASE_lists];
-    n.seconds_setup = w->seconds[GN_PHASE_setup];
+    n.seconds_lists = w->ctx.seconds[GN_PHASE_lists];
+    n.seconds_setup = w->ctx.seconds[GN_PHASE_setup];
     n.threads = w->threads;
     n.isa = w->kernels->name;
     return n;

@@ -159,10 +159,10 @@ static void motions_of_elements_are_ends_that_follow(void **state) {
         "time: {end: 1}\nrun: {threads: 1}\n",
         3, -0.25);
     double before[3], after[3];
-    gn_elements_travel(w, 1, before);
+    gn_elements_travel(&w->solids, 1, before);
     w->ctx.machine.factor = 0.5;
     run_steps(w, 1);
-    gn_elements_travel(w, 1, after);
+    gn_elements_travel(&w->solids, 1, after);
     assert_near(after[0] - before[0], 0.5 * 4e-3 * w->ctx.dt, 1e-6 * 4e-3 * w->ctx.dt);
     world_end(w);
 }

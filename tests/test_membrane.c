@@ -196,14 +196,15 @@ static double force_across(const gn_world *w, const double centre[3]) {
 /* Pa: of forces at centres and ways to the surface, over the volume that it encloses. */
 static void mean_stress(const gn_world *w, double stress[9]) {
     const gn_particles *q = &w->dem.particles;
-    const double volume = gn_space_volume(w);
+    const double volume =
+        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
     double force[3];
     for (int k = 0; k < 9; k++) stress[k] = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         force_on(w, p, force);
         for (int k = 0; k < 9; k++) stress[k] += force[k / 3] * q->pos[4 * p + k % 3] / volume;
     }
-    gn_membrane_stress(w, stress);
+    gn_membrane_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach, stress);
 }
 
 /* In a lattice of n^3 spheres each chain along an axis carries the pressure on a face of a cell, so

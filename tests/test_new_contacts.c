@@ -77,7 +77,9 @@ static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **sta
         gneiss_error error = {0};
         w->ctx.scene.contact_steps = 0.01;
         w->ctx.scene.estimate = k ? GN_STEP_BOUND : GN_STEP_SHARP;
-        assert_int_equal(gn_world_check_step(w, true, &error), GNEISS_OK);
+        assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                             &w->ledger, true, &error),
+                         GNEISS_OK);
         assert_true(w->ctx.dt < w->dem.resolution.step);
         assert_true(fabs(residual_after(w, 5e-4)) < 0.1);
         world_end(w);
@@ -228,7 +230,9 @@ static void the_sharp_limit_follows_a_row_that_is_pressed(void **state) {
            bound = w->dem.limit.bound;
     assert_close(before, 2.0 / sqrt(3.0) * unit, 1e-3);
     for (int k = 0; k < 12; k++) pos_of(w, 3 + k)[0] = 1.9999e-3 * k;
-    assert_int_equal(gn_world_check_step(w, false, &error), GNEISS_OK);
+    assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                         &w->ledger, false, &error),
+                     GNEISS_OK);
     assert_close(w->dem.limit.bound, bound, 1e-12);
     assert_close(w->dem.limit.sharp, unit / sin(pi * 11.0 / 24.0), 1e-3);
     world_end(w);

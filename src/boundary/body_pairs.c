@@ -8,6 +8,7 @@
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
+#include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/dashpot.h"
@@ -66,19 +67,19 @@ static bool are_near(const gn_boundary *boundary, size_t a, size_t b) {
            reach_each_other(p, q, p->position, q->position);
 }
 
-bool gn_body_passes_bodies(const gn_world *w, size_t k) {
-    const gn_convex *c = w->boundary.pairs.convex;
-    for (size_t m = 0; c && !c[k].planes && m < w->ctx.scene.body_count; m++)
-        if (may_meet(&w->ctx, &w->boundary, k, m) && are_near(&w->boundary, k, m)) return true;
+bool gn_body_passes_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
+    const gn_convex *c = boundary->pairs.convex;
+    for (size_t m = 0; c && !c[k].planes && m < ctx->scene.body_count; m++)
+        if (may_meet(ctx, boundary, k, m) && are_near(boundary, k, m)) return true;
     return false;
 }
 
-bool gn_body_lacks_stiffness(const gn_world *w, size_t k) {
-    for (size_t m = 0; w->ctx.scene.bodies[k].free && m < w->ctx.scene.body_count; m++)
-        if (yield(&w->boundary, k, m) && !(side_of(&w->ctx, k, m).stiffness > 0.0) &&
-            are_near(&w->boundary, k, m))
+bool gn_body_lacks_stiffness(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
+    for (size_t m = 0; ctx->scene.bodies[k].free && m < ctx->scene.body_count; m++)
+        if (yield(boundary, k, m) && !(side_of(ctx, k, m).stiffness > 0.0) &&
+            are_near(boundary, k, m))
             return true;
-    return gn_body_passes_walls(&w->ctx, &w->boundary, k);
+    return gn_body_passes_walls(ctx, boundary, k);
 }
 
 gneiss_status gn_body_pairs_prepare(const gn_step_context *ctx, gn_boundary *boundary,

@@ -57,11 +57,11 @@ bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, siz
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 /* Tells whether a body of such a shape is, or was at the start, within reach of one that it cannot
  * touch. */
-bool gn_body_passes_bodies(const gn_world *world, size_t body);
+bool gn_body_passes_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 
 /* Tells whether a free body has no spring, by Hertz's law without a stiffness, towards walls or
  * bodies that are, or were at the start, within reach. */
-bool gn_body_lacks_stiffness(const gn_world *world, size_t body);
+bool gn_body_lacks_stiffness(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 
 /* Lists the pairs within reach. `first`: at the start, where overlapping bodies do not count as
  * newly touching. */

@@ -7,6 +7,7 @@
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
+#include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/dashpot.h"

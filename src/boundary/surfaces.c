@@ -17,6 +17,7 @@
 #include "solids/element_bodies.h"
 #include "surfaces/facet.h"
 #include "surfaces/patch.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <string.h>
@@ -563,4 +564,26 @@ void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary) {
         load_body(b, touch, force);
         for (size_t a = 0; q->roll && a < 3; a++) b->moment[a] -= q->roll[c + a * q->soa.capacity];
     }
+}
+
+bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *s) {
+    if (s->body < 0) return true;
+    const gn_rigid *b = &boundary->bodies[s->body];
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) sum += b->inverse_mass[a] + b->inverse_inertia[a];
+    return sum > 0.0;
+}
+
+double gn_surface_give(const gn_boundary *boundary, const gn_surface *s) {
+    double most = 0.0, turn = 0.0;
+    if (s->body < 0) {
+        for (size_t v = 0; v < s->vertices; v++) most = fmax(most, s->velocity[4 * v + 3]);
+        return most;
+    }
+    const gn_rigid *b = &boundary->bodies[s->body];
+    for (int a = 0; a < 3; a++) {
+        most = fmax(most, b->inverse_mass[a]);
+        turn = fmax(turn, b->inverse_inertia[a]);
+    }
+    return most + b->reach * b->reach * turn;
 }

@@ -45,4 +45,9 @@ gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem
  * components. */
 double gn_vertex_inverse_mass(const gn_surface *surface, int32_t vertex, const double n[3]);
 
+/* Tells whether a surface yields to particles; its largest inverse mass, 1/kg. */
+bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *surface);
+
+double gn_surface_give(const gn_boundary *boundary, const gn_surface *surface);
+
 #endif

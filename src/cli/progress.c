@@ -376,9 +376,9 @@ static void print_profile(const gn_run *run) {
     char text[32];
     printf("\nprofile\n");
     for (int k = 0; k < GN_PHASE_COUNT; k++)
-        if (run->world.seconds[k] > 0.0)
-            printf("  %-36s %9.3f s %5.1f %%\n", gn_phase_text((gn_phase)k), run->world.seconds[k],
-                   100.0 * run->world.seconds[k] / total);
+        if (run->world.ctx.seconds[k] > 0.0)
+            printf("  %-36s %9.3f s %5.1f %%\n", gn_phase_text((gn_phase)k),
+                   run->world.ctx.seconds[k], 100.0 * run->world.ctx.seconds[k] / total);
     printf("  %-36s %9.3f s\n", "total", total);
     gn_progress p = gn_run_progress(run);
     if (run->world.solids.count)

@@ -254,8 +254,10 @@ static gneiss_status make_lists(gn_conversion *c, const gn_tally *before, gneiss
     GN_TRY(gn_conversion_keep_invariants(c, before, error));
     gn_dem_masses_changed(&w->ctx, &w->dem);
     GN_TRY(gn_elements_converted(w->solids.elements[0], error));
-    GN_TRY(gn_world_check_step(w, false, error));
-    return gn_world_check_lists(w, error);
+    GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                               false, error));
+    return gn_world_check_lists(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                                error);
 }
 
 static void put_back(gn_conversion *c) {

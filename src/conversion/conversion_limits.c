@@ -243,9 +243,10 @@ static double other_seconds(const double *seconds) {
 
 gneiss_status gn_conversion_check_limits(gn_world *w, gneiss_error *error) {
     if (w->ctx.step == 0 || w->ctx.step % w->ctx.scene.couple.convert.every != 0) return GNEISS_OK;
-    const double start = gn_now(), others = other_seconds(w->seconds);
+    const double start = gn_now(), others = other_seconds(w->ctx.seconds);
     gneiss_status status = look(w, error);
-    w->seconds[GN_PHASE_conversion] += gn_now() - start - (other_seconds(w->seconds) - others);
+    w->ctx.seconds[GN_PHASE_conversion] +=
+        gn_now() - start - (other_seconds(w->ctx.seconds) - others);
     return status;
 }
 

@@ -453,7 +453,8 @@ gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_erro
     const double stable = w->dem.stable;
     bool due;
     gn_conversion_swap_dormant(&w->ctx, &w->dem);
-    gneiss_status status = gn_dem_limit(w, true, &due, error);
+    gneiss_status status = gn_dem_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                        &w->ledger, true, &due, error);
     gn_conversion_swap_dormant(&w->ctx, &w->dem);
     *limit = w->dem.limit;
     w->dem.limit = before;

@@ -5,7 +5,9 @@
 #define GN_FRAME_STEP_CONTEXT_H
 
 #include "base/effects.h"
+#include "base/error.h"
 #include "frame/parts.h"
+#include "frame/phases.h"
 #include "kernels/dispatch.h"
 #include "scene/scene.h"
 
@@ -46,11 +48,12 @@ struct gn_step_context {
                          * non-viscous damping takes */
     int64_t dt_lowered; /* number of times that the step was lowered while running */
 
-    gn_machine machine; /* control of the ends of the test */
-    bool measure;       /* the instant of the step is read */
-    bool sums;          /* sums over contacts are asked for, whether or not it is read */
-    double period[3];   /* m: present sides of a periodic box; 0: not periodic */
-    double volume;      /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
+    double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
+    gn_machine machine;             /* control of the ends of the test */
+    bool measure;                   /* the instant of the step is read */
+    bool sums;        /* sums over contacts are asked for, whether or not it is read */
+    double period[3]; /* m: present sides of a periodic box; 0: not periodic */
+    double volume;    /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
     gn_volume_source volume_source; /* found when the world is created */
     double lower[3], upper[3];      /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;  /* m, m2 (2D: m x 1 m) */
@@ -79,5 +82,13 @@ void gn_world_point_out(const gn_step_context *ctx, const double point[3], doubl
 /* Returns the largest coordinate, m, at which places of particles of that radius are fine enough.
  */
 double gn_finest_reach(double radius);
+
+/* Share of the limit that non-viscous damping leaves; 1 without it. */
+double gn_world_nonviscous_share(const gn_step_context *ctx);
+/* The share for a scene with these effects. */
+double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
+
+/* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
+gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
 
 #endif

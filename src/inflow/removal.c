@@ -4,6 +4,7 @@
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
@@ -215,32 +216,31 @@ static void release_contacts(const gn_step_context *ctx, gn_contacts *b, const i
     }
 }
 
-static gneiss_status remove_gone(gn_world *w, const int32_t *gone, gneiss_error *error) {
-    book_contacts(&w->ctx, &w->dem, &w->boundary, &w->ledger, gone);
-    gn_coupled_remove(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, gone);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        if (gone[p]) GN_TRY(take_out(&w->ctx, &w->dem, &w->ledger, p, gone[p], error));
-    for (int l = 0; l < GN_LIST_COUNT; l++)
-        if (gn_list_kinds[l]->persistent) release_contacts(&w->ctx, &w->dem.list[l].contacts, gone);
-    return gn_gauge_leave(&w->ctx, &w->dem, &w->gauge, error);
+gneiss_status gn_particles_find_gone(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                     gn_ledger *ledger, int32_t **gone, gneiss_error *error) {
+    const size_t n = dem->particles.soa.count;
+    size_t p = 0;
+    *gone = NULL;
+    gn_flow_count(ctx, dem);
+    if ((!ctx->scene.has_domain && !ctx->scene.sink_count) || !mark_gone(ctx, dem, NULL))
+        return GNEISS_OK;
+    *gone = gn_alloc_array(n + 1, sizeof **gone);
+    if (!*gone) return gn_no_memory(error, "removed particles");
+    mark_gone(ctx, dem, *gone);
+    while (ctx->scene.lost == GN_LOST_STOP && p < n && (*gone)[p] != LEFT) p++;
+    if (ctx->scene.lost == GN_LOST_STOP && p < n)
+        return left_domain(ctx, dem, p, gn_finest_reach(dem->radius_min), error);
+    book_contacts(ctx, dem, boundary, ledger, *gone);
+    return GNEISS_OK;
 }
 
-gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count, p = 0;
-    gn_flow_count(&w->ctx, &w->dem);
-    if ((!w->ctx.scene.has_domain && !w->ctx.scene.sink_count) ||
-        !mark_gone(&w->ctx, &w->dem, NULL))
-        return GNEISS_OK;
-    int32_t *gone = gn_alloc_array(n + 1, sizeof *gone);
-    if (!gone) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at %zu particles", n);
-    mark_gone(&w->ctx, &w->dem, gone);
-    while (w->ctx.scene.lost == GN_LOST_STOP && p < n && gone[p] != LEFT) p++;
-    gneiss_status status =
-        w->ctx.scene.lost == GN_LOST_STOP && p < n
-            ? left_domain(&w->ctx, &w->dem, p, gn_finest_reach(w->dem.radius_min), error)
-            : remove_gone(w, gone, error);
-    gn_free(gone);
-    return status;
+gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger,
+                                    const int32_t *gone, gneiss_error *error) {
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        if (gone[p]) GN_TRY(take_out(ctx, dem, ledger, p, gone[p], error));
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_kinds[l]->persistent) release_contacts(ctx, &dem->list[l].contacts, gone);
+    return GNEISS_OK;
 }
 
 /* Thin sinks: particles that pass through them between two lists, and particles that never fit. */

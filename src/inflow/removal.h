@@ -5,9 +5,16 @@
 #include "base/error.h"
 #include "frame/parts.h"
 
-/* Particles outside the domain (removal.c) fail the run or leave the model, those in sinks leave:
- * without mass and contacts, with their energy and that of their contacts booked as carried away.
- * Call with the lists as the last step left them. */
-gneiss_status gn_dem_check_domain(gn_world *world, gneiss_error *error);
+#include <stdint.h>
+
+/* Finds the particles outside the domain and in sinks: *gone [particles] is nonzero for them and
+ * freed by the caller; NULL: there are none. Books the energy of their contacts as carried away.
+ * GNEISS_ERROR_UNSTABLE where the scene does not let particles leave the domain. Call with the
+ * lists as the last step left them. */
+gneiss_status gn_particles_find_gone(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                     gn_ledger *ledger, int32_t **gone, gneiss_error *error);
+/* Takes them out of the model, without mass and contacts, once nothing else holds them. */
+gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger,
+                                    const int32_t *gone, gneiss_error *error);
 
 #endif

@@ -24,24 +24,27 @@
 #include <string.h>
 
 /* Displacement of a part since the start along the axis. */
-static double part_travel(const gn_world *w, const char *name, int axis) {
-    const gn_scene *s = &w->ctx.scene;
+static double part_travel(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids, const char *name,
+                          int axis) {
+    const gn_scene *s = &ctx->scene;
     int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
         motion = gn_scene_find_element_motion(s, name);
-    if (wall >= 0) return w->boundary.walls[wall].point[axis] - w->boundary.walls[wall].start[axis];
+    if (wall >= 0) return boundary->walls[wall].point[axis] - boundary->walls[wall].start[axis];
     if (body >= 0)
-        return w->boundary.bodies[body].position[axis] - w->boundary.bodies[body].start[axis];
+        return boundary->bodies[body].position[axis] - boundary->bodies[body].start[axis];
     if (motion < 0)
-        return gn_set_travel(&w->ctx, &w->dem, &w->solids, (size_t)gn_scene_find_set(s, name),
-                             axis);
+        return gn_set_travel(ctx, dem, solids, (size_t)gn_scene_find_set(s, name), axis);
     double travel[3];
-    gn_elements_travel(w, (size_t)motion, travel);
+    gn_elements_travel(solids, (size_t)motion, travel);
     return travel[axis];
 }
 
-static double end_travel(const gn_world *w, const gn_test_end *end, int axis) {
+static double end_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         const gn_solids *solids, const gn_test_end *end, int axis) {
     double sum = 0.0;
-    for (size_t k = 0; k < end->count; k++) sum += part_travel(w, end->name[k], axis);
+    for (size_t k = 0; k < end->count; k++)
+        sum += part_travel(ctx, dem, boundary, solids, end->name[k], axis);
     return sum / (double)end->count;
 }
 
@@ -55,37 +58,42 @@ static bool only_presses(const gn_step_context *ctx, const char *name, int axis)
 }
 
 /* Travel of an end of the test along its axis; if it has only such walls, all count. */
-static double loaded_travel(const gn_world *w, const gn_test_end *end) {
-    const int axis = (int)w->ctx.scene.test.axis;
+static double loaded_travel(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_test_end *end) {
+    const int axis = (int)ctx->scene.test.axis;
     double sum = 0.0, count = 0.0;
     for (size_t k = 0; k < end->count; k++) {
-        if (only_presses(&w->ctx, end->name[k], axis)) continue;
-        sum += part_travel(w, end->name[k], axis);
+        if (only_presses(ctx, end->name[k], axis)) continue;
+        sum += part_travel(ctx, dem, boundary, solids, end->name[k], axis);
         count += 1.0;
     }
-    return count > 0.0 ? sum / count : end_travel(w, end, axis);
+    return count > 0.0 ? sum / count : end_travel(ctx, dem, boundary, solids, end, axis);
 }
 
 /* Force with which a part loads the specimen along the axis. */
-static double part_force(const gn_world *w, const char *name, int axis) {
-    const gn_scene *s = &w->ctx.scene;
+static double part_force(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         const gn_solids *solids, const char *name, int axis) {
+    const gn_scene *s = &ctx->scene;
     int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
         motion = gn_scene_find_element_motion(s, name);
-    if (wall >= 0) return -w->boundary.walls[wall].force[axis];
-    if (body >= 0) return -w->boundary.bodies[body].force[axis];
+    if (wall >= 0) return -boundary->walls[wall].force[axis];
+    if (body >= 0) return -boundary->bodies[body].force[axis];
     if (motion >= 0) {
         double force[3];
-        gn_elements_reaction(w, (size_t)motion, force);
+        gn_elements_reaction(solids, (size_t)motion, force);
         return force[axis];
     }
     int set = gn_scene_find_set(s, name);
-    if (s->sets[set].motion.velocity[axis].count) return w->dem.set_reaction[6 * set + axis];
+    if (s->sets[set].motion.velocity[axis].count) return dem->set_reaction[6 * set + axis];
     return s->sets[set].has_force ? s->sets[set].force[axis] : 0.0;
 }
 
-static double end_force(const gn_world *w, const gn_test_end *end, int axis) {
+static double end_force(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, const gn_test_end *end, int axis) {
     double sum = 0.0;
-    for (size_t k = 0; k < end->count; k++) sum += part_force(w, end->name[k], axis);
+    for (size_t k = 0; k < end->count; k++)
+        sum += part_force(ctx, dem, boundary, solids, end->name[k], axis);
     return sum;
 }
 
@@ -93,24 +101,29 @@ static double test_sign(const gn_step_context *ctx) {
     return gn_scene_test(&ctx->scene)->sign;
 }
 
-double gn_ends_deflection(const gn_world *w) {
-    const gn_test *t = &w->ctx.scene.test;
-    return test_sign(&w->ctx) * (loaded_travel(w, &t->upper) - loaded_travel(w, &t->lower));
+double gn_ends_deflection(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids) {
+    const gn_test *t = &ctx->scene.test;
+    return test_sign(ctx) * (loaded_travel(ctx, dem, boundary, solids, &t->upper) -
+                             loaded_travel(ctx, dem, boundary, solids, &t->lower));
 }
 
-double gn_ends_opening(const gn_world *w) {
-    const gn_opening *o = &w->ctx.scene.test.opening;
+double gn_ends_opening(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids) {
+    const gn_opening *o = &ctx->scene.test.opening;
     int axis = (int)o->axis;
-    return end_travel(w, &o->upper, axis) - end_travel(w, &o->lower, axis);
+    return end_travel(ctx, dem, boundary, solids, &o->upper, axis) -
+           end_travel(ctx, dem, boundary, solids, &o->lower, axis);
 }
 
-void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
-    double sign = test_sign(&w->ctx);
-    const gn_test *t = &w->ctx.scene.test;
-    *lower = -sign * end_force(w, &t->lower, (int)t->axis);
-    *upper = sign * end_force(w, &t->upper, (int)t->axis);
-    if (!gn_scene_end_drives(&w->ctx.scene, &w->ctx.scene.test.lower)) *lower = *upper;
-    if (!gn_scene_end_drives(&w->ctx.scene, &w->ctx.scene.test.upper)) *upper = *lower;
+void gn_ends_forces(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    const gn_solids *solids, double *lower, double *upper) {
+    double sign = test_sign(ctx);
+    const gn_test *t = &ctx->scene.test;
+    *lower = -sign * end_force(ctx, dem, boundary, solids, &t->lower, (int)t->axis);
+    *upper = sign * end_force(ctx, dem, boundary, solids, &t->upper, (int)t->axis);
+    if (!gn_scene_end_drives(&ctx->scene, &ctx->scene.test.lower)) *lower = *upper;
+    if (!gn_scene_end_drives(&ctx->scene, &ctx->scene.test.upper)) *upper = *lower;
 }
 
 /* Tells whether a part can carry a load along an axis. */
@@ -127,19 +140,22 @@ static bool end_acts_along(const gn_step_context *ctx, const gn_test_end *end, i
     return acts;
 }
 
-void gn_ends_normals(const gn_world *w, double *lower, double *upper) {
-    const gn_test *t = &w->ctx.scene.test;
+void gn_ends_normals(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     const gn_solids *solids, double *lower, double *upper) {
+    const gn_test *t = &ctx->scene.test;
     const int normal = (int)t->normal;
-    *lower = end_force(w, &t->lower, normal);
-    *upper = -end_force(w, &t->upper, normal);
-    if (!end_acts_along(&w->ctx, &t->lower, normal)) *lower = *upper;
-    if (!end_acts_along(&w->ctx, &t->upper, normal)) *upper = *lower;
+    *lower = end_force(ctx, dem, boundary, solids, &t->lower, normal);
+    *upper = -end_force(ctx, dem, boundary, solids, &t->upper, normal);
+    if (!end_acts_along(ctx, &t->lower, normal)) *lower = *upper;
+    if (!end_acts_along(ctx, &t->upper, normal)) *upper = *lower;
 }
 
-double gn_ends_dilation(const gn_world *w) {
-    const gn_test *t = &w->ctx.scene.test;
+double gn_ends_dilation(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids) {
+    const gn_test *t = &ctx->scene.test;
     int normal = (int)t->normal;
-    return end_travel(w, &t->upper, normal) - end_travel(w, &t->lower, normal);
+    return end_travel(ctx, dem, boundary, solids, &t->upper, normal) -
+           end_travel(ctx, dem, boundary, solids, &t->lower, normal);
 }
 
 /* Largest position along `sense` (+1, -1) times the normal, times `sense`; -infinity: not known
@@ -294,22 +310,27 @@ void gn_ends_begin(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
                               .gap = (away[0] ? lower : 0.0) + (away[1] ? upper : 0.0)};
 }
 
-void gn_ends_note_contact(gn_world *w, bool still) {
-    gn_approach *a = &w->approach;
+void gn_ends_note_contact(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          gn_solids *solids, gn_approach *approach, bool still) {
+    gn_approach *a = approach;
     double lower, upper;
     if (a->away[0] == 0.0 && a->away[1] == 0.0) return;
-    gn_ends_forces(w, &lower, &upper);
+    gn_ends_forces(ctx, dem, boundary, solids, &lower, &upper);
     /* Both ends count in one step, because a specimen that one end has pushed off moves to the
      * other. */
     if ((a->away[0] != 0.0 && lower == 0.0) || (a->away[1] != 0.0 && upper == 0.0)) return;
     a->away[0] = a->away[1] = 0.0;
-    a->way = gn_ends_deflection(w);
+    a->way = gn_ends_deflection(ctx, dem, boundary, solids);
     if (still) a->way = fmin(a->way, a->gap);
 }
 
-double gn_ends_shortening(const gn_world *w) {
-    const gn_approach *a = &w->approach;
-    return a->away[0] != 0.0 || a->away[1] != 0.0 ? 0.0 : gn_ends_deflection(w) - a->way;
+double gn_ends_shortening(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids,
+                          const gn_approach *approach) {
+    const gn_approach *a = approach;
+    return a->away[0] != 0.0 || a->away[1] != 0.0
+               ? 0.0
+               : gn_ends_deflection(ctx, dem, boundary, solids) - a->way;
 }
 
 /* Steps between two readings. */
@@ -327,10 +348,10 @@ static double lateral_strain(const gn_step_context *ctx, const gn_dem *dem, cons
     return sum / (dimension - 1);
 }
 
-static double reading(const gn_world *w) {
-    return w->ctx.scene.test.control.opening > 0.0
-               ? gn_ends_opening(w)
-               : lateral_strain(&w->ctx, &w->dem, &w->solids, &w->gauge);
+static double reading(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                      const gn_solids *solids, const gn_gauge *gauge) {
+    return ctx->scene.test.control.opening > 0.0 ? gn_ends_opening(ctx, dem, boundary, solids)
+                                                 : lateral_strain(ctx, dem, solids, gauge);
 }
 
 static double rate(const gn_control *c) {
@@ -347,14 +368,15 @@ void gn_control_create(gn_step_context *ctx) {
  * at full speed: a reading that lags during elastic loading leaves no backlog for the moment of
  * failure. The factor is the distance over that, so it is 1 while the reading lags, falls as it
  * approaches, and is bounded both ways for any reading. */
-void gn_control_update(gn_world *w) {
-    const gn_control *c = &w->ctx.scene.test.control;
-    gn_machine *m = &w->ctx.machine;
-    if (!w->ctx.scene.test.has_control || w->ctx.step % LOOK_INTERVAL != 0) return;
-    const double now = reading(w), most = rate(c) * c->response;
+void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids,
+                       gn_gauge *gauge) {
+    const gn_control *c = &ctx->scene.test.control;
+    gn_machine *m = &ctx->machine;
+    if (!ctx->scene.test.has_control || ctx->step % LOOK_INTERVAL != 0) return;
+    const double now = reading(ctx, dem, boundary, solids, gauge), most = rate(c) * c->response;
     if (isnan(now)) return; /* too little of the specimen is left for a reading */
-    m->wanted = fmin(m->wanted + rate(c) * (w->ctx.time - m->looked), now + most);
-    m->looked = w->ctx.time;
+    m->wanted = fmin(m->wanted + rate(c) * (ctx->time - m->looked), now + most);
+    m->looked = ctx->time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));
 }
 

@@ -19,16 +19,22 @@ struct gn_approach {
 
 /* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along
  * the plane that are not moved along it do not count beside others. */
-double gn_ends_deflection(const gn_world *world);
+double gn_ends_deflection(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids);
 /* Change of the distance since both ends have touched the specimen, m; 0 before that. */
-double gn_ends_shortening(const gn_world *world);
+double gn_ends_shortening(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids,
+                          const gn_approach *approach);
 /* Returns the opening of the gauge of the test, m. */
-double gn_ends_opening(const gn_world *world);
+double gn_ends_opening(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids);
 /* Forces of the ends of a shear test across the plane, pressing positive, N; an end that is neither
  * held nor pressed there has that of the other. The dilation is the change of distance of the ends,
  * m. */
-void gn_ends_normals(const gn_world *world, double *lower, double *upper);
-double gn_ends_dilation(const gn_world *world);
+void gn_ends_normals(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     const gn_solids *solids, double *lower, double *upper);
+double gn_ends_dilation(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids);
 /* Distance between the innermost positions of both ends along the normal of a shear test, at the
  * start, m: centres of sets, planes of walls, corners of bodies, nodes of elements without
  * particles. Not positive: the ends overlap or are empty; infinite: an end is not known, as bodies
@@ -59,7 +65,8 @@ gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
                              gneiss_error *error);
 /* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only
  * observed (its load is a traction) has the force of the other one. */
-void gn_ends_forces(const gn_world *world, double *lower, double *upper);
+void gn_ends_forces(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    const gn_solids *solids, double *lower, double *upper);
 
 /* Distances from both ends to the specimen at the start, m, not below 0; tells whether they are so
  * large that the ends begin away from it. For ends that press along the axis alone. */
@@ -70,15 +77,18 @@ void gn_ends_begin(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
                    const gn_solids *solids, gn_approach *approach);
 /* Records, once forces are known, where the ends have touched the specimen. `still`: in an
  * equilibrium, which may be far beyond the first contact. */
-void gn_ends_note_contact(gn_world *world, bool still);
+void gn_ends_note_contact(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          gn_solids *solids, gn_approach *approach, bool still);
 
 void gn_control_create(gn_step_context *ctx);
 /* Updates the control from the reading at intervals of steps, before the forces of a step. */
-void gn_control_update(gn_world *world);
+void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids,
+                       gn_gauge *gauge);
 
 void gn_control_create(gn_step_context *ctx);
 /* Updates the control from the reading at intervals of steps, before the forces of a step. */
-void gn_control_update(gn_world *world);
+void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids,
+                       gn_gauge *gauge);
 
 /* Mean displacement of a set from the start along an axis, m. */
 double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,

@@ -60,14 +60,16 @@ double gn_membrane_volume(const gn_step_context *ctx, const gn_dem *dem) {
     return enclosed > 0.0 ? enclosed : ctx->volume;
 }
 
-void gn_membrane_stress(const gn_world *w, double stress[9]) {
+void gn_membrane_stress(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, const gn_periodic_box *box,
+                        const gn_approach *approach, double stress[9]) {
     double turn[9], half[9], arms[9];
-    if (!(w->ctx.effects & GN_FX_MEMBRANE)) return;
-    const gn_membrane *m = w->dem.membrane;
+    if (!(ctx->effects & GN_FX_MEMBRANE)) return;
+    const gn_membrane *m = dem->membrane;
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
-    const double volume = gn_space_volume(w);
+    const double volume = gn_space_volume(ctx, dem, boundary, solids, box, approach);
     for (int k = 0; k < 9; k++) stress[k] -= m->pressure * arms[k] / volume;
 }
 

@@ -88,7 +88,9 @@ double gn_membrane_volume(const gn_step_context *ctx, const gn_dem *dem);
  * surface.
  */
 double gn_membrane_pressure(const gn_dem *dem);
-void gn_membrane_stress(const gn_world *world, double stress[9]);
+void gn_membrane_stress(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, const gn_periodic_box *box,
+                        const gn_approach *approach, double stress[9]);
 
 /* m2: what it covers, at the last look; of one body. */
 double gn_membrane_area(const gn_dem *dem);

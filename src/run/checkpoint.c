@@ -47,7 +47,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.ledger.energy),
     DOUBLES(world.ledger.reading),
     GN_MEASURED(MEASURED) DOUBLES(world.ledger.stress),
-    DOUBLES(world.seconds),
+    DOUBLES(world.ctx.seconds),
     DOUBLES(world.zones.state),
     DOUBLES(world.ctx.period),
     DOUBLES(world.box),
@@ -92,7 +92,8 @@ static const gn_piece pieces[] = {
 enum { PIECES = sizeof pieces / sizeof *pieces };
 
 _Static_assert(sizeof(gn_energy) % 8 == 0, "made of doubles only");
-_Static_assert(sizeof(((gn_run *)0)->world.seconds) == GN_PHASE_COUNT * 8, "one double a phase");
+_Static_assert(sizeof(((gn_run *)0)->world.ctx.seconds) == GN_PHASE_COUNT * 8,
+               "one double a phase");
 
 /* --- variable-size arrays --- */
 

@@ -145,7 +145,7 @@ static gneiss_status step_with_row(gn_world *w, gn_history *h, bool last, gneiss
     double *row = calloc(h->column_count + 1, sizeof *row);
     if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
     put_row(w, GN_BEFORE_STEP, row);
-    w->seconds[GN_PHASE_measure] += gn_now() - start;
+    w->ctx.seconds[GN_PHASE_measure] += gn_now() - start;
     gneiss_status status = gn_world_step(w, true, error);
     start = gn_now();
     if (status == GNEISS_OK) {
@@ -156,7 +156,7 @@ static gneiss_status step_with_row(gn_world *w, gn_history *h, bool last, gneiss
         if (!last) gn_flow_row(&w->ctx, &w->dem);
     }
     free(row);
-    w->seconds[GN_PHASE_measure] += gn_now() - start;
+    w->ctx.seconds[GN_PHASE_measure] += gn_now() - start;
     return status;
 }
 
@@ -175,7 +175,7 @@ gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) 
     GN_FREED double *row = NULL;
     GN_TRY(gn_new(&row, h->column_count, "columns of the history", error));
     note_passed(w);
-    gn_ends_note_contact(w, true);
+    gn_ends_note_contact(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach, true);
     put_row(w, GN_BEFORE_STEP, row);
     put_row(w, GN_AFTER_STEP, row);
     GN_TRY(check_row(w, h, row, error));

@@ -242,11 +242,12 @@ static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_err
 
 /* Writes the volume and the membrane stress that enter the mean stress of the specimen. */
 static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const double volume = gn_space_volume(w);
+    const double volume =
+        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
     const bool membrane = w->ctx.effects & GN_FX_MEMBRANE;
     double stress[9] = {0};
     if (!membrane && volume == w->ctx.volume) return GNEISS_OK;
-    gn_membrane_stress(w, stress);
+    gn_membrane_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach, stress);
     const gn_h5_attribute list[] = {{"stress_volume", .number = &volume},
                                     {"membrane_stress", .number = stress, .count = 9}};
     return gn_h5_attributes(file, "/", list, membrane ? 2 : 1, error);
@@ -368,7 +369,7 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
     for (int k = 0; w->ctx.effects & GN_FX_ENERGY && k < GN_ENERGY_FIGURES; k++)
         GN_TRY(put_energy(file, &figure[k], error));
     for (int k = 0; k < GN_PHASE_COUNT; k++)
-        GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->seconds[k], "s",
+        GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->ctx.seconds[k], "s",
                           gn_phase_text((gn_phase)k), error));
     return GNEISS_OK;
 }
@@ -546,7 +547,7 @@ static void summary_cost(const gn_run *run, gn_json *j) {
     gn_json_integer(j, "list_rebuilds", w->dem.verlet.rebuilds);
     gn_json_object(j, "seconds");
     for (int k = 0; k < GN_PHASE_COUNT; k++)
-        gn_json_number(j, gn_phase_name((gn_phase)k), w->seconds[k]);
+        gn_json_number(j, gn_phase_name((gn_phase)k), w->ctx.seconds[k]);
     GN_JSON_NUMBERS(j, {"total", p.seconds}, {"cpu", p.cpu_seconds});
     gn_json_end(j);
     GN_JSON_NUMBERS(j, {"peak_memory", (double)peak_memory()},

@@ -417,7 +417,8 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     gn_assembly assembly = gn_assembly_of(&w->ctx, &w->dem, &w->boundary);
     for (int l = 0; l < GN_LIST_COUNT; l++) assembly.list[l] = &seen->list[l];
     const double solid =
-        (1.0 - gn_dem_porosity(&w->ctx, &w->dem)) * w->ctx.volume / gn_space_volume(w);
+        (1.0 - gn_dem_porosity(&w->ctx, &w->dem)) * w->ctx.volume /
+        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
     gn_stress_particles(&assembly, 1.0 - solid, v->stress);
     gneiss_status status =
         gn_coupled_add_stress(&w->ctx, &w->dem, &w->solids, &w->zones, v->stress, error);

@@ -106,7 +106,7 @@ READ(step, (double)w->ctx.step)
 READ(time, w->ctx.time)
 READ(stage, (double)w->stages.now)
 
-READ(deflection, gn_ends_deflection(w))
+READ(deflection, gn_ends_deflection(&w->ctx, &w->dem, &w->boundary, &w->solids))
 
 /* The strain is that of the particles, or in a fully periodic box, which has no surface, that of
  * its sides. Elements without particles are the specimen. */
@@ -158,9 +158,11 @@ static double hydrostatic_strain(const gn_world *w) {
     return 1.0 - gn_dot3(stretch, cofactor);
 }
 
-READ(test_strain, gn_scene_test(&w->ctx.scene)->isotropic
-                      ? hydrostatic_strain(w)
-                      : gn_ends_shortening(w) / w->ctx.test_length)
+READ(test_strain,
+     gn_scene_test(&w->ctx.scene)->isotropic
+         ? hydrostatic_strain(w)
+         : gn_ends_shortening(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach) /
+               w->ctx.test_length)
 
 static double mean_pressure(const gn_world *w) {
     const double *s = w->ledger.stress;
@@ -171,7 +173,7 @@ static double mean_pressure(const gn_world *w) {
  * membrane does not cover is subtracted. */
 static double end_stress(const gn_world *w, bool upper_end) {
     double lower, upper;
-    gn_ends_forces(w, &lower, &upper);
+    gn_ends_forces(&w->ctx, &w->dem, &w->boundary, &w->solids, &lower, &upper);
     bool bare =
         gn_scene_test(&w->ctx.scene)->confined && w->ctx.scene.membrane.faces == GN_FACES_SIDES;
     return (upper_end ? upper : lower) / gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box) -
@@ -186,23 +188,23 @@ READ(membrane_pressure, gn_membrane_pressure(&w->dem))
 READ(membrane_area, gn_membrane_area(&w->dem))
 static double normal_stress(const gn_world *w, double of_lower, double of_upper) {
     double lower, upper;
-    gn_ends_normals(w, &lower, &upper);
+    gn_ends_normals(&w->ctx, &w->dem, &w->boundary, &w->solids, &lower, &upper);
     return (of_lower * lower + of_upper * upper) /
            gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box);
 }
 READ(normal_stress, normal_stress(w, 0.5, 0.5))
 READ(normal_lower, normal_stress(w, 1.0, 0.0))
 READ(normal_upper, normal_stress(w, 0.0, 1.0))
-READ(dilation, gn_ends_dilation(w))
+READ(dilation, gn_ends_dilation(&w->ctx, &w->dem, &w->boundary, &w->solids))
 static void read_test_force(const gn_world *w, size_t k, double *value) {
     double lower, upper;
     (void)k;
-    gn_ends_forces(w, &lower, &upper);
+    gn_ends_forces(&w->ctx, &w->dem, &w->boundary, &w->solids, &lower, &upper);
     *value = 0.5 * (lower + upper);
 }
 
 READ(machine, w->ctx.machine.factor)
-READ(opening, gn_ends_opening(w))
+READ(opening, gn_ends_opening(&w->ctx, &w->dem, &w->boundary, &w->solids))
 static void read_centre_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
     gn_test_centre_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, value);
@@ -489,11 +491,27 @@ static const gn_quantity of_elements[] = {
            "energy of plane waves that travel away from the particles of the first zone, in "
            "elements outside of zones, over the initial energy and the energy supplied")};
 
+static size_t motion_count(const gn_world *w) {
+    return gn_elements_motions(&w->solids);
+}
+
+static const char *motion_name(const gn_world *w, size_t k) {
+    return gn_elements_motion_name(&w->solids, k);
+}
+
+static void read_motion_travel(const gn_world *w, size_t k, double *value) {
+    gn_elements_travel(&w->solids, k, value);
+}
+
+static void read_motion_reaction(const gn_world *w, size_t k, double *value) {
+    gn_elements_reaction(&w->solids, k, value);
+}
+
 static const gn_quantity of_motions[] = {
     {"displacement", "m", "mean displacement of the nodes", GN_VECTOR, GN_BEFORE_STEP, &always,
-     gn_elements_travel, NULL},
+     read_motion_travel, NULL},
     {"reaction", "N", "force that the prescribed motion supplies to the nodes", GN_VECTOR,
-     GN_AFTER_STEP, &driven, gn_elements_reaction, NULL}};
+     GN_AFTER_STEP, &driven, read_motion_reaction, NULL}};
 
 /* --- the whole list --- */
 
@@ -505,8 +523,7 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"source", source_count, source_name, of_sources, COUNT(of_sources), NULL, false},
     {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks), NULL, false},
     {NULL, one, NULL, of_elements, COUNT(of_elements), NULL, false},
-    {"motion", gn_elements_motions, gn_elements_motion_name, of_motions, COUNT(of_motions),
-     "motions", false}};
+    {"motion", motion_count, motion_name, of_motions, COUNT(of_motions), "motions", false}};
 
 bool gn_condition_holds(const gn_condition *when, const gn_world *w, size_t owner) {
     return (!when->of_kind || when->of_kind(gn_scene_test(&w->ctx.scene))) &&

@@ -460,7 +460,7 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
     double start = gn_now();
     gneiss_status status =
         gn_first_break_start(w, &(gn_first_break_watch){note_state, &b}, &run->first_break, error);
-    w->seconds[GN_PHASE_setup] += gn_now() - start;
+    w->ctx.seconds[GN_PHASE_setup] += gn_now() - start;
     if (status != GNEISS_OK && run->directory[0])
         (void)rmdir(run->directory); /* nothing has been written to it */
     return status;
@@ -499,7 +499,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     if (run->directory[0] && run->snapshot_interval && gn_kept_is_due(run, first)) {
         double start = gn_now();
         gneiss_status status = write_snapshots(run, error);
-        w->seconds[GN_PHASE_output] += gn_now() - start;
+        w->ctx.seconds[GN_PHASE_output] += gn_now() - start;
         GN_TRY(gn_run_rescue(run, true, status, error));
     }
     if (first || gn_run_row_is_due(run)) {
@@ -513,7 +513,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_world_step(w, false, error));
     }
     if (w->ctx.step % (w->solids.count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
-        GN_TRY(gn_world_check_step(w, false, error));
+        GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                   &w->ledger, false, error));
     if (w->outcome.halt[0] && !run->finished && last(run, "step") != (double)(w->ctx.step - 1)) {
         GN_TRY(gn_history_step(w, &run->history, error)); /* the row of the failed step */
         GN_TRY(gn_run_check_ledger(run, error));
@@ -542,7 +543,7 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
     status = also_write(status, gn_output_results, run, error);
     if (status == GNEISS_OK && run->directory[0] && run->series_length < run->snapshot_times.count)
         status = gn_output_series(run, error);
-    run->world.seconds[GN_PHASE_output] += gn_now() - start;
+    run->world.ctx.seconds[GN_PHASE_output] += gn_now() - start;
     double every = run->world.ctx.scene.checkpoint_wall;
     run->next_checkpoint = every > 0.0 ? gn_now() + every : INFINITY;
     return gn_run_rescue(run, false, status, error);
@@ -640,8 +641,11 @@ gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     gneiss_status status = write_last_snapshots(run, error);
     bool save = status == GNEISS_ERROR_MEMORY;
     status = also_write(status, gn_checkpoint_save, run, error);
-    run->world.seconds[GN_PHASE_output] += gn_now() - start;
-    if (status == GNEISS_OK) status = gn_world_update_reported_limit(&run->world, error);
+    run->world.ctx.seconds[GN_PHASE_output] += gn_now() - start;
+    if (status == GNEISS_OK)
+        status = gn_world_update_reported_limit(&run->world.ctx, &run->world.dem,
+                                                &run->world.boundary, &run->world.solids,
+                                                &run->world.zones, &run->world.ledger, error);
     status = also_write(status, write_results, run, error);
     return gn_run_rescue(run, save, status, error);
 }

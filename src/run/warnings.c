@@ -319,12 +319,12 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
 }
 
 static void warn_of_passing(const gn_run *run, gn_warnings *list,
-                            bool (*passes)(const gn_world *, size_t), const char *name,
-                            const char *why) {
+                            bool (*passes)(const gn_step_context *, const gn_boundary *, size_t),
+                            const char *name, const char *why) {
     const gn_world *w = &run->world;
     size_t count = 0, first = 0;
     for (size_t k = w->ctx.scene.body_count; k-- > 0;)
-        if (passes(w, k)) {
+        if (passes(&w->ctx, &w->boundary, k)) {
             count++;
             first = k;
         }

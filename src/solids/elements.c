@@ -526,9 +526,9 @@ double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *sol
 
 /* --- motions --- */
 
-size_t gn_elements_motions(const gn_world *w) {
+size_t gn_elements_motions(const gn_solids *solids) {
     size_t count = 0;
-    for (size_t k = 0; k < w->solids.count; k++) count += w->solids.elements[k]->def->motion_count;
+    for (size_t k = 0; k < solids->count; k++) count += solids->elements[k]->def->motion_count;
     return count;
 }
 
@@ -540,8 +540,8 @@ static const gn_element_model *owner_of(const gn_solids *solids, size_t *motion)
     return solids->elements[k];
 }
 
-const char *gn_elements_motion_name(const gn_world *w, size_t motion) {
-    const gn_element_model *q = owner_of(&w->solids, &motion);
+const char *gn_elements_motion_name(const gn_solids *solids, size_t motion) {
+    const gn_element_model *q = owner_of(solids, &motion);
     return q->def->motions[motion].name;
 }
 
@@ -557,8 +557,8 @@ const gn_fem_set *gn_elements_motion_set(const gn_solids *solids, size_t motion,
     return &owner->motion_set[motion];
 }
 
-void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
-    const gn_element_model *owner = owner_of(&w->solids, &motion);
+void gn_elements_travel(const gn_solids *solids, size_t motion, double travel[3]) {
+    const gn_element_model *owner = owner_of(solids, &motion);
     const gn_fem_set *set = &owner->motion_set[motion];
     const gn_particles *q = &owner->solid.nodes;
     memset(travel, 0, 3 * sizeof *travel);
@@ -569,8 +569,8 @@ void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
         }
 }
 
-void gn_elements_reaction(const gn_world *w, size_t motion, double force[3]) {
-    const gn_element_model *q = owner_of(&w->solids, &motion);
+void gn_elements_reaction(const gn_solids *solids, size_t motion, double force[3]) {
+    const gn_element_model *q = owner_of(solids, &motion);
     memset(force, 0, 3 * sizeof *force);
     if (q->motion[motion] >= 0) gn_fem_reaction(&q->solid, q->motion[motion], force);
 }

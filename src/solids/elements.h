@@ -128,14 +128,14 @@ double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *sol
 
 /* Motions, counted over all solids: mean displacement of the nodes, m, and the force that it
  * supplies, N, unless it is only watched. */
-size_t gn_elements_motions(const gn_world *world);
-const char *gn_elements_motion_name(const gn_world *world, size_t motion);
+size_t gn_elements_motions(const gn_solids *solids);
+const char *gn_elements_motion_name(const gn_solids *solids, size_t motion);
 bool gn_elements_motion_drives(const gn_solids *solids, size_t motion);
 /* The nodes of a motion, and where they stand. */
 const gn_fem_set *gn_elements_motion_set(const gn_solids *solids, size_t motion,
                                          const gn_particles **nodes);
-void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
-void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
+void gn_elements_travel(const gn_solids *solids, size_t motion, double travel[3]);
+void gn_elements_reaction(const gn_solids *solids, size_t motion, double force[3]);
 
 /* --- contact with particles (element_contact.c) --- */
 

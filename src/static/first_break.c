@@ -24,7 +24,7 @@
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/records.h"
-#include "timestep/trial.h"
+#include "static/trial.h"
 #include "world/world.h"
 
 #include <math.h>

@@ -209,19 +209,25 @@ static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boun
 }
 
 /* A step that is long because nothing moves must not be the one in which a motion begins. */
-static gneiss_status check_driven(gn_world *w, gneiss_error *error) {
-    if (!w->dem.driven) return GNEISS_OK;
-    w->dem.gain = driven_gain(&w->ctx, &w->dem, &w->boundary);
-    gneiss_status status = w->dem.gain > 0.0 ? gn_world_check_lists(w, error) : GNEISS_OK;
-    w->dem.gain = 0.0;
+static gneiss_status check_driven(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                  gneiss_error *error) {
+    if (!dem->driven) return GNEISS_OK;
+    dem->gain = driven_gain(ctx, dem, boundary);
+    gneiss_status status =
+        dem->gain > 0.0 ? gn_world_check_lists(ctx, dem, boundary, solids, zones, ledger, error)
+                        : GNEISS_OK;
+    dem->gain = 0.0;
     return status;
 }
 
-gneiss_status gn_pressed_check(gn_world *w, gneiss_error *error) {
-    GN_TRY(check_driven(w, error));
-    if (!w->dem.pressed) return GNEISS_OK;
-    w->dem.pressed = false;
-    return gn_world_check_lists(w, error);
+gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                               gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                               gneiss_error *error) {
+    GN_TRY(check_driven(ctx, dem, boundary, solids, zones, ledger, error));
+    if (!dem->pressed) return GNEISS_OK;
+    dem->pressed = false;
+    return gn_world_check_lists(ctx, dem, boundary, solids, zones, ledger, error);
 }
 
 /* Steps between two checks, each of which takes a third of the time of a step. */

@@ -8,7 +8,9 @@
 #include <stddef.h>
 
 /* Updates the expected overlaps and the step if a kernel has found a larger overlap. */
-gneiss_status gn_pressed_check(gn_world *world, gneiss_error *error);
+gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                               gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                               gneiss_error *error);
 
 /* Overlap over radius from which Hertz's theory and any spring between hardly touching particles
  * are misleading, for particles that were not bonded at the start. Bonded specimens are pressed

@@ -119,30 +119,29 @@ static bool follow_once(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledg
     return any;
 }
 
-gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *changed, double *held,
-                                   gneiss_error *error) {
+gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_ledger *ledger, bool listed,
+                                   const uint8_t *changed, double *held, gneiss_error *error) {
     enum { ROUNDS = 8 }; /* of dashpots */
-    const gn_mass_scaling *s = &w->dem.scaling;
+    const gn_mass_scaling *s = &dem->scaling;
     *held = 0.0;
-    if (!(w->ctx.effects & GN_FX_MASS_SCALING && s->reached > 0.0 && w->ctx.step > 0))
-        return GNEISS_OK;
-    double step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids,
-                                  s->reached / (listed ? listed_share : w->ctx.scene.safety));
+    if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0)) return GNEISS_OK;
+    double step = gn_limit_needed(ctx, dem, boundary, solids,
+                                  s->reached / (listed ? listed_share : ctx->scene.safety));
     if (!isfinite(step)) return GNEISS_OK; /* other parts leave no room */
-    double *factor = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *factor);
+    double *factor = gn_alloc_array(dem->particles.soa.count + 1, sizeof *factor);
     if (!factor)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses",
-                       w->dem.particles.soa.count);
+                       dem->particles.soa.count);
     gneiss_status status = GNEISS_OK;
     for (int round = 0; round < ROUNDS; round++) {
-        status =
-            gn_dem_masses(&w->ctx, &w->dem, &w->boundary, listed, step, changed, factor, error);
-        if (status != GNEISS_OK || !follow_once(&w->ctx, &w->dem, &w->ledger, factor)) break;
-        if (w->dem.damping_fraction == 0.0) break;
+        status = gn_dem_masses(ctx, dem, boundary, listed, step, changed, factor, error);
+        if (status != GNEISS_OK || !follow_once(ctx, dem, ledger, factor)) break;
+        if (dem->damping_fraction == 0.0) break;
     }
     gn_free(factor);
     /* With dashpots the masses may not have converged. */
-    if (w->dem.damping_fraction == 0.0) *held = step;
+    if (dem->damping_fraction == 0.0) *held = step;
     return status;
 }
 
@@ -150,17 +149,19 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
 
 /* Finds the least part of the step at which the bound has to be evaluated, within half a percent;
  * 0.8 to 0.9 in packings. */
-static gneiss_status search(gn_world *w, const wanted *q, gneiss_error *error) {
+static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                            gn_solids *solids, gn_zones *zones, gn_ledger *ledger, const wanted *q,
+                            gneiss_error *error) {
     enum { TRIES = 10 };
     double low = 0.5, high = 1.0, part = q->sharp ? 0.85 : 1.0, added = -1.0;
     for (int k = 1;; k++) {
-        GN_TRY(raise(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, q, part, error));
-        GN_TRY(gn_world_check_step(w, true, error));
-        double beyond = w->ctx.scene.safety * w->ctx.stable / q->step;
-        bool reached = w->ctx.dt >= (1.0 - 1e-9) * q->step;
+        GN_TRY(raise(ctx, dem, boundary, solids, zones, q, part, error));
+        GN_TRY(gn_world_check_step(ctx, dem, boundary, solids, zones, ledger, true, error));
+        double beyond = ctx->scene.safety * ctx->stable / q->step;
+        bool reached = ctx->dt >= (1.0 - 1e-9) * q->step;
         if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;
-        if (reached && w->dem.scaling.added == added) return GNEISS_OK; /* for collisions */
-        added = reached ? w->dem.scaling.added : added;
+        if (reached && dem->scaling.added == added) return GNEISS_OK; /* for collisions */
+        added = reached ? dem->scaling.added : added;
         *(reached ? &high : &low) = part;
         bool close = high - low < 0.004 || k >= TRIES;
         if (close && reached) return GNEISS_OK;
@@ -228,22 +229,24 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
     return status;
 }
 
-gneiss_status gn_dem_scale_masses(gn_world *w, gneiss_error *error) {
-    const gn_scene *s = &w->ctx.scene;
-    if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
-    wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * w->ctx.dt,
+gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                  gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
+    if (!(ctx->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
+    wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * ctx->dt,
                 .sharp = s->estimate == GN_STEP_SHARP};
-    w->dem.scaling.unscaled = w->ctx.dt;
-    if (q.step <= w->ctx.dt) return GNEISS_OK;
-    double elements = gn_world_nonviscous_share(&w->ctx) * gn_elements_stable(&w->solids);
-    q.limit = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, q.step / s->safety);
-    q.listed = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, q.step / listed_share);
+    dem->scaling.unscaled = ctx->dt;
+    if (q.step <= ctx->dt) return GNEISS_OK;
+    double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
+    q.limit = gn_limit_needed(ctx, dem, boundary, solids, q.step / s->safety);
+    q.listed = gn_limit_needed(ctx, dem, boundary, solids, q.step / listed_share);
     if (s->safety * elements < q.step || !isfinite(q.limit))
-        return refuse(&w->ctx, &w->solids, q.step, error);
-    w->dem.scaling.step = q.step;
-    gneiss_status status = make_room(&w->dem, &q, error);
-    if (status == GNEISS_OK) status = search(w, &q, error);
-    w->dem.scaling.reached = w->ctx.dt;
+        return refuse(ctx, solids, q.step, error);
+    dem->scaling.step = q.step;
+    gneiss_status status = make_room(dem, &q, error);
+    if (status == GNEISS_OK) status = search(ctx, dem, boundary, solids, zones, ledger, &q, error);
+    dem->scaling.reached = ctx->dt;
     gn_free(q.factor);
     gn_free(q.also);
     gn_free(q.own);

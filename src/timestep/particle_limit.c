@@ -247,67 +247,75 @@ static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
 /* With the bound, raised masses follow the springs that need a smaller step before the step is
  * checked. With the sharp limit all masses are closer to their limit than the bound shows, and a
  * check of few of them proves nothing. */
-static gneiss_status follow_and_ask(gn_world *w, bool listed, const uint8_t *of, const question *q,
-                                    gneiss_error *error) {
+static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    gn_solids *solids, gn_ledger *ledger, bool listed,
+                                    const uint8_t *of, const question *q, gneiss_error *error) {
     question about = *q;
     about.turned = of;
     double held = 0.0;
-    if (w->ctx.scene.estimate == GN_STEP_BOUND)
-        GN_TRY(gn_dem_follow_masses(w, listed, of, &held, error));
+    if (ctx->scene.estimate == GN_STEP_BOUND)
+        GN_TRY(gn_dem_follow_masses(ctx, dem, boundary, solids, ledger, listed, of, &held, error));
     *q->verdict = (gn_step_verdict){.holds = true};
     /* They were raised to hold more than that, within the margin for which a block is not
      * raised. */
     if (q->step * (1.0 + 1e-6) <= held) return GNEISS_OK;
-    return ask(&w->ctx, &w->dem, &w->boundary, listed, &about, error);
+    return ask(ctx, dem, boundary, listed, &about, error);
 }
 
 /* Asks about the particles whose springs have changed since the last check. */
-static gneiss_status ask_of_others(gn_world *w, bool listed, const question *q,
-                                   gneiss_error *error) {
+static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_ledger *ledger, bool listed,
+                                   const question *q, gneiss_error *error) {
     uint8_t *others = NULL;
-    if (!(w->ctx.effects & GN_FX_MASS_SCALING))
-        return ask(&w->ctx, &w->dem, &w->boundary, listed, q, error);
+    if (!(ctx->effects & GN_FX_MASS_SCALING)) return ask(ctx, dem, boundary, listed, q, error);
     question find_others = {.step = q->step, .verdict = q->verdict, .others = &others};
-    gneiss_status status = ask(&w->ctx, &w->dem, &w->boundary, listed, &find_others, error);
-    if (status == GNEISS_OK) status = follow_and_ask(w, listed, others, q, error);
+    gneiss_status status = ask(ctx, dem, boundary, listed, &find_others, error);
+    if (status == GNEISS_OK)
+        status = follow_and_ask(ctx, dem, boundary, solids, ledger, listed, others, q, error);
     gn_free(others);
     return status;
 }
 
 /* Tells whether springs that have become active since the last check lower the limit. If there were
  * none at that check, any spring does. */
-static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
+static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell,
+                                gneiss_error *error) {
     /* With elements the particles may hold more than alone. */
-    double known = fmax(trusted(&w->ctx, &w->dem.limit), w->zones.state.whole);
+    double known = fmax(trusted(ctx, &dem->limit), zones->state.whole);
     gn_step_verdict verdict = {0};
     question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
-    GN_TRY(ask_of_others(w, false, &q, error));
+    GN_TRY(ask_of_others(ctx, dem, boundary, solids, ledger, false, &q, error));
     *fell = !verdict.holds;
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
+gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                           gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                           bool *due, gneiss_error *error) {
     bool fell = full;
-    GN_TRY(gn_loose_find(&w->ctx, &w->dem, error));
-    if (!full) GN_TRY(limit_fell(w, &fell, error));
-    GN_TRY(gn_boundary_limit(&w->ctx, &w->dem, &w->boundary, fell, due, error));
+    GN_TRY(gn_loose_find(ctx, dem, error));
+    if (!full) GN_TRY(limit_fell(ctx, dem, boundary, solids, zones, ledger, &fell, error));
+    GN_TRY(gn_boundary_limit(ctx, dem, boundary, fell, due, error));
     if (!*due) return GNEISS_OK;
-    if (fell) GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, error));
-    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->dem.stable, error);
+    if (fell) GN_TRY(find_limit(ctx, dem, boundary, error));
+    return usable_limit(ctx, dem, boundary, &dem->stable, error);
 }
 
 /* --- what may happen before the lists are made again --- */
 
 /* A hundredth is left for normals and arms that rotate until the lists are rebuilt. */
-gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_ledger *ledger, bool full, bool *fine,
+                                  gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
-    double needed = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, w->ctx.dt / 0.99);
+    double needed = gn_limit_needed(ctx, dem, boundary, solids, ctx->dt / 0.99);
     *fine = false; /* of a given step the answer stays */
-    if (!full && w->ctx.scene.step > 0.0 && w->ctx.dt > w->dem.listed) return GNEISS_OK;
+    if (!full && ctx->scene.step > 0.0 && ctx->dt > dem->listed) return GNEISS_OK;
     /* The particles have to hold more than they were found to hold, because bodies yield more. */
-    bool all = full || needed > w->dem.listed_holds, finite = needed < INFINITY;
-    question q = {.tolerance = all || !finite ? tolerance_of(&w->ctx) : 0.0};
+    bool all = full || needed > dem->listed_holds, finite = needed < INFINITY;
+    question q = {.tolerance = all || !finite ? tolerance_of(ctx) : 0.0};
     if (finite) {
         q.step = needed;
         q.verdict = &verdict;
@@ -316,15 +324,14 @@ gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_err
         q.limit = &limit;
     }
     if (q.changed)
-        GN_TRY(ask_of_others(w, true, &q, error));
+        GN_TRY(ask_of_others(ctx, dem, boundary, solids, ledger, true, &q, error));
     else
-        GN_TRY(ask(&w->ctx, &w->dem, &w->boundary, true, &q, error));
+        GN_TRY(ask(ctx, dem, boundary, true, &q, error));
     *fine = finite && verdict.holds;
-    if (*fine && all) w->dem.listed_holds = needed;
+    if (*fine && all) dem->listed_holds = needed;
     if (*fine) return GNEISS_OK;
-    w->dem.listed_holds = finite ? verdict.limit : trusted(&w->ctx, &limit);
-    w->dem.listed =
-        gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, w->dem.listed_holds);
+    dem->listed_holds = finite ? verdict.limit : trusted(ctx, &limit);
+    dem->listed = gn_limit_of_all(ctx, dem, boundary, solids, dem->listed_holds);
     return GNEISS_OK;
 }
 
@@ -391,16 +398,17 @@ static size_t find_turned(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Tells whether the step holds for the rotated contacts, with a margin for further rotation until
  * the lists are rebuilt. */
-static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
-                                 gneiss_error *error) {
+static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                 gn_solids *solids, gn_ledger *ledger, const uint8_t *turned,
+                                 bool *hold, gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids,
-                                          w->ctx.dt / GN_TURNED_SHARE),
-                  .tolerance = tolerance_of(&w->ctx),
+    question q = {.step = gn_limit_needed(ctx, dem, boundary, solids, ctx->dt / GN_TURNED_SHARE),
+                  .tolerance = tolerance_of(ctx),
                   .verdict = &verdict,
                   .whether = true,
                   .turned = turned};
-    gneiss_status status = follow_and_ask(w, false, turned, &q, error);
+    gneiss_status status =
+        follow_and_ask(ctx, dem, boundary, solids, ledger, false, turned, &q, error);
     *hold = verdict.holds;
     return status;
 }
@@ -408,16 +416,18 @@ static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
 /* Springs that rotate relative to each other have another limit although they stay the same: a
  * bonded chain that is stretched out needs a smaller step than one at a right angle. If the step is
  * not proved to hold, the limit of all particles is found anew. */
-gneiss_status gn_dem_limit_turned(gn_world *w, bool *due, gneiss_error *error) {
+gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_ledger *ledger, bool *due,
+                                  gneiss_error *error) {
     bool hold = true;
-    uint8_t *turned = gn_alloc(w->dem.particles.soa.count + 1);
+    uint8_t *turned = gn_alloc(dem->particles.soa.count + 1);
     if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
     gneiss_status status = GNEISS_OK;
-    if (find_turned(&w->ctx, &w->dem, &w->boundary, turned))
-        status = turned_hold(w, turned, &hold, error);
+    if (find_turned(ctx, dem, boundary, turned))
+        status = turned_hold(ctx, dem, boundary, solids, ledger, turned, &hold, error);
     gn_free(turned);
     *due = status == GNEISS_OK && !hold;
     if (!*due) return status;
-    GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, error));
-    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->dem.stable, error);
+    GN_TRY(find_limit(ctx, dem, boundary, error));
+    return usable_limit(ctx, dem, boundary, &dem->stable, error);
 }

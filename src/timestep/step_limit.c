@@ -20,25 +20,6 @@
 
 #include <math.h>
 
-/* --- together --- */
-
-/* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it decelerates a
- * particle and by 1 - a while it accelerates it. In the fastest mode, whose displacement changes
- * sign from step to step, the resultant always decelerates: the stiffness is 1 + a times the
- * undamped one, and the limit falls by sqrt(1 + a). Forces of dashpots are part of the resultant:
- * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
- * a). (Measured: at 0.9 of the undamped limit and a = 0.7 the kinetic energy 1/2 m v(-) v(+) turns
- * negative and bonds break before any load.) */
-double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
-    bool active = effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
-    return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
-}
-
-double gn_world_nonviscous_share(const gn_step_context *ctx) {
-    return gn_scene_nonviscous_share(&ctx->scene, ctx->effects);
-}
-
 /* Limit of two parts with limits p and s (s), each found with the other held fixed, and contacts
  * between them. The energy of a contact is |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 + 1/e)
  * |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of both is
@@ -241,13 +222,15 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
     return check_advance(ctx, dem, solids, zones, error);
 }
 
-static gneiss_status check_rotated(gn_world *w, gneiss_error *error) {
+static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   gneiss_error *error) {
     bool due;
-    GN_TRY(gn_dem_limit_turned(w, &due, error));
+    GN_TRY(gn_dem_limit_turned(ctx, dem, boundary, solids, ledger, &due, error));
     if (!due) return GNEISS_OK;
-    GN_TRY(limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error));
-    if (w->ctx.dt <= GN_TURNED_SHARE * w->ctx.stable) return GNEISS_OK;
-    return react(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.stable, error);
+    GN_TRY(limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error));
+    if (ctx->dt <= GN_TURNED_SHARE * ctx->stable) return GNEISS_OK;
+    return react(ctx, dem, boundary, solids, zones, ctx->stable, error);
 }
 
 /* Largest squared speed before the first step, which finds it itself. */
@@ -314,105 +297,118 @@ static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_b
     return react(ctx, dem, boundary, solids, zones, ctx->stable, error);
 }
 
-static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                 bool *fine, gneiss_error *error) {
     *fine = true;
-    if (!w->ctx.scene.has_specimen) return GNEISS_OK;
-    GN_TRY(check_lighter(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    gn_pressed_update(&w->ctx, &w->dem, &w->boundary);
-    follow_flight(&w->ctx, &w->dem, &w->boundary);
-    gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
-    GN_TRY(resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    if (!full) GN_TRY(gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, fine, error));
+    if (!ctx->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(check_lighter(ctx, dem, boundary, solids, zones, error));
+    gn_pressed_update(ctx, dem, boundary);
+    follow_flight(ctx, dem, boundary);
+    gn_world_follow_bodies(ctx, dem, boundary);
+    GN_TRY(resolve_listed(ctx, dem, boundary, solids, zones, error));
+    if (!full) GN_TRY(gn_dem_limit_far(ctx, dem, boundary, solids, fine, error));
     if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
-    GN_TRY(check_rotated(w, error));
-    GN_TRY(gn_dem_limit_listed(w, full, fine, error));
-    if (!*fine)
-        GN_TRY(check_whole(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
+    GN_TRY(check_rotated(ctx, dem, boundary, solids, zones, ledger, error));
+    GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, ledger, full, fine, error));
+    if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
     /* Two hundredths below the limit, so that the next lists need not lower it again. */
-    if (!*fine) lower(&w->ctx, &w->dem, 0.98 * w->dem.listed);
-    return check_advance(&w->ctx, &w->dem, &w->solids, &w->zones, error);
+    if (!*fine) lower(ctx, dem, 0.98 * dem->listed);
+    return check_advance(ctx, dem, solids, zones, error);
 }
 
-gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
+gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   gneiss_error *error) {
     double start = gn_now();
     bool fine = true;
-    gneiss_status status = check_lists(w, false, &fine, error);
-    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    gneiss_status status =
+        check_lists(ctx, dem, boundary, solids, zones, ledger, false, &fine, error);
+    ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     /* A given step is not compared with contacts that may form, but with those that have formed. */
-    if (status != GNEISS_OK || fine || w->ctx.scene.step == 0.0) return status;
-    return gn_world_check_step(w, false, error);
+    if (status != GNEISS_OK || fine || ctx->scene.step == 0.0) return status;
+    return gn_world_check_step(ctx, dem, boundary, solids, zones, ledger, false, error);
 }
 
 /* Chooses the step as at the start: from listed contacts, or from the whole scene if there are
  * none. */
-static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
+static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                gneiss_error *error) {
     bool fine, shorter;
-    gn_dem_limit_anew(&w->dem);
-    GN_TRY(check_lists(w, true, &fine, error));
-    if (!w->ctx.scene.has_specimen) return GNEISS_OK;
-    GN_TRY(gn_dem_resolve_flight(&w->ctx, &w->dem, &w->boundary, &shorter, error));
-    if (shorter) lower(&w->ctx, &w->dem, w->dem.resolution.step);
+    gn_dem_limit_anew(dem);
+    GN_TRY(check_lists(ctx, dem, boundary, solids, zones, ledger, true, &fine, error));
+    if (!ctx->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(gn_dem_resolve_flight(ctx, dem, boundary, &shorter, error));
+    if (shorter) lower(ctx, dem, dem->resolution.step);
     return GNEISS_OK;
 }
 
-gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
+gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                  gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false;
     gneiss_status status = GNEISS_OK;
-    if (w->ctx.scene.has_specimen) gn_pressed_update(&w->ctx, &w->dem, &w->boundary);
-    if (w->ctx.scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
-    if (status == GNEISS_OK)
-        status = gn_elements_limit(&w->ctx, &w->solids, full, &elements_due, error);
+    if (ctx->scene.has_specimen) gn_pressed_update(ctx, dem, boundary);
+    if (ctx->scene.has_specimen)
+        status = gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, full, &due, error);
+    if (status == GNEISS_OK) status = gn_elements_limit(ctx, solids, full, &elements_due, error);
     if (status == GNEISS_OK && (due || elements_due)) {
-        status =
-            limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error);
+        status = limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
         if (status == GNEISS_OK)
-            status =
-                react(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.stable, error);
+            status = react(ctx, dem, boundary, solids, zones, ctx->stable, error);
     }
     /* Resolves loose contacts of lists that are kept for long. */
-    if (status == GNEISS_OK && !full && w->ctx.scene.has_specimen)
-        status = resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
+    if (status == GNEISS_OK && !full && ctx->scene.has_specimen)
+        status = resolve_listed(ctx, dem, boundary, solids, zones, error);
     /* Lists are not checked with a vanishing step. */
-    if (status == GNEISS_OK && full) status = gn_world_check_duration(&w->ctx, error);
-    if (status == GNEISS_OK && full) status = check_anew(w, error);
-    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    if (status == GNEISS_OK && full) status = gn_world_check_duration(ctx, error);
+    if (status == GNEISS_OK && full)
+        status = check_anew(ctx, dem, boundary, solids, zones, ledger, error);
+    ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
-static gneiss_status check_again(gn_world *w, gneiss_error *error) {
+static gneiss_status check_again(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                 gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status =
-        resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
-    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    gneiss_status status = resolve_listed(ctx, dem, boundary, solids, zones, error);
+    ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
-gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
-    if (!gn_debris_exceeds_ledger(&w->ledger)) return GNEISS_OK;
-    w->dem.debris_reported = true;
-    gneiss_status status = check_again(w, error);
-    w->dem.debris_reported = false;
+gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                    gneiss_error *error) {
+    if (!gn_debris_exceeds_ledger(ledger)) return GNEISS_OK;
+    dem->debris_reported = true;
+    gneiss_status status = check_again(ctx, dem, boundary, solids, zones, error);
+    dem->debris_reported = false;
     return status;
 }
 
 /* Unbonded debris would be noticed late by lists that are kept for long. Without damping of
  * collisions it is checked whenever another sixteenth of the bonds has broken, from half of them
  * on. */
-gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_error *error) {
-    const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
-    if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(&w->ctx, &w->dem))
+gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, int64_t broken_before,
+                                   gneiss_error *error) {
+    const int64_t all = dem->bonds_at_start, now = dem->broken_tension + dem->broken_shear;
+    if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(ctx, dem))
         return GNEISS_OK;
     if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
-    return check_again(w, error);
+    return check_again(ctx, dem, boundary, solids, zones, error);
 }
 
-gneiss_status gn_world_update_reported_limit(gn_world *w, gneiss_error *error) {
+gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
+                                             gn_boundary *boundary, gn_solids *solids,
+                                             gn_zones *zones, gn_ledger *ledger,
+                                             gneiss_error *error) {
     bool due;
-    if (!w->ctx.scene.has_specimen || w->solids.count || w->ctx.effects & GN_FX_BONDS)
-        return GNEISS_OK;
-    GN_TRY(gn_dem_limit(w, true, &due, error));
-    return limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error);
+    if (!ctx->scene.has_specimen || solids->count || ctx->effects & GN_FX_BONDS) return GNEISS_OK;
+    GN_TRY(gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, true, &due, error));
+    return limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
 }
 
 double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,

@@ -23,28 +23,35 @@ double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const
 double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
-gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
+gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                  gneiss_error *error);
 /* Updates the limit of unbonded grains at the end of a run for the output, after the state has been
  * saved. The step is unchanged. */
-gneiss_status gn_world_update_reported_limit(gn_world *world, gneiss_error *error);
+gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
+                                             gn_boundary *boundary, gn_solids *solids,
+                                             gn_zones *zones, gn_ledger *ledger,
+                                             gneiss_error *error);
 /* Checks the step, as gn_world_check_step does, after a step in which bonds broke and the specimen
  * may have disintegrated. */
-gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
+gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, int64_t broken_before,
+                                   gneiss_error *error);
 /* Checks the step after one that was measured because of debris, which needs smaller steps if it
  * creates energy. */
-gneiss_status gn_world_check_debris(gn_world *world, gneiss_error *error);
+gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                    gneiss_error *error);
 /* Checks the step against all events that are possible until the new lists are made again. */
-gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
+gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   gneiss_error *error);
 /* Lowers an automatic step for bodies that move far in it. */
 void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
 /* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
  * need a smaller one. "": there is none. */
 const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
                                   size_t size);
-/* Share of the limit that non-viscous damping leaves; 1 without it. */
-double gn_world_nonviscous_share(const gn_step_context *ctx);
-/* The share for a scene with these effects. */
-double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
 
 /* Lowers *dt (s) of the coming step such that no vertex of a body moves farther than a quarter of
  * the smallest radius, and no body rotates by more than a quarter of a radian, or 0.01 with
@@ -85,9 +92,6 @@ const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, ch
 gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
                              gneiss_error *error);
 
-/* Tells whether a surface yields to particles; its largest inverse mass, 1/kg. */
-bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *surface);
-double gn_surface_give(const gn_boundary *boundary, const gn_surface *surface);
 /* Names the free body whose contacts need steps a thousand times shorter than those of all other
  * parts, because it is light or stiff. "": there is none. */
 const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
@@ -102,12 +106,18 @@ gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
 /* Finds the limit of the particles alone (particle_limit.c): of springs that have become active
  * since the last check or, with `full`, of all. *due: it has changed, or that of the objects that
  * they touch. */
-gneiss_status gn_dem_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                           gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                           bool *due, gneiss_error *error);
 /* Finds it for contacts that have rotated since. */
-gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *error);
+gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_ledger *ledger, bool *due,
+                                  gneiss_error *error);
 /* Tells whether the step of the world holds with all listed contacts closed; else dem.listed is the
  * step that would. `full`: checks all of them. */
-gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
+gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_ledger *ledger, bool full, bool *fine,
+                                  gneiss_error *error);
 /* Tells whether the step is so short that row sums of the listed contacts prove it stable, without
  * a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
@@ -125,7 +135,9 @@ gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
 void gn_dem_limit_anew(gn_dem *dem);
 
 /* Raises masses, if the scene asks for it, from the step that the world has found without. */
-gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                  gneiss_error *error);
 /* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
  * of the bound with own masses, and the added mass over the own one; INFINITY: other parts leave no
  * room for such a step. */

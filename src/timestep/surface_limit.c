@@ -76,28 +76,6 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *s) {
-    if (s->body < 0) return true;
-    const gn_rigid *b = &boundary->bodies[s->body];
-    double sum = 0.0;
-    for (int a = 0; a < 3; a++) sum += b->inverse_mass[a] + b->inverse_inertia[a];
-    return sum > 0.0;
-}
-
-double gn_surface_give(const gn_boundary *boundary, const gn_surface *s) {
-    double most = 0.0, turn = 0.0;
-    if (s->body < 0) {
-        for (size_t v = 0; v < s->vertices; v++) most = fmax(most, s->velocity[4 * v + 3]);
-        return most;
-    }
-    const gn_rigid *b = &boundary->bodies[s->body];
-    for (int a = 0; a < 3; a++) {
-        most = fmax(most, b->inverse_mass[a]);
-        turn = fmax(turn, b->inverse_inertia[a]);
-    }
-    return most + b->reach * b->reach * turn;
-}
-
 /* --- bodies that are light --- */
 
 /* Largest stiffness, N/m, by Hertz's law at an overlap of a hundredth of the radius. */

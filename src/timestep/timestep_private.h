@@ -46,8 +46,9 @@ gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
  * it, at their present velocities (the kinetic energy is booked as step_change). Does nothing
  * without time.mass_scaling and before the first step. `held`: s, the step at which their blocks
  * hold then; 0: not known. */
-gneiss_status gn_dem_follow_masses(gn_world *world, bool listed, const uint8_t *changed,
-                                   double *held, gneiss_error *error);
+gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_ledger *ledger, bool listed,
+                                   const uint8_t *changed, double *held, gneiss_error *error);
 /* Finds the shortest contact of any two distinct particles, or particle and wall or surface, of the
  * scene, wherever they are, and the stability limit of one such contact alone, s. */
 gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,

@@ -99,7 +99,8 @@ static bool is_hertz(const gn_world *w) {
 }
 
 GN_HOOK(check_indentation) {
-    return gn_pressed_check(w, error);
+    return gn_pressed_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                            error);
 }
 
 const gn_feature gn_feature_indentation = {
@@ -140,7 +141,9 @@ GN_HOOK(find_debris) {
 }
 
 GN_HOOK(check_debris) {
-    return w->dem.debris_read ? gn_world_check_debris(w, error) : GNEISS_OK;
+    return w->dem.debris_read ? gn_world_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids,
+                                                      &w->zones, &w->ledger, error)
+                              : GNEISS_OK;
 }
 
 const gn_feature gn_feature_debris = {
@@ -181,7 +184,7 @@ static bool has_ends(const gn_world *w) {
 }
 
 GN_HOOK(look_at_ends) {
-    gn_ends_note_contact(w, false);
+    gn_ends_note_contact(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach, false);
     return GNEISS_OK;
 }
 
@@ -212,7 +215,7 @@ static bool is_controlled(const gn_world *w) {
 }
 
 GN_HOOK(control_ends) {
-    gn_control_update(w);
+    gn_control_update(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->gauge);
     return GNEISS_OK;
 }
 

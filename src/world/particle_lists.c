@@ -1,6 +1,7 @@
 /* When the neighbour lists of the particles are rebuilt, and the order of the work. */
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/new.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
 #include "conversion/conversion.h"
@@ -164,8 +165,18 @@ static void ready_kernels(const gn_step_context *ctx, gn_dem *dem) {
     }
 }
 
+/* Removes the particles that have left the domain or come into a sink. */
+static gneiss_status remove_gone(gn_world *w, gneiss_error *error) {
+    GN_FREED int32_t *gone = NULL;
+    GN_TRY(gn_particles_find_gone(&w->ctx, &w->dem, &w->boundary, &w->ledger, &gone, error));
+    if (!gone) return GNEISS_OK;
+    gn_coupled_remove(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, gone);
+    GN_TRY(gn_particles_take_out(&w->ctx, &w->dem, &w->ledger, gone, error));
+    return gn_gauge_leave(&w->ctx, &w->dem, &w->gauge, error);
+}
+
 gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_dem_check_domain(w, error));
+    GN_TRY(remove_gone(w, error));
     if (w->ctx.effects & GN_FX_PERIODIC) wrap(&w->ctx, &w->dem);
     GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
     GN_TRY(gn_lists_form(&w->ctx, &w->dem, error));
@@ -179,7 +190,7 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     tune_skin(&w->ctx, &w->dem);
     widen_skin(&w->ctx, &w->dem, &w->boundary, &w->box);
     GN_TRY(gn_dem_drop(&w->ctx, &w->dem, &w->boundary, error));
-    GN_TRY(gn_dem_check_domain(w, error));
+    GN_TRY(remove_gone(w, error));
     if (w->ctx.effects & GN_FX_PERIODIC) wrap(&w->ctx, &w->dem);
     GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, false, error));
     if (order_is_old(&w->ctx, &w->dem)) GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));

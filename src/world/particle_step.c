@@ -172,7 +172,8 @@ void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger) {
 
 void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     const gn_dem_sums *s = &w->dem.done;
-    const double volume = gn_space_volume(w);
+    const double volume =
+        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
     ledger->kinetic = s->motion.kinetic;
     ledger->rotational = s->motion.rotational;
     ledger->elastic_normal = s->contacts.elastic_normal;
@@ -180,7 +181,7 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     ledger->elastic_bending = s->contacts.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++) stress[k] = (s->contacts.stress[k] + s->walls.stress[k]) / volume;
-    gn_membrane_stress(w, stress);
+    gn_membrane_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach, stress);
 }
 
 /* N: sizes of the forces of all contacts of particles, with each other and with walls, bodies and

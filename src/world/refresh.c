@@ -22,7 +22,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_features_follow_lists(w, error));
     GN_TRY(gn_depth_update(&w->ctx, &w->dem, &w->boundary, error));
     gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
-    w->seconds[GN_PHASE_lists] += gn_now() - start;
+    w->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
 }
 
@@ -38,8 +38,11 @@ gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
     GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &more, error));
-    if (more) GN_TRY(gn_world_check_step(w, false, error));
-    return gn_world_check_lists(w, error);
+    if (more)
+        GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                   &w->ledger, false, error));
+    return gn_world_check_lists(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                                error);
 }
 
 /* m: how far a particle may go before the lists are made anew, whatever is beside it. Sinks and the
@@ -74,7 +77,7 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     double start = gn_now();
     gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
     other = gn_boundary_travel(&w->ctx, &w->boundary, true);
-    w->seconds[GN_PHASE_lists] += gn_now() - start;
+    w->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
     if (1.1 * v->closed + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * most) {
         if (!due) return GNEISS_OK;

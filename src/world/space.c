@@ -106,15 +106,18 @@ static double membrane_growth(const gn_dem *dem) {
     return growth > 0.0 ? growth : 1.0;
 }
 
-double gn_space_volume(const gn_world *w) {
+double gn_space_volume(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, const gn_periodic_box *box,
+                       const gn_approach *approach) {
     double now, start;
-    if (w->dem.membrane) return gn_membrane_volume(&w->ctx, &w->dem) * membrane_growth(&w->dem);
-    if (is_periodic_all_round(&w->ctx) || !w->ctx.scene.has_specimen) return w->ctx.volume;
-    if (gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start))
-        return w->ctx.effects & GN_FX_BONDS ? w->ctx.volume * now / start : now;
-    if (gn_scene_test(&w->ctx.scene)->sides_stand)
-        return w->ctx.volume * (1.0 - gn_ends_shortening(w) / w->ctx.test_length);
-    return w->ctx.volume;
+    if (dem->membrane) return gn_membrane_volume(ctx, dem) * membrane_growth(dem);
+    if (is_periodic_all_round(ctx) || !ctx->scene.has_specimen) return ctx->volume;
+    if (gn_space_closed(ctx, dem, boundary, box, &now, &start))
+        return ctx->effects & GN_FX_BONDS ? ctx->volume * now / start : now;
+    if (gn_scene_test(&ctx->scene)->sides_stand)
+        return ctx->volume *
+               (1.0 - gn_ends_shortening(ctx, dem, boundary, solids, approach) / ctx->test_length);
+    return ctx->volume;
 }
 
 double gn_space_area(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,

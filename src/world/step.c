@@ -33,7 +33,7 @@ static void start(watch *t) {
 static void lap(watch *t, gn_phase phase) {
     if (!t->runs || (phase == GN_PHASE_exchange && !t->w->features.holds)) return;
     double now = gn_now();
-    t->w->seconds[phase] += GN_BOOKED * (now - t->mark);
+    t->w->ctx.seconds[phase] += GN_BOOKED * (now - t->mark);
     t->mark = now;
 }
 
@@ -93,7 +93,7 @@ static gneiss_status finish(gn_world *w, watch *time, gneiss_error *error) {
     GN_TRY(gn_dem_check(&w->ctx, &w->dem, &w->boundary, measure, error));
     GN_TRY(gn_boundary_check(&w->ctx, &w->dem, &w->boundary, error));
     lap(time, GN_PHASE_motion);
-    GN_TRY(gn_elements_move(&w->ctx, &w->solids, &w->ledger, w->seconds, measure, error));
+    GN_TRY(gn_elements_move(&w->ctx, &w->solids, &w->ledger, w->ctx.seconds, measure, error));
     start(time);
     GN_TRY(gn_features_run(w, GN_HOOK_ELEMENTS_MOVED, error));
     lap(time, GN_PHASE_exchange);
@@ -108,7 +108,7 @@ static gneiss_status find_forces(gn_world *w, watch *time, gneiss_error *error) 
     start(time);
     gn_boundary_forces(&w->ctx, &w->dem, &w->boundary);
     lap(time, GN_PHASE_walls);
-    gn_elements_forces(&w->ctx, &w->solids, w->seconds, w->ctx.measure);
+    gn_elements_forces(&w->ctx, &w->solids, w->ctx.seconds, w->ctx.measure);
     start(time);
     GN_TRY(gn_features_run(w, GN_HOOK_ACT, error));
     lap(time, GN_PHASE_exchange);
@@ -129,6 +129,8 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     w->ctx.time += w->ctx.dt;
     w->ctx.dt_past = w->ctx.dt;
     w->ctx.step++;
-    if (status == GNEISS_OK) status = gn_world_check_apart(w, broken, error);
+    if (status == GNEISS_OK)
+        status = gn_world_check_apart(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, broken,
+                                      error);
     return status == GNEISS_OK ? gn_features_run(w, GN_HOOK_AFTER_STEP, error) : status;
 }

@@ -25,7 +25,7 @@ typedef struct work {
 static void book(work *k, gn_phase phase) {
     if (!k->books) return;
     double now = gn_now();
-    k->w->seconds[phase] += GN_BOOKED * (now - k->mark);
+    k->w->ctx.seconds[phase] += GN_BOOKED * (now - k->mark);
     k->mark = now;
 }
 
@@ -33,7 +33,7 @@ static void book(work *k, gn_phase phase) {
 static void waited(void *context, double seconds) {
     work *k = context;
     if (!k->books) return;
-    k->w->seconds[GN_PHASE_waiting] += GN_BOOKED * seconds;
+    k->w->ctx.seconds[GN_PHASE_waiting] += GN_BOOKED * seconds;
     k->mark += seconds;
 }
 

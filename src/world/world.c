@@ -290,21 +290,6 @@ static gneiss_status measure_elements(gn_step_context *ctx, const gn_dem *dem,
     return measure_test(ctx, dem, boundary, solids, error);
 }
 
-/* The fastest scene takes a microsecond a step: these are thirty years. */
-static const double steps_most = 1e15;
-
-gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error) {
-    double steps = (ctx->scene.end - ctx->time) / ctx->dt;
-    if (steps <= steps_most) return GNEISS_OK;
-    return gn_fail(
-        error, GNEISS_ERROR_INPUT,
-        "%s: expected an end within %.0g steps, found %.3g steps of %.4g s "
-        "to t = %.4g s: no run comes to its end (time.end, time.safety, time.contact_steps, "
-        "time.step)",
-        gn_scene_at(&ctx->scene, ctx->scene.time_where, "time").text, steps_most, steps, ctx->dt,
-        ctx->scene.end);
-}
-
 typedef struct gauge_work {
     gn_world *w;
     gneiss_status status;
@@ -333,7 +318,9 @@ static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_err
     if (wanted && !beside) make_gauge(&gauge);
     w->ctx.threads = beside ? threads - 1 : threads;
     gneiss_status status = GNEISS_OK;
-    if (beside || gauge.status == GNEISS_OK) status = gn_world_check_step(w, true, error);
+    if (beside || gauge.status == GNEISS_OK)
+        status = gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                     &w->ledger, true, error);
     if (beside) (void)pthread_join(thread, NULL);
     w->ctx.threads = threads;
     if (gauge.status == GNEISS_OK) gn_gauge_note_apart(&w->ctx, &w->dem, &w->gauge);
@@ -361,7 +348,8 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_stages_check_first(&w->ctx, &w->dem, &w->solids, &w->stages, error));
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
-    GN_TRY(gn_dem_scale_masses(w, error));
+    GN_TRY(gn_dem_scale_masses(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                               error));
     /* The step is now also limited by the resolution of collisions. */
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);
@@ -374,8 +362,8 @@ gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *er
     double start = gn_now();
     gneiss_status status = build(world, error);
     /* First lists and the first stability limit are set-up, not part of the run. */
-    memset(world->seconds, 0, sizeof world->seconds);
-    world->seconds[GN_PHASE_setup] = gn_now() - start;
+    memset(world->ctx.seconds, 0, sizeof world->ctx.seconds);
+    world->ctx.seconds[GN_PHASE_setup] = gn_now() - start;
     if (status != GNEISS_OK) gn_world_free(world);
     return status;
 }

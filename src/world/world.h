@@ -62,7 +62,6 @@ struct gn_world {
     gn_stages stages;
     gn_ledger ledger;
     gn_ending outcome;
-    double seconds[GN_PHASE_COUNT];
 };
 
 /* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
@@ -103,9 +102,6 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
 /* Rebuilds the lists in any case. */
 gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
-
-/* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
-gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
 
 /* Sets ctx.volume_source, once the particles and their extent are known. */
 void gn_world_find_volume_source(gn_step_context *ctx, const gn_dem *dem,

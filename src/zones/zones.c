@@ -294,7 +294,7 @@ GN_HOOK(read_stress) {
     const double begin = gn_now();
     gneiss_status status = gn_coupled_mean_stress(&w->ctx, &w->dem, &w->solids, &w->zones,
                                                   w->zones.state.stress, error);
-    w->seconds[GN_PHASE_measure] += gn_now() - begin;
+    w->ctx.seconds[GN_PHASE_measure] += gn_now() - begin;
     return status;
 }
 

@@ -1,4 +1,4 @@
-#include "timestep/trial.h"
+#include "static/trial.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -471,5 +471,6 @@ gneiss_status gn_trial_leave(gn_trial *t, const double *path, double span, gneis
     w->ledger.reading = w->ledger.energy;
     gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
     w->ctx.dt_past = 0.0;
-    return gn_world_check_step(w, true, error);
+    return gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                               true, error);
 }

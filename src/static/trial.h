@@ -1,8 +1,8 @@
 /* Trial states of the world beside those of its steps: paths in which prescribed parts move and all
  * else is placed, with the forces of the real contacts at the end. For searches of equilibrium
  * (src/static). */
-#ifndef GN_TIMESTEP_TRIAL_H
-#define GN_TIMESTEP_TRIAL_H
+#ifndef GN_STATIC_TRIAL_H
+#define GN_STATIC_TRIAL_H
 
 #include "base/error.h"
 #include "frame/parts.h"
