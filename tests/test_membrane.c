@@ -204,7 +204,9 @@ static void mean_stress(const gn_world *w, double stress[9]) {
         force_on(w, p, force);
         for (int k = 0; k < 9; k++) stress[k] += force[k / 3] * q->pos[4 * p + k % 3] / volume;
     }
-    gn_membrane_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach, stress);
+    gn_membrane_stress(
+        &w->ctx, &w->dem,
+        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach), stress);
 }
 
 /* In a lattice of n^3 spheres each chain along an axis carries the pressure on a face of a cell, so

@@ -20,7 +20,6 @@
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "scene/table.h"
-#include "solids/elements.h"
 #include "surfaces/body_shape.h"
 #include "surfaces/facet.h"
 
@@ -396,10 +395,10 @@ static gneiss_status put_shapes(const gn_step_context *ctx, gn_boundary *boundar
     return GNEISS_OK;
 }
 
-gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, gn_solids *solids,
+gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, size_t deforming,
                                gneiss_error *error) {
     size_t count = ctx->scene.body_count;
-    if (!count) return gn_bodies_surfaces(ctx, boundary, solids, error);
+    if (!count) return gn_bodies_surfaces(ctx, boundary, deforming, error);
     boundary->bodies = gn_alloc_array(count, sizeof *boundary->bodies);
     gn_body_shape *shapes = gn_alloc_array(count, sizeof *shapes);
     gneiss_status status = boundary->bodies && shapes
@@ -413,15 +412,15 @@ gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary
     if (status == GNEISS_OK) status = put_shapes(ctx, boundary, shapes, error);
     for (size_t k = 0; shapes && k < count; k++) gn_body_shape_free(&shapes[k]);
     gn_free(shapes);
-    return status == GNEISS_OK ? gn_bodies_surfaces(ctx, boundary, solids, error) : status;
+    return status == GNEISS_OK ? gn_bodies_surfaces(ctx, boundary, deforming, error) : status;
 }
 
 gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *boundary,
-                                 gn_solids *solids, gneiss_error *error) {
+                                 size_t deforming, gneiss_error *error) {
     size_t corners = (size_t)ctx->scene.dimension, vertex = 0, corner = 0;
     if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
     boundary->surfaces =
-        gn_alloc_array(ctx->scene.body_count + solids->count + 1, sizeof *boundary->surfaces);
+        gn_alloc_array(ctx->scene.body_count + deforming + 1, sizeof *boundary->surfaces);
     if (!boundary->surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
         const gn_body_def *def = &ctx->scene.bodies[k];

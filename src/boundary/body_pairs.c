@@ -18,8 +18,6 @@
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "surfaces/convex.h"
-#include "timestep/step_limit.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -20,7 +20,6 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
-#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <string.h>

@@ -19,7 +19,6 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
-#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -28,10 +27,9 @@
 /* --- create, free --- */
 
 gneiss_status gn_boundary_create(const gn_step_context *ctx, const gn_dem *dem,
-                                 gn_boundary *boundary, gn_solids *solids, gneiss_error *error) {
+                                 gn_boundary *boundary, size_t deforming, gneiss_error *error) {
     GN_TRY(gn_walls_create(ctx, dem, boundary, error));
-    GN_TRY(gn_bodies_create(ctx, boundary, solids, error));
-    GN_TRY(gn_bodies_check_speeds(ctx, boundary, error));
+    GN_TRY(gn_bodies_create(ctx, boundary, deforming, error));
     GN_TRY(gn_body_walls_check(ctx, boundary, error));
     return gn_body_pairs_check(ctx, boundary, error);
 }

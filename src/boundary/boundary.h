@@ -64,7 +64,7 @@ struct gn_boundary {
 /* Creates walls, bodies and their surfaces; those of finite elements are added later
  * (element_contact.c). */
 gneiss_status gn_boundary_create(const gn_step_context *ctx, const gn_dem *dem,
-                                 gn_boundary *boundary, gn_solids *solids, gneiss_error *error);
+                                 gn_boundary *boundary, size_t deforming, gneiss_error *error);
 /* Takes the properties of surfaces from the scene of another stage; walls and bodies read it in
  * every step. */
 void gn_boundary_enter(const gn_step_context *ctx, gn_boundary *boundary);

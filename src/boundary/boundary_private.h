@@ -70,7 +70,7 @@ void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary
 double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *body, const double force[3],
                             const double moment[3], const double lever[3], const double n[3]);
 /* Rigid bodies (bodies.c). */
-gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, gn_solids *solids,
+gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, size_t deforming,
                                gneiss_error *error);
 /* New velocities from the forces. */
 void gn_bodies_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,

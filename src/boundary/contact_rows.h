@@ -15,7 +15,6 @@
 #include "particles/expected_overlap.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
-#include "timestep/indentation.h"
 
 #include <stdbool.h>
 #include <stddef.h>

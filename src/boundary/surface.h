@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "frame/parts.h"
 #include "kernels/motion.h"
-#include "solids/elements.h"
 #include "surfaces/facet.h"
 
 #include <stdbool.h>
@@ -35,20 +34,33 @@ typedef struct gn_rigid {
     double ref_position[3], ref_axes[9]; /* position then */
 } gn_rigid;
 
-typedef struct gn_surface {
+/* What contacts ask of a body whose surface deforms; solids provide it. */
+typedef struct gn_deforming_body {
+    /* Takes the present positions as those of the lists. */
+    void (*refer)(gn_element_model *elements);
+    /* Returns a bound on the path of any node since then, m; `exact`: looks at all of them. */
+    double (*travel)(gn_element_model *elements, bool exact);
+    /* Returns the inverse mass, 1/kg, with which the body yields as a whole along n at a point of a
+     * facet. */
+    double (*inverse_mass)(const gn_surface *surface, int32_t facet, const double weight[3],
+                           const double n[3]);
+} gn_deforming_body;
+
+struct gn_surface {
     gn_facet_set facets;               /* borrowed arrays; rigid: positions in the body's frame */
     const double *velocity;            /* [vertices][4], m/s, 1/kg; NULL: rigid */
     const int32_t *slot;               /* [vertices] in `prescribed`, -1: free; NULL: rigid */
     const gn_prescription *prescribed; /* of vertices; borrowed; NULL: rigid */
     double *force; /* [vertices][4], N, of the particles on vertices; NULL: rigid */
     int32_t body;  /* body of the surface; -1: vertices are nodes of `elements` */
-    struct gn_element_model *elements;
-    int32_t first; /* place of its first facet among all facets */
+    gn_element_model *elements;
+    const gn_deforming_body *deforming; /* NULL: rigid */
+    int32_t first;                      /* place of its first facet among all facets */
     double stiffness, kratio, friction;
     double facet_size; /* m, mean at the start, where vertices move by themselves; 0 */
     gn_facet_tree tree;
     size_t vertices;
-} gn_surface;
+};
 
 /* Tells whether a particle of this radius is pressed by all facets in it (patch.h): a smaller one
  * touches facets at their nearest points and hardly lies between several. */

@@ -9,7 +9,6 @@
 #include "particles/dem.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "solids/elements.h"
 #include "surfaces/facet.h"
 #include "surfaces/patch.h"
 
@@ -74,7 +73,7 @@ void gn_surfaces_refer(gn_boundary *boundary) {
             memcpy(b->ref_axes, b->axes, sizeof b->axes);
         } else {
             gn_facet_tree_refit(&s->facets, &s->tree);
-            gn_element_contact_refer(s->elements);
+            s->deforming->refer(s->elements);
         }
     }
 }
@@ -95,7 +94,7 @@ double gn_surfaces_travel(gn_boundary *boundary, bool exact) {
         gn_surface *s = &boundary->surfaces[k];
         gn_rigid *b = s->body >= 0 ? &boundary->bodies[s->body] : NULL;
         if (b && exact) b->travel = body_travel(b);
-        most = fmax(most, b ? b->travel : gn_element_contact_travel(s->elements, exact));
+        most = fmax(most, b ? b->travel : s->deforming->travel(s->elements, exact));
     }
     return most;
 }

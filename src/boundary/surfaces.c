@@ -14,10 +14,8 @@
 #include "particles/law.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "solids/element_bodies.h"
 #include "surfaces/facet.h"
 #include "surfaces/patch.h"
-#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <string.h>
@@ -204,7 +202,7 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
 static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
     if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
     double own = gn_inverse_mass_along(g->dem, g->particle, s->n);
-    double whole = gn_element_body_inverse_mass(g->s, facet_of(g, near->row), near->weight, s->n);
+    double whole = g->s->deforming->inverse_mass(g->s, facet_of(g, near->row), near->weight, s->n);
     return fmax(own + whole, g->dem->particles.vel[4 * g->particle + 3]);
 }
 

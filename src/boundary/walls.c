@@ -7,7 +7,6 @@
 #include "boundary/boundary_private.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surfaces.h"
-#include "conversion/conversion.h"
 #include "drive/servo.h"
 #include "frame/ledger.h"
 #include "frame/periodic_box.h"
@@ -25,8 +24,6 @@
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "timestep/indentation.h"
-#include "world/origin.h"
 
 #include <math.h>
 #include <string.h>

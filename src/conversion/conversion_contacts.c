@@ -18,7 +18,7 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "world/world.h"
-#include "zones/zones_private.h"
+#include "zones/zone_parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -15,7 +15,7 @@
 #include "solids/dormant_places.h"
 #include "solids/elements.h"
 #include "world/world.h"
-#include "zones/zones_private.h"
+#include "zones/zone_parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -11,8 +11,8 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
+#include "zones/zone_parts.h"
 #include "zones/zones.h"
-#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #include "particles/dormant.h"
 #include "soa/records.h"
 #include "world/world.h"
-#include "zones/zones_private.h"
+#include "zones/zone_parts.h"
 
 #include <stdbool.h>
 #include <stddef.h>

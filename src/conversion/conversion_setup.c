@@ -29,9 +29,9 @@
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
+#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
-#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

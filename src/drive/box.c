@@ -1,7 +1,6 @@
 #include "drive/box.h"
 
 #include "base/error.h"
-#include "boundary/boundary.h"
 #include "drive/servo.h"
 #include "frame/ledger.h"
 #include "frame/step_context.h"

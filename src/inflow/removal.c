@@ -12,7 +12,6 @@
 #include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
-#include "laboratory/strain_gauge.h"
 #include "neigh/pairs.h"
 #include "pack/domain.h"
 #include "particles/dem.h"
@@ -25,9 +24,6 @@
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/origin.h"
-#include "world/world.h"
-#include "zones/zones.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -18,7 +18,6 @@
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

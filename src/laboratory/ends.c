@@ -5,10 +5,10 @@
 #include "base/memory.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
-#include "conversion/conversion.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "laboratory/laboratory.h"
+#include "laboratory/strain_gauge.h"
 #include "measure/measure.h"
 #include "particles/dem.h"
 #include "particles/observe.h"
@@ -18,7 +18,6 @@
 #include "soa/records.h"
 #include "solids/dormant_places.h"
 #include "solids/elements.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -16,7 +16,6 @@
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "test_kinds/readings.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

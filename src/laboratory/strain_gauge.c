@@ -7,7 +7,6 @@
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "conversion/conversion.h"
 #include "frame/step_context.h"
 #include "measure/measure.h"
 #include "particles/dem.h"

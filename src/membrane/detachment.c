@@ -14,7 +14,6 @@
 #include "particles/observe.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

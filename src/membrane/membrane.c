@@ -11,8 +11,6 @@
 #include "scene/laboratory.h"
 #include "scene/table.h"
 #include "soa/records.h"
-#include "world/space.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,9 +26,8 @@ double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_dem *dem) {
     return m->from + share * (gn_table_at(&ctx->scene.membrane.pressure, ctx->time) - m->from);
 }
 
-void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages,
-                       double pressure) {
-    if (!(ctx->effects & GN_FX_MEMBRANE) || ctx->scene.membrane_stage != stages->now + 1) return;
+void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, size_t stage, double pressure) {
+    if (!(ctx->effects & GN_FX_MEMBRANE) || ctx->scene.membrane_stage != stage + 1) return;
     dem->membrane->from = pressure;
     dem->membrane->since = ctx->time;
 }
@@ -60,16 +57,14 @@ double gn_membrane_volume(const gn_step_context *ctx, const gn_dem *dem) {
     return enclosed > 0.0 ? enclosed : ctx->volume;
 }
 
-void gn_membrane_stress(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                        const gn_solids *solids, const gn_periodic_box *box,
-                        const gn_approach *approach, double stress[9]) {
+void gn_membrane_stress(const gn_step_context *ctx, const gn_dem *dem, double volume,
+                        double stress[9]) {
     double turn[9], half[9], arms[9];
     if (!(ctx->effects & GN_FX_MEMBRANE)) return;
     const gn_membrane *m = dem->membrane;
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
-    const double volume = gn_space_volume(ctx, dem, boundary, solids, box, approach);
     for (int k = 0; k < 9; k++) stress[k] -= m->pressure * arms[k] / volume;
 }
 

@@ -75,7 +75,7 @@ void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem, double
 /* Pa, of the instant: from what there was when it was given, over the ramp, to what is given. */
 double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_dem *dem);
 /* The scene is that of the stage that begins; `pressure`, what was due before. */
-void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages, double pressure);
+void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, size_t stage, double pressure);
 
 /* Applied forces of the instant; before the forces of a step. */
 gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
@@ -88,9 +88,8 @@ double gn_membrane_volume(const gn_step_context *ctx, const gn_dem *dem);
  * surface.
  */
 double gn_membrane_pressure(const gn_dem *dem);
-void gn_membrane_stress(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                        const gn_solids *solids, const gn_periodic_box *box,
-                        const gn_approach *approach, double stress[9]);
+void gn_membrane_stress(const gn_step_context *ctx, const gn_dem *dem, double volume,
+                        double stress[9]);
 
 /* m2: what it covers, at the last look; of one body. */
 double gn_membrane_area(const gn_dem *dem);

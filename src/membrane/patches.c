@@ -13,7 +13,6 @@
 #include "particles/fragments.h"
 #include "particles/observe.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -14,7 +14,6 @@
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

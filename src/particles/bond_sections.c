@@ -13,7 +13,6 @@
 #include "scene/scene.h"
 #include "soa/bond_causes.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <string.h>
 

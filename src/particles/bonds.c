@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "conversion/conversion.h"
 #include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"

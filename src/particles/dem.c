@@ -4,8 +4,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "boundary/contact_rows.h"
 #include "frame/ledger.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "io/packing.h"
 #include "kernels/contact.h"
@@ -27,7 +27,6 @@
 #include "sched/hold.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -9,7 +9,6 @@
 #include "kernels/contact.h"
 #include "particles/dem.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -15,7 +15,6 @@
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <string.h>
 

@@ -4,14 +4,12 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/union_find.h"
-#include "conversion/conversion.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
 #include "particles/dormant.h"
 #include "soa/bond_causes.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,5 @@
 #include "particles/invariants.h"
 
-#include "boundary/boundary.h"
 #include "frame/step_context.h"
 #include "kernels/partials.h"
 #include "particles/dem.h"

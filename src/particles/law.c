@@ -15,7 +15,6 @@
 #include "scene/sides.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "timestep/indentation.h"
 
 #include <math.h>
 

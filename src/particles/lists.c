@@ -3,13 +3,9 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/boundary.h"
-#include "boundary/surface.h"
-#include "conversion/conversion.h"
 #include "frame/ledger.h"
 #include "frame/periodic_box.h"
 #include "frame/step_context.h"
-#include "inflow/removal.h"
 #include "kernels/contact.h"
 #include "kernels/partials.h"
 #include "neigh/pairs.h"
@@ -25,8 +21,6 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "soa/single.h"
-#include "timestep/step_limit.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <omp.h>

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
-#include "conversion/conversion.h"
 #include "frame/step_context.h"
 #include "kernels/motion.h"
 #include "particles/dem.h"

@@ -142,7 +142,7 @@ static gneiss_status check_facets(const gn_world *w, const char *path, gneiss_er
 }
 
 gneiss_status gn_boundary_load_surfaces(gn_world *w, const char *path, gneiss_error *error) {
-    GN_TRY(gn_bodies_surfaces(&w->ctx, &w->boundary, &w->solids, error));
+    GN_TRY(gn_bodies_surfaces(&w->ctx, &w->boundary, w->solids.count, error));
     GN_TRY(gn_element_contact_create(&w->ctx, &w->boundary, &w->solids, error));
     return check_facets(w, path, error);
 }

@@ -247,7 +247,7 @@ static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *err
     const bool membrane = w->ctx.effects & GN_FX_MEMBRANE;
     double stress[9] = {0};
     if (!membrane && volume == w->ctx.volume) return GNEISS_OK;
-    gn_membrane_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach, stress);
+    gn_membrane_stress(&w->ctx, &w->dem, volume, stress);
     const gn_h5_attribute list[] = {{"stress_volume", .number = &volume},
                                     {"membrane_stress", .number = stress, .count = 9}};
     return gn_h5_attributes(file, "/", list, membrane ? 2 : 1, error);

@@ -53,11 +53,16 @@ static double facet_size(const gn_fem_solid *b, const gn_facet_set *f) {
     return f->count ? sum / (double)f->count : 0.0;
 }
 
+static const gn_deforming_body deforming = {.refer = gn_element_contact_refer,
+                                            .travel = gn_element_contact_travel,
+                                            .inverse_mass = gn_element_body_inverse_mass};
+
 static gneiss_status make_surface(const gn_step_context *ctx, gn_boundary *boundary,
                                   gn_element_model *q, gneiss_error *error) {
     const gn_element_contact_def *def = &q->def->contact;
     gn_surface s = {.body = -1,
                     .elements = q,
+                    .deforming = &deforming,
                     .velocity = q->solid.nodes.vel,
                     .slot = q->solid.nodes.slot,
                     .prescribed = &q->solid.prescribed,

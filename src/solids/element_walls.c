@@ -3,15 +3,12 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"
-#include "conversion/conversion.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "world/world.h"
-#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

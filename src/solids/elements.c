@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
-#include "conversion/conversion.h"
 #include "couple/zone.h"
 #include "fem/solid.h"
 #include "fem/structured.h"
@@ -25,8 +24,6 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "world/world.h"
-#include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>
@@ -644,17 +641,6 @@ double gn_elements_stable(const gn_solids *solids) {
     double limit = INFINITY;
     for (size_t k = 0; k < solids->count; k++) limit = fmin(limit, solids->elements[k]->stable);
     return limit;
-}
-
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_solids *solids, const gn_zones *zones) {
-    const gn_element_model *lead = NULL;
-    for (size_t k = 0; k < solids->count; k++)
-        if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];
-    const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
-    if (whole) return whole->side == GN_SIDE_ELEMENTS ? lead : NULL;
-    bool after = lead && ctx->scene.has_specimen && dem->stable < lead->stable;
-    return after ? NULL : lead;
 }
 
 /* By its id: the place at the start tells more than a number. */

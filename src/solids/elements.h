@@ -93,10 +93,6 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
 double gn_elements_stable(const gn_solids *solids); /* s, the least; INFINITY: no solids */
-/* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
- * z) m". */
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_solids *solids, const gn_zones *zones);
 /* Where elements of one part are not joined though they touch (a sentence for each of places with
  * two nodes, and hanging nodes, of meshes from files), and whether a particle may press more facets
  * than there is room for; "": nothing. Returns `text`. */

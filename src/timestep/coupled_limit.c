@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "conversion/conversion.h"
 #include "couple/consistent.h"
 #include "couple/ties.h"
 #include "fem/linear.h"
@@ -18,9 +17,9 @@
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "timestep/timestep_private.h"
+#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
-#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

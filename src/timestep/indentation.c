@@ -21,7 +21,6 @@
 #include "soa/records.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
-#include "world/world.h"
 
 #include <math.h>
 

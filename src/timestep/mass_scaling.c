@@ -17,7 +17,6 @@
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
-#include "world/world.h"
 
 #include <math.h>
 

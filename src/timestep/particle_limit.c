@@ -15,7 +15,7 @@
 #include "soa/records.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
-#include "world/world.h"
+#include "zones/zone_state.h"
 
 #include <math.h>
 #include <string.h>

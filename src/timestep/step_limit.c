@@ -14,7 +14,6 @@
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "timestep/timestep_private.h"
-#include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 

@@ -181,7 +181,7 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     ledger->elastic_bending = s->contacts.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++) stress[k] = (s->contacts.stress[k] + s->walls.stress[k]) / volume;
-    gn_membrane_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach, stress);
+    gn_membrane_stress(&w->ctx, &w->dem, volume, stress);
 }
 
 /* N: sizes of the forces of all contacts of particles, with each other and with walls, bodies and

@@ -72,7 +72,7 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     if (status != GNEISS_OK) return status;
     w->ctx.effects = gn_scene_effects(&w->ctx.scene);
     gn_features_choose(w);
-    gn_membrane_enter(&w->ctx, &w->dem, &w->stages, pressure);
+    gn_membrane_enter(&w->ctx, &w->dem, w->stages.now, pressure);
     GN_TRY(gn_dem_enter(w, error));
     gn_boundary_enter(&w->ctx, &w->boundary);
     GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));

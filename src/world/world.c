@@ -260,7 +260,8 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_complete(&w->ctx, &w->dem, error));
     GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_coupled_create(w, error));
-    GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, w->solids.count, error));
+    GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
     /* The volume that bodies leave free is sheared. */
     if (gn_scene_test(&w->ctx.scene)->sheared)
         GN_TRY(measure_test(&w->ctx, &w->dem, &w->boundary, &w->solids, error));

@@ -2,7 +2,6 @@
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "conversion/conversion.h"
 #include "couple/zone.h"
 #include "fem/solid.h"
 #include "frame/ledger.h"
@@ -12,9 +11,9 @@
 #include "particles/dormant.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
+#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
-#include "zones/zones_private.h"
 
 #include <math.h>
 

@@ -145,4 +145,8 @@ void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_sol
 /* Tells whether the mass of a zone's particles differs from the share that the elements leave. */
 bool gn_zone_is_off(const gn_zone_figures *figures);
 
+/* Returns the body of elements that sets the step, NULL: none does. */
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_solids *solids, const gn_zones *zones);
+
 #endif

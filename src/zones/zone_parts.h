@@ -1,6 +1,6 @@
 /* Declarations that the files of zones share. */
-#ifndef GN_ZONES_ZONES_PRIVATE_H
-#define GN_ZONES_ZONES_PRIVATE_H
+#ifndef GN_ZONES_ZONE_PARTS_H
+#define GN_ZONES_ZONE_PARTS_H
 
 #include "base/error.h"
 #include "couple/ties.h"
