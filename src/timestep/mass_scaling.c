@@ -125,7 +125,7 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
     *held = 0.0;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING && s->reached > 0.0 && w->ctx.step > 0))
         return GNEISS_OK;
-    double step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids,
+    double step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
                                   s->reached / (listed ? listed_share : w->ctx.scene.safety));
     if (!isfinite(step)) return GNEISS_OK; /* other parts leave no room */
     double *factor = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *factor);
@@ -206,10 +206,11 @@ static gneiss_status make_room(const gn_dem *dem, wanted *q, gneiss_error *error
 /* The largest factor is the square of the step over that of the bound. */
 gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
-                                    double step, double *of_bound, double *added,
-                                    gneiss_error *error) {
+                                    const gn_zones *zones, double step, double *of_bound,
+                                    double *added, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
-    const double limit = gn_limit_needed(ctx, dem, boundary, solids, step / ctx->scene.safety);
+    const double limit =
+        gn_limit_needed(ctx, dem, boundary, solids, zones, step / ctx->scene.safety);
     *of_bound = *added = INFINITY;
     if (!isfinite(limit)) return GNEISS_OK;
     double *factor = gn_alloc_array(q->soa.count + 1, sizeof *factor), most = 1.0, sum = 0.0;
@@ -235,8 +236,10 @@ gneiss_status gn_dem_scale_masses(gn_world *w, gneiss_error *error) {
     w->dem.scaling.unscaled = w->ctx.dt;
     if (q.step <= w->ctx.dt) return GNEISS_OK;
     double elements = gn_world_nonviscous_share(&w->ctx) * gn_elements_stable(&w->solids);
-    q.limit = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, q.step / s->safety);
-    q.listed = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, q.step / listed_share);
+    q.limit =
+        gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, q.step / s->safety);
+    q.listed = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                               q.step / listed_share);
     if (s->safety * elements < q.step || !isfinite(q.limit))
         return refuse(&w->ctx, &w->solids, q.step, error);
     w->dem.scaling.step = q.step;

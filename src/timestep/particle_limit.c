@@ -202,6 +202,8 @@ gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
 static bool bound_suffices(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, double bound) {
     if (ctx->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
+    /* The sharp limit sets the springs of zones, however the step is chosen. */
+    if (ctx->scene.has_couple && ctx->scene.couple.constraint == GN_COUPLE_PENALTY) return false;
     return ctx->scene.step > 0.0 &&
            ctx->scene.step <= gn_limit_beside_surfaces(ctx, dem, boundary, bound);
 }
@@ -302,7 +304,8 @@ gneiss_status gn_dem_limit(gn_world *w, bool full, bool *due, gneiss_error *erro
 gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
-    double needed = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, w->ctx.dt / 0.99);
+    double needed =
+        gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.dt / 0.99);
     *fine = false; /* of a given step the answer stays */
     if (!full && w->ctx.scene.step > 0.0 && w->ctx.dt > w->dem.listed) return GNEISS_OK;
     /* The particles have to hold more than they were found to hold, because bodies yield more. */
@@ -324,7 +327,7 @@ gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_err
     if (*fine) return GNEISS_OK;
     w->dem.listed_holds = finite ? verdict.limit : trusted(&w->ctx, &limit);
     w->dem.listed =
-        gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, w->dem.listed_holds);
+        gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->dem.listed_holds);
     return GNEISS_OK;
 }
 
@@ -336,10 +339,10 @@ static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_
 /* Grains whose collisions are resolved take steps far below the limit. Row sums then prove that the
  * step holds, which takes half of the time of a check (5 to 9 % of the steps of a chute). */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids, bool *far,
-                               gneiss_error *error) {
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, bool *far, gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step = gn_limit_needed(ctx, dem, boundary, solids, ctx->dt / 0.99),
+    question q = {.step = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99),
                   .verdict = &verdict};
     *far = false;
     if (ctx->dt > 0.5 * dem->stable || !(q.step < INFINITY)) return GNEISS_OK;
@@ -394,7 +397,7 @@ static size_t find_turned(const gn_step_context *ctx, const gn_dem *dem,
 static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
                                  gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids,
+    question q = {.step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
                                           w->ctx.dt / GN_TURNED_SHARE),
                   .tolerance = tolerance_of(&w->ctx),
                   .verdict = &verdict,

@@ -54,11 +54,22 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
+/* Slaved spins add to the square of the largest frequency of either side a share of the square of
+ * the particles' frequency (zone_spins.c). Dashpots resist rotation as well: where K + C r is at
+ * most r^2 for the rate r = 1/dt, (1 + share) r is enough for 1 + share times both, and
+ * r_F + share r beside r_F. */
+static double turned_limit(const gn_dem *dem, const gn_zones *zones, double particles) {
+    const double share = zones->state.turned;
+    if (!(share > 0.0)) return INFINITY;
+    return particles / (dem->damping_fraction > 0.0 ? share : sqrt(share));
+}
+
 /* Limit of the partners of the particles: free bodies, finite elements that they touch, springs of
  * zones. */
 static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids) {
-    const double bodies = limit_of(boundary->surface_rate);
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_zones *zones) {
+    double bodies = together(dem, limit_of(boundary->surface_rate), limit_of(zones->state.rate[0]));
     if (!(boundary->vertex_rate > 0.0)) return bodies;
     double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
     return fmin(bodies, together(dem, elements, limit_of(boundary->vertex_rate)));
@@ -66,10 +77,16 @@ static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Bodies and elements do not touch each other. */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, double particles) {
-    const double share = gn_world_nonviscous_share(ctx);
-    return fmin(together(dem, share * particles, partner_limit(ctx, dem, boundary, solids)),
-                share * gn_elements_stable(solids));
+                       const gn_solids *solids, const gn_zones *zones, double particles) {
+    double share = gn_world_nonviscous_share(ctx),
+           turned = turned_limit(dem, zones, share * particles);
+    double elements =
+        together(dem, share * gn_elements_stable(solids), limit_of(zones->state.rate[1]));
+    return fmin(
+        together(dem,
+                 together(dem, share * particles, partner_limit(ctx, dem, boundary, solids, zones)),
+                 turned),
+        together(dem, elements, turned));
 }
 
 double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
@@ -84,10 +101,15 @@ static double without(const gn_dem *dem, double rate, double other) {
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
+/* With slaved spins the elements limit it too, unless the limit of both as one is known. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, double step) {
-    const double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids));
-    return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(ctx)) : (double)INFINITY;
+                       const gn_solids *solids, const gn_zones *zones, double step) {
+    const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
+    double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids, zones));
+    if (isfinite(own)) left /= 1.0 / together(dem, 1.0, own);
+    if (isfinite(own) && !(zones->state.whole > 0.0))
+        left = fmin(left, own * without(dem, 1.0 / step, share * gn_elements_stable(solids)));
+    return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
 }
 
 /* Limit of particles and elements as one system (coupled_limit.c): free bodies yield to them, and
@@ -107,7 +129,7 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem,
 static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
-    *limit = gn_limit_of_all(ctx, dem, boundary, solids,
+    *limit = gn_limit_of_all(ctx, dem, boundary, solids, zones,
                              ctx->scene.has_specimen ? dem->stable : INFINITY);
     if (!gn_coupled_has_limit(ctx, solids) || !(dem->limit.bound < INFINITY)) return GNEISS_OK;
     if (ctx->scene.step > 0.0 && ctx->scene.step <= *limit) return GNEISS_OK;
@@ -115,6 +137,9 @@ static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, false, whole, error));
     zones->state.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(ctx, dem, boundary, solids, whole->sharp));
+    /* Slaved spins: elements may be much smaller than the particles that they rotate. */
+    if (zones->state.turned > 0.0)
+        *limit = fmin(*limit, gn_world_nonviscous_share(ctx) * whole->sharp);
     return GNEISS_OK;
 }
 
@@ -203,9 +228,9 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
     }
     set_step(ctx, dem, ctx->scene.step);
     if (ctx->dt <= limit || ctx->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
-    if (isfinite(gn_world_bound(ctx, dem, solids)))
+    if (isfinite(gn_world_bound(ctx, dem, solids, zones)))
         snprintf(bound, sizeof bound, "; the rigorous bound without damping is %.6g s",
-                 gn_world_bound(ctx, dem, solids));
+                 gn_world_bound(ctx, dem, solids, zones));
     return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                    "%s: expected at most %.6g s (stability limit at step %lld, "
                    "set by %s%s), found %.6g s = %.3f of the limit "
@@ -297,7 +322,7 @@ static gneiss_status check_whole(const gn_step_context *ctx, gn_dem *dem,
     if (!gn_coupled_has_limit(ctx, solids) || !(zones->state.whole > 0.0)) return GNEISS_OK;
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, true, &whole, error));
     dem->listed = fmax(dem->listed, limit_of_whole(ctx, dem, boundary, solids, whole.sharp));
-    double needed = gn_limit_needed(ctx, dem, boundary, solids, ctx->dt / 0.99);
+    double needed = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
     *fine = ctx->dt <= 0.99 * dem->listed;
     if (*fine && isfinite(needed))
         dem->listed_holds = needed; /* only changes have to be checked from now
@@ -322,7 +347,9 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     follow_flight(&w->ctx, &w->dem, &w->boundary);
     gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
     GN_TRY(resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    if (!full) GN_TRY(gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, fine, error));
+    if (!full)
+        GN_TRY(
+            gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
     if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
     GN_TRY(check_rotated(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
@@ -357,12 +384,18 @@ static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
-    bool due = false, elements_due = false;
+    bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
     if (w->ctx.scene.has_specimen) gn_pressed_update(&w->ctx, &w->dem, &w->boundary);
     if (w->ctx.scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK)
         status = gn_elements_limit(&w->ctx, &w->solids, full, &elements_due, error);
+    if (status == GNEISS_OK && full && w->ctx.step == 0)
+        gn_coupled_stiffen(&w->ctx, &w->dem, &w->solids, &w->zones);
+    if (status == GNEISS_OK)
+        status =
+            gn_coupled_turn_faster(&w->ctx, &w->dem, &w->solids, &w->zones, &turn_faster, error);
+    due |= turn_faster;
     if (status == GNEISS_OK && (due || elements_due)) {
         status =
             limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error);
@@ -424,11 +457,14 @@ double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const
     return limit;
 }
 
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                      const gn_zones *zones) {
     double limit = ctx->scene.has_specimen ? dem->limit.bound : INFINITY, elements = INFINITY;
     for (size_t k = 0; k < solids->count; k++)
         elements = fmin(elements, solids->elements[k]->limit.bound);
-    return fmin(limit, elements);
+    const double turned = turned_limit(dem, zones, limit);
+    return fmin(together(dem, together(dem, limit, limit_of(zones->state.rate[0])), turned),
+                together(dem, together(dem, elements, limit_of(zones->state.rate[1])), turned));
 }
 
 const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,

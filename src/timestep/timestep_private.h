@@ -60,7 +60,7 @@ double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
 /* Returns the limit of the particles, s, at which `step` is the limit of all parts; INFINITY: there
  * is none. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, double step);
+                       const gn_solids *solids, const gn_zones *zones, double step);
 /* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
 
