@@ -127,6 +127,12 @@ static inline bool is_tied(const gn_world *w, size_t p) {
     return gn_coupled_has(w->zones.coupled, w->dem.particles.id[p]);
 }
 
+/* Those of zones with slaved spins have no inertia. */
+static inline bool spins_freely(const gn_world *w, size_t p) {
+    const gn_coupled *q = w->zones.coupled;
+    return !q->turn || !is_tied(w, p);
+}
+
 /* Mass, its first moment, momenta about the origin, moments of inertia about the axis z. */
 typedef struct whole {
     double mass, moment[3], momentum[3], turning[3], inertia, energy;
@@ -146,7 +152,7 @@ static inline void add_points(const gn_world *w, const gn_particles *q, bool par
             s->momentum[a] += m * v[a];
             s->turning[a] += m * (x[c] * v[d] - x[d] * v[c]);
         }
-        if (!q->spin) continue;
+        if (!q->spin || !spins_freely(w, p)) continue;
         const double *o = q->spin + 4 * p;
         s->inertia += 1.0 / o[3];
         s->energy += 0.5 * gn_dot3(o, o) / o[3];

@@ -174,8 +174,12 @@ class Maker:
             start, end, low = middle + half, middle - half, middle - half
             self.elements([start, *self.size[1:]], self.point(0.0), [round(start / h), *across])
         self.lattice([columns, *[rows] * (self.dim - 1)], self.point(low - 0.5 * s) if not mirrored else self.point(end - (columns - 0.5) * s))
-        constraint = d.choice(("lumped", "consistent"))
+        constraint = d.choice(("lumped", "consistent", "penalty"))
         self.scene["couple"] = {"constraint": constraint, "zones": [{"edges": [{"from": self.point(start), "to": self.point(end)}]}]}
+        if constraint == "penalty":
+            self.scene["couple"].update(penalty=d.choice((1.0, d.log(0.05, 5))), penalty_damping=d.choice((0.0, d.uniform(0, 0.5))))
+        elif d.chance(0.4):
+            self.scene["couple"]["spins"] = "slaved"
         self.strength = self.young * self.strain * d.log(0.1, 3)
         self.last(d.uniform(2, 12))
         self.act_on_strip(mirrored, length, end)
@@ -225,6 +229,8 @@ class Maker:
         part["by"] = d.choice(("elements", "elements", "nodes"))
         part["relax"] = d.choice((1e-3, 1e-3, "none", d.log(1e-6, 0.5)))
         self.scene["couple"] = {"convert": part}
+        if d.chance(0.3):
+            self.scene["couple"]["spins"] = "slaved"
         self.strength = limit * d.log(1.2, 6)
         self.last(d.uniform(8, 40) if how == "bend" else d.uniform(1, 6))
         getattr(self, how)(d.choice((-1, 1)), h)

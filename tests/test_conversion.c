@@ -288,9 +288,11 @@ static double most_changed(gn_world *w, const double low[3], const double high[3
 static void conversion_creates_no_spurious_velocities(void **state) {
     (void)state;
     static const double rows[3][2] = {{28e-3, 14e-3}, {29.9e-3, 8e-3}, {20e-3, 15.9e-3}};
-    const block small[] = {{.cells = {15, 8, 0}, .finer = 3, .distortion = 0.2},
-                           {.cells = {15, 8, 0}, .finer = 4, .distortion = 0.2}};
-    for (int k = 0; k < 6; k++) {
+    const block small[] = {
+        {.cells = {15, 8, 0}, .finer = 3, .distortion = 0.2},
+        {.cells = {15, 8, 0}, .finer = 4, .distortion = 0.2},
+        {.cells = {15, 8, 0}, .finer = 4, .distortion = 0.2, .couple = ", spins: slaved"}};
+    for (int k = 0; k < 9; k++) {
         const double depth = 0.0;
         gn_world *w = block_of(&small[k / 3]);
         set_elements(w, stir, &depth);
@@ -887,8 +889,10 @@ static void invalid_conversions_are_refused(void **state) {
     assert_refused(
         &plate, "couple: {", "initial: {random_velocity: 1}\ncouple: {",
         "initial.random_velocity: expected no initial.random_velocity beside couple.convert");
-    assert_refused(&plate, "couple: {", "couple: {constraint: consistent, ",
+    assert_refused(&plate, "couple: {", "couple: {constraint: penalty, ",
                    "couple.constraint: expected no couple.constraint but lumped");
+    assert_refused(&plate, "couple: {", "couple: {penalty: 2, ",
+                   "expected constraint: penalty beside it, found lumped");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, motion: {vx: 0}}]\ncouple: {",
                    "sets[0].motion: expected no sets with motion or force");

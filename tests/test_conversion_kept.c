@@ -1,6 +1,53 @@
-/* Quantities that conversions preserve. */
+/* Quantities that conversions preserve, and the step after them. */
 #include "conversion_helpers.h"
 #include "solids/dormant_places.h"
+
+/* --- the step --- */
+
+/* Elements of the size of a particle, with which slaved spins weigh most. */
+static const block spinning = {.cells = {10, 6, 0}, .finer = 2, .couple = ", spins: slaved"};
+
+static gn_world *spun(const char *time) {
+    const double flat = 0.0;
+    block s = spinning;
+    s.time = time;
+    gn_world *w = block_of(&s);
+    convert(w, 8e-3, 10e-3, 0.0, 1.0);
+    set_elements(w, stir, &flat);
+    set_field(&w->dem.particles, stir, &flat);
+    run_steps(w, 1);
+    return w;
+}
+
+/* The energy after so many steps over that at the start; INFINITY when the run has gone bad. */
+static double energy_after(gn_world *w, int steps) {
+    gneiss_error error = {0};
+    gn_energy e = measured_step(w);
+    const double start = gn_energy_stored(&e);
+    double grown = 0.0;
+    for (int k = 0; k < steps && isfinite(grown); k++)
+        if (gn_world_step(w, k == steps - 1, &error) != GNEISS_OK) grown = INFINITY;
+    if (isfinite(grown)) grown = gn_energy_stored(&w->ledger.reading) / start;
+    world_end(w);
+    return grown;
+}
+
+/* They bring springs without inertia: with what particles and elements hold each by itself the
+ * model is unstable. */
+static void slaved_spins_of_new_zones_are_in_the_step(void **state) {
+    (void)state;
+    char time[96];
+    gn_world *w = spun(NULL);
+    const double stable = w->ctx.stable,
+                 sides = fmin(w->dem.stable, gn_elements_stable(&w->solids));
+    assert_true(stable < 0.5 * sides);
+    assert_near(w->ctx.dt, w->ctx.scene.safety * stable, 1e-12 * stable);
+    assert_near(energy_after(w, 2000), 1.0, 1e-4);
+    snprintf(time, sizeof time, ", step: %.17g, on_unstable: warn", 0.99 * stable);
+    assert_near(energy_after(spun(time), 2000), 1.0, 1e-4);
+    snprintf(time, sizeof time, ", step: %.17g, on_unstable: warn", 0.9 * sides);
+    assert_true(energy_after(spun(time), 2000) > 10.0);
+}
 
 /* --- momenta --- */
 
@@ -60,18 +107,19 @@ static void conversions_keep_both_momenta(void **state) {
     field *motions[] = {stretch, turn_and_stretch, stir, shear_about_x};
     const block blocks[] = {
         {.cells = {15, 8, 0}},
+        {.cells = {15, 8, 0}, .couple = ", spins: slaved"},
         {.cells = {15, 8, 0}, .finer = 2, .distortion = 0.2},
         {.cells = {15, 8, 0},
          .elements = ", motions: [{name: top, box: {min: [12 mm, 15.9 mm], max: [18 mm, 17 mm]}, "
                      "motion: {vx: 3}}]"},
         {.cells = {12, 6, 6}, .space = true}};
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < 5; k++)
         for (int m = 0; m < 4; m++)
             for (int b = 0; b < 3; b++) {
                 if (m == 3 && !blocks[k].space) continue;
-                if (k == 2 && (m != 1 || b != 0)) continue; /* moves as what is driven */
+                if (k == 3 && (m != 1 || b != 0)) continue; /* moves as what is driven */
                 assert_kept(&blocks[k], motions[m], boxes[b][0], boxes[b][1],
-                            k != 1 && b < (blocks[k].space ? 1 : 2));
+                            k != 2 && b < (blocks[k].space ? 1 : 2));
             }
 }
 
@@ -142,9 +190,10 @@ static void changes_of_the_whole_body_by_conversions_are_summed(void **state) {
     (void)state;
     field *motions[] = {fly, turn_and_stretch, stir};
     const block blocks[] = {{.cells = {15, 8, 0}},
+                            {.cells = {15, 8, 0}, .couple = ", spins: slaved"},
                             {.cells = {15, 8, 0}, .finer = 2, .distortion = 0.2, .thin = 3e-3},
                             {.cells = {15, 4, 4}, .space = true}};
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 4; k++)
         for (int m = 0; m < 3; m++) {
             const double of = m == 0 ? 20.0 : blocks[k].space;
             double size[2] = {0.0};
@@ -313,9 +362,10 @@ static void bend(const double *x, const void *of, double u[3], double v[3]) {
 static void parts_of_the_booked_energy_add_up(void **state) {
     (void)state;
     const double still[] = {1e-4, 0.0}, moving[] = {1e-4, 5.0};
-    for (int k = 0; k < 3; k++) {
-        gn_world *w = k == 0 ? lattice_of(1.3, 2.0, "") : packed();
-        set_elements(w, bend, k == 1 ? still : moving);
+    const char *more[] = {", spins: slaved", ""};
+    for (int k = 0; k < 4; k++) {
+        gn_world *w = k < 2 ? lattice_of(1.3, 2.0, more[k]) : packed();
+        set_elements(w, bend, k % 2 ? moving : still);
         run_steps(w, 1);
         convert(w, 12e-3, 16e-3, 6e-3, 16e-3);
         const double first = w->ledger.energy.conversion;
@@ -331,7 +381,7 @@ static void parts_of_the_booked_energy_add_up(void **state) {
         assert_near(sum_of(p), w->ledger.energy.conversion,
                     1e-10 * fabs(w->ledger.energy.conversion));
         assert_near(p->motion, w->zones.state.corrected.energy, 1e-12 * fabs(p->motion));
-        assert_true(p->uneven != 0.0 && (k == 0) == (p->balance != 0.0));
+        assert_true(p->uneven != 0.0 && (k < 2) == (p->balance != 0.0));
         world_end(w);
     }
 }
@@ -451,7 +501,7 @@ static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
                      at);
             snprintf(loaded, sizeof loaded, ", loads: [{%sforce: {fy: -1}}]", at);
             assert_held(fine, driven, NULL, space);
-            assert_held(fine, loaded, NULL, space);
+            assert_held(fine, loaded, ", spins: slaved", space);
         }
 }
 
@@ -521,6 +571,7 @@ int main(void) {
         cmocka_unit_test(no_node_of_elements_that_may_not_go_is_left_bare),
         cmocka_unit_test(motions_that_only_record_are_named),
         cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
+        cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
         cmocka_unit_test(changes_of_the_whole_body_by_conversions_are_summed),
         cmocka_unit_test(a_rigidly_moving_body_keeps_its_spin),

@@ -119,7 +119,7 @@ static void finish_alike(const char *couple) {
 
 static void threads_and_resumption_in_a_stage_give_the_same_bits(void **state) {
     (void)state;
-    finish_alike("");
+    finish_alike(", spins: slaved");
 }
 
 /* Damping begins with a stage: dormant particles are saved in the present state of the run, before

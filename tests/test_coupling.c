@@ -139,7 +139,8 @@ static void a_wave_passes_from_particles_to_elements(void **state) {
 /* --- what is kept --- */
 
 static void add_momentum(const gn_world *w, bool nodes, double sum[6], double *size) {
-    const bool lumped = w->ctx.scene.couple.constraint == GN_COUPLE_LUMPED;
+    const bool lumped = w->ctx.scene.couple.constraint == GN_COUPLE_LUMPED,
+               slaved = w->ctx.scene.couple.spins == GN_COUPLE_SLAVED;
     const gn_particles *q = nodes ? &w->solids.elements[0]->solid.nodes : &w->dem.particles;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
@@ -151,7 +152,8 @@ static void add_momentum(const gn_world *w, bool nodes, double sum[6], double *s
             int c = (a + 1) % 3, d = (a + 2) % 3;
             sum[a] += m * v[a];
             sum[3 + a] += m * (x[c] * v[d] - x[d] * v[c]);
-            if (q->spin) sum[3 + a] += q->spin[4 * p + a] / q->spin[4 * p + 3];
+            const bool counts = q->spin && !(slaved && tied_by_zone(w, p));
+            if (counts) sum[3 + a] += q->spin[4 * p + a] / q->spin[4 * p + 3];
             *size += m * fabs(v[a]);
         }
     }
@@ -193,6 +195,11 @@ static void a_coupled_body_keeps_momentum_and_energy(void **state) {
     keeps_momentum_and_energy(NULL, true, 1000);
     keeps_momentum_and_energy("constraint: consistent", false, 1000);
     keeps_momentum_and_energy("constraint: consistent", true, 300);
+    keeps_momentum_and_energy("spins: slaved", false, 1000);
+    keeps_momentum_and_energy("spins: slaved, constraint: consistent", true, 300);
+    keeps_momentum_and_energy("constraint: penalty", false, 1000);
+    keeps_momentum_and_energy("constraint: penalty, penalty_damping: 0.2", true, 300);
+    keeps_momentum_and_energy("constraint: penalty, penalty_damping: 0.5", false, 1000);
 }
 
 static uint64_t hash_after(bool space, const char *rest, int steps) {
@@ -246,9 +253,10 @@ static gn_run *busy_run(bool space, int threads, const char *precision, const ch
 
 static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
     (void)state;
-    const char *more[] = {"constraint: lumped", "constraint: consistent"};
+    const char *more[] = {"constraint: lumped", "constraint: consistent, spins: slaved",
+                          "constraint: penalty, penalty_damping: 0.1", "spins: slaved"};
     for (int k = 0; k < 8; k++) {
-        const char *precision = k % 2 ? "mixed" : "double", *how = more[k / 2 % 2];
+        const char *precision = k % 2 ? "mixed" : "double", *how = more[(k + k / 4) % 4];
         end_alike(busy_run(k / 4, 1, precision, how), busy_run(k / 4, 2, precision, how), 150, 100,
                   1e-5);
     }
@@ -299,7 +307,8 @@ static void a_pulse_is_under_way_at_the_start(void **state) {
  * follow, or what their bonds hold would come from nowhere. */
 static void a_pulse_beside_a_zone_takes_its_particles_along(void **state) {
     (void)state;
-    static const char *const more[] = {"constraint: lumped", "constraint: consistent"};
+    static const char *const more[] = {"constraint: lumped", "constraint: consistent",
+                                       "constraint: lumped, spins: slaved", "constraint: penalty"};
     for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
         strip s = small_strip(false);
         s.more = more[k];
@@ -434,7 +443,7 @@ static void invalid_zones_are_refused(void **state) {
                    "expected no elements.contact beside it, found one");
     s.rest = "damping: {background: {model: nonviscous_vector, coefficient: 0.1}}\n";
     assert_refused(&s, "couple: {", "couple: {constraint: consistent, ",
-                   "expected lumped beside background damping that is not viscous");
+                   "expected lumped or penalty beside background damping that is not viscous");
     s.more = "constraint: consistent";
     s.rest = "damping: {background: {model: viscous, coefficient: 1}}\n";
     assert_refused(&s, "materials: [{young",
@@ -448,12 +457,9 @@ static void invalid_zones_are_refused(void **state) {
     assert_refused(&s, "time:", "time:", "couple: expected particles of zones that start at rest");
     s.rest = "initial: {random_velocity: 1}\n";
     assert_refused(&s, "time:", "time:", "couple: expected particles of zones that start at rest");
-    assert_refused(&s, "couple: {", "couple: {penalty: 2, ",
-                   "'penalty' no longer exists: particles");
-    assert_refused(&s, "couple: {", "couple: {spins: slaved, ",
-                   "'spins' no longer exists: particles");
-    assert_refused(&s, "couple: {", "couple: {constraint: penalty, ",
-                   "expected one of lumped, consistent");
+    s.rest = "sets: [{name: a, select: {all: true}, initial_spin: [0, 0, 1]}]\n";
+    s.more = "spins: slaved";
+    assert_refused(&s, "time:", "time:", "couple: expected particles of zones that start at rest");
 }
 
 int main(void) {

@@ -292,9 +292,9 @@ static void fly_on(gn_world *w, size_t wanted, int most) {
  * even on the way. */
 static void a_zone_may_lose_all_its_particles(void **state) {
     (void)state;
-    const char *couple[] = {NULL, "constraint: consistent"};
+    const char *couple[] = {NULL, "constraint: consistent", "constraint: penalty", "spins: slaved"};
     const double speed = 60.0;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 4; k++) {
         gn_run *run = flying(couple[k], 1);
         gn_world *w = &run->world;
         set_fields(w, fly, &speed);
@@ -319,11 +319,11 @@ static void a_zone_may_lose_all_its_particles(void **state) {
 
 static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **state) {
     (void)state;
-    const char *couple[] = {NULL, "constraint: consistent"};
+    const char *couple[] = {NULL, "constraint: consistent", "constraint: penalty"};
     const double speed = 60.0;
     char path[] = "/tmp/gneiss-coupling-XXXXXX";
     close(mkstemp(path));
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 3; k++) {
         gneiss_error error = {0};
         gn_run *all[3] = {flying(couple[k], 1), flying(couple[k], 2), calloc(1, sizeof *all[2])};
         for (int r = 0; r < 2; r++) {

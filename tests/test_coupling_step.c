@@ -54,9 +54,12 @@ static gn_world *made(const model *m, const char *time, const char *rest) {
 
 static const model models[] = {
     {"lumped", FLAT, false, NULL, {0}},
+    {"slaved", FLAT, false, "spins: slaved", {0}},
     {"consistent", FLAT, false, "constraint: consistent", {0}},
+    {"penalty", FLAT, false, "constraint: penalty", {0}},
     {"lumped, packing", NO_STRIP, true, NULL, {0}},
-    {"consistent, packing", NO_STRIP, true, "constraint: consistent", {0}},
+    {"consistent, packing", NO_STRIP, true, "constraint: consistent, spins: slaved", {0}},
+    {"penalty, packing", NO_STRIP, true, "constraint: penalty", {0}},
     {"lumped, in space", DEEP, false, NULL, {0}},
 };
 enum { MODELS = sizeof models / sizeof *models };
@@ -80,12 +83,14 @@ static unknowns *unknowns_of(gn_world *w) {
     unknowns *u = calloc(1, sizeof *u);
     gn_particles *nodes = &w->solids.elements[0]->solid.nodes, *q = &w->dem.particles;
     const size_t dim = (size_t)w->ctx.scene.dimension;
+    const bool springs = w->ctx.scene.couple.constraint == GN_COUPLE_PENALTY,
+               slaved = w->ctx.scene.couple.spins == GN_COUPLE_SLAVED;
     for (size_t n = 0; n < nodes->soa.count; n++) add_rows(u, nodes->vel, n, 0, dim);
     for (size_t id = 0; id < q->soa.count; id++) {
         const size_t p = (size_t)w->dem.index_of_id[id];
         const bool tied = tied_by_zone(w, p);
-        if (!tied) add_rows(u, q->vel, p, 0, dim);
-        add_rows(u, q->spin, p, dim == 3 ? 0 : 2, 3);
+        if (!tied || springs) add_rows(u, q->vel, p, 0, dim);
+        if (!tied || !slaved) add_rows(u, q->spin, p, dim == 3 ? 0 : 2, 3);
     }
     return u;
 }
@@ -162,7 +167,7 @@ static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
         const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
-                     bound = gn_world_bound(&w->ctx, &w->dem, &w->solids);
+                     bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
         const double sides = fmin(w->dem.limit.sharp, w->solids.elements[0]->limit.sharp);
         const gn_whole_limit *whole = gn_coupled_whole(&w->ctx, &w->zones);
         assert_non_null(whole);
@@ -175,6 +180,19 @@ static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
         assert_true(bound <= dense * (1.0 + 1e-6));
         world_end(w);
     }
+}
+
+/* The result does not depend on whether a given step requires the limit. */
+static void springs_of_a_zone_do_not_depend_on_how_the_step_is_given(void **state) {
+    (void)state;
+    double stiffness[2];
+    for (int k = 0; k < 2; k++) {
+        gn_world *w = made(&models[6], k ? "step: 1e-9" : NULL, NULL);
+        const gn_coupled *q = w->zones.coupled;
+        stiffness[k] = q->stiffness[q->ties.count / 2];
+        world_end(w);
+    }
+    assert_true(stiffness[0] > 0.0 && stiffness[0] == stiffness[1]);
 }
 
 /* --- what it is worth --- */
@@ -242,12 +260,14 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
     }
 }
 
-/* The outermost particles of a packing's zone would take a smaller step by themselves. */
+/* The outermost particles of a packing's zone would take a smaller step by themselves; springs are
+ * softer than the bound has to assume. */
 static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
     (void)state;
-    for (int k = 2; k < 4; k++) {
+    for (int k = 4; k < 7; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        double sides = gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, w->dem.stable);
+        double sides =
+            gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->dem.stable);
         print_message("# %s: %.3f of what each holds\n", models[k].name,
                       gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) / sides);
         assert_true(gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) > 1.01 * sides);
@@ -280,12 +300,13 @@ static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
     }
 }
 
-/* Dashpots of contacts lower the limit: at 0.99 of it energies fall, at 1.05 they
+/* Dashpots of contacts and of springs lower the limit: at 0.99 of it energies fall, at 1.05 they
  * grow. */
-static double damped_energy(double part, int steps) {
+static double damped_energy(const char *more, double part, int steps) {
     char time[96];
     gneiss_error error = {0};
     strip s = FLAT;
+    s.more = more;
     s.rest = "damping: {contact: {restitution: 0.5}}\nrun: {threads: 1}\n";
     gn_world *w = strip_of(&s);
     const double limit = w->ctx.stable;
@@ -306,10 +327,14 @@ static double damped_energy(double part, int steps) {
 
 static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
     (void)state;
-    double below = damped_energy(0.99, 3000), above = damped_energy(1.05, 3000);
-    print_message("# energy %.3g times at 0.99, %.3g at 1.05\n", below, above);
-    assert_true(below < 1.0);
-    assert_true(above > 1e3);
+    const char *more[] = {NULL, "constraint: penalty, penalty_damping: 0.3"};
+    for (int k = 0; k < 2; k++) {
+        double below = damped_energy(more[k], 0.99, 3000),
+               above = damped_energy(more[k], 1.05, 3000);
+        print_message("# energy %.3g times at 0.99, %.3g at 1.05\n", below, above);
+        assert_true(below < 1.0);
+        assert_true(above > 1e3);
+    }
 }
 
 /* --- steps that collisions ask for --- */
@@ -320,6 +345,7 @@ static double moved_by(gn_world *w, size_t k, int axis) {
     gn_fem_solid *b = &w->solids.elements[0]->solid;
     double sum = 0.0;
     memset(q->load, 0, q->ties.count * sizeof *q->load);
+    if (q->turn) memset(q->turn, 0, q->ties.count * sizeof *q->turn);
     q->load[k][axis] = 1.0;
     for (size_t n = 0; n < q->ties.nodes; n++)
         memset(gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]), 0, 3 * sizeof(double));
@@ -345,7 +371,7 @@ static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
         run_steps(w, 1);
         for (size_t p = 0; p < n; p++) inverse[p] = w->dem.particles.vel[4 * p + 3];
         gn_coupled_inverse_masses(&w->ctx, &w->dem, &w->solids, &w->zones, inverse);
-        for (size_t t = 0; t < q->ties.count; t++) {
+        for (size_t t = 0; !q->stiffness && t < q->ties.count; t++) {
             const size_t p = (size_t)q->place[t];
             const double part = moved_by(w, t, (int)(t % 2)) / inverse[p];
             least = fmin(least, part);
@@ -353,9 +379,10 @@ static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
         }
         print_message("# %s: %.6g to %.6g of what is taken\n", models[k].name, least, most);
         assert_true(most <= 1.0 + 1e-9 && (!isfinite(least) || least > 0.1));
-        if (!q->before) assert_near(least, 1.0, 1e-12);
+        if (!q->stiffness && !q->before) assert_near(least, 1.0, 1e-12);
         for (size_t p = 0; p < n; p++)
-            if (!tied_by_zone(w, p)) assert_true(inverse[p] == w->dem.particles.vel[4 * p + 3]);
+            if (!tied_by_zone(w, p) || q->stiffness)
+                assert_true(inverse[p] == w->dem.particles.vel[4 * p + 3]);
         free(inverse);
         world_end(w);
     }
@@ -383,10 +410,10 @@ static double asked_by_softening(const char *couple) {
  */
 static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void **state) {
     (void)state;
-    static const char *const with[] = {"", ", constraint: consistent"};
+    static const char *const with[] = {"", ", constraint: consistent", ", spins: slaved"};
     const double alone = asked_by_softening("");
     assert_true(isfinite(alone));
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 3; k++) {
         char couple[400];
         snprintf(couple, sizeof couple,
                  "elements: {rectangle: {size: [10 mm, 6 mm], cells: [10, 6]}, materials: "
@@ -399,15 +426,71 @@ static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void
     }
 }
 
+/* --- elements that are small beside the particles that they turn --- */
+
+#define CONSISTENT "constraint: consistent, spins: slaved"
+#define STRIP(h)                                                                                   \
+    { .length = 6e-3, .zone = 3e-3, .side = (h), .rows = 3 }
+#define SOLID(h)                                                                                   \
+    { .length = 4e-3, .zone = 2e-3, .side = (h), .rows = 1, .space = true }
+
+static const model turned_models[] = {
+    {"lattice, cells 0.5", STRIP(0.5e-3), false, CONSISTENT, {0}},
+    {"lattice, cells 1.0",
+     {.length = 6e-3, .zone = 4e-3, .side = 1e-3, .rows = 3},
+     false,
+     CONSISTENT,
+     {0}},
+    {"lattice, cells 1.5", STRIP(1.5e-3), false, CONSISTENT, {0}},
+    {"packing, cells 0.4", NO_STRIP, true, CONSISTENT, {18, 11}},
+    {"packing, cells 0.7", NO_STRIP, true, CONSISTENT, {10, 6}},
+    {"in space, cells 0.5", SOLID(0.5e-3), false, CONSISTENT, {0}},
+    {"in space, cells 1.0", SOLID(1e-3), false, CONSISTENT, {0}},
+    {"lumped lattice, cells 0.5", STRIP(0.5e-3), false, "spins: slaved", {0}},
+    {"lumped packing, cells 0.7", NO_STRIP, true, "spins: slaved", {10, 6}},
+    {"lumped in space, cells 0.5", SOLID(0.5e-3), false, "spins: slaved", {0}},
+};
+enum { TURNED = sizeof turned_models / sizeof *turned_models };
+
+/* Elements that rotate particles without moving them have only the nodes' own mass. */
+static void small_elements_that_turn_particles_are_in_bound_and_step(void **state) {
+    (void)state;
+    for (int k = 0; k < TURNED; k++) {
+        const model *m = &turned_models[k];
+        gn_world *w = made(m, NULL, NULL);
+        const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
+                     bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
+        const double sides = gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                             w->dem.stable),
+                     stable = w->ctx.stable;
+        const double dt = w->ctx.dt, safety = w->ctx.scene.safety;
+        world_end(w);
+        w = made(m, "estimate: bound", NULL);
+        const double careful = w->ctx.dt;
+        world_end(w);
+        const double dense = dense_limit(m, sharp);
+        print_message("# %s: sharp %.6g s, dense %.6g s, bound %.3f, sides %.3f of it\n", m->name,
+                      sharp, dense, bound / dense, sides / dense);
+        assert_near(sharp, dense, 1e-3 * dense);
+        assert_true(bound <= dense * (1.0 + 1e-6) && sides <= dense * (1.0 + 1e-6));
+        assert_true(bound > 0.05 * dense);
+        assert_true(stable <= sharp && dt <= safety * sharp);
+        assert_near(careful, safety * bound, 1e-9 * bound);
+        assert_true(energy_at(m, safety, 2000) < 10.0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_limit_of_both_as_one_is_that_of_the_whole_matrix),
+        cmocka_unit_test(springs_of_a_zone_do_not_depend_on_how_the_step_is_given),
         cmocka_unit_test(both_as_one_are_stable_up_to_their_sharp_limit),
         cmocka_unit_test(a_million_steps_at_0_99_of_the_limit_keep_the_energy),
         cmocka_unit_test(an_automatic_step_is_that_of_both_as_one),
         cmocka_unit_test(both_as_one_may_hold_more_than_each_by_itself),
         cmocka_unit_test(the_side_with_the_fastest_mode_is_named),
         cmocka_unit_test(the_limit_is_the_same_on_any_number_of_threads),
+        cmocka_unit_test(small_elements_that_turn_particles_are_in_bound_and_step),
         cmocka_unit_test(dashpots_are_in_the_limit_of_both_as_one),
         cmocka_unit_test(particles_of_zones_give_way_as_their_nodes_do),
         cmocka_unit_test(bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others),

@@ -10,7 +10,7 @@ static void add_momentum(const gn_world *w, const gn_particles *q, bool particle
     const gn_coupled *z = w->zones.coupled;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *v = q->vel + 4 * p;
-        if (!(v[3] > 0.0) || (particles && gn_coupled_has(z, q->id[p]))) continue;
+        if (!(v[3] > 0.0) || (particles && !z->stiffness && gn_coupled_has(z, q->id[p]))) continue;
         for (int a = 0; a < 3; a++) sum[a] += v[a] / v[3];
         sum[3] += sqrt(gn_dot3(v, v)) / v[3];
     }

@@ -12,7 +12,7 @@ SCENE = "scenes/wave-zone.yaml"
 LENGTH, MODULUS, DENSITY, SPACING = 0.6, 24e9, 7800.0, 1e-3
 SPEED = np.sqrt(MODULUS / DENSITY)
 WIDTHS = (5, 10, 20, 40, 80, 120)  # mm
-CONSTRAINTS = ("lumped", "consistent")
+CONSTRAINTS = ("lumped", "consistent", "penalty")
 
 
 def zone(width, mirrored):

@@ -326,7 +326,7 @@ gneiss_status gneiss_world_limits(const gneiss_world *world, gneiss_limits *limi
     const gn_world *w = &world->run.world;
     *limits = (gneiss_limits){
         w->ctx.dt, w->ctx.stable, gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
-        gn_world_bound(&w->ctx, &w->dem, &w->solids),
+        gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones),
         w->ctx.scene.has_specimen ? w->dem.limit.literature : (double)INFINITY};
     return GNEISS_OK;
 }

@@ -71,6 +71,10 @@ void gn_boundary_free(gn_boundary *b) {
     *b = (gn_boundary){0};
 }
 
+void gn_boundary_set_holder(gn_boundary *boundary, gn_holder holder) {
+    boundary->holder = holder;
+}
+
 /* --- lists --- */
 
 void gn_boundary_resized(gn_boundary *b) {

@@ -37,6 +37,17 @@ static inline double gn_wall_distance(const gn_wall *wall, const double x[3]) {
     return gn_dot3(d, wall->normal);
 }
 
+/* A part that holds particles by springs registers itself as the holder (gn_boundary_set_holder),
+ * so that the contacts of these particles with walls take the springs into account; without such a
+ * part the functions are NULL. */
+typedef struct gn_holder {
+    const void *context;
+    /* Stiffness, N/m, of the spring that holds a particle; 0: none does. */
+    double (*stiffness)(const void *context, size_t particle);
+    /* Acceleration, m/s2, with which that spring moves the particle against n. */
+    double (*acceleration)(const void *context, size_t particle, const double n[3]);
+} gn_holder;
+
 struct gn_boundary {
     gn_wall_contacts contacts; /* of particles with walls and facets */
     int32_t *first;            /* [particles + 1] their first row */
@@ -57,6 +68,8 @@ struct gn_boundary {
     gn_contact_sums body_sums;      /* of these */
     gn_body_pairs pairs;            /* of bodies with each other */
 
+    gn_holder holder;
+
     double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
     double vertex_rate;  /* 1/s: the same of what contacts do to nodes of finite elements */
 };
@@ -72,6 +85,12 @@ void gn_boundary_enter(const gn_step_context *ctx, gn_boundary *boundary);
 gneiss_status gn_boundary_add_surface(gn_boundary *boundary, const gn_surface *surface,
                                       gneiss_error *error);
 void gn_boundary_free(gn_boundary *boundary);
+void gn_boundary_set_holder(gn_boundary *boundary, gn_holder holder);
+/* Stiffness, N/m, of the spring that holds a particle; 0: none does. */
+static inline double gn_boundary_held_stiffness(const gn_boundary *boundary, size_t particle) {
+    const gn_holder *holder = &boundary->holder;
+    return holder->stiffness ? holder->stiffness(holder->context, particle) : 0.0;
+}
 
 /* Lists walls and facets near each particle, in the order of the particles; `first`: at the start,
  * where overlap with passive walls is free of stress. */

@@ -21,6 +21,11 @@
  * is its weight alone; background damping is neglected. */
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, size_t row, const double n[3]);
+/* Acceleration, m/s2, with which the holder of the particle of a row (gn_holder) opens the gap of
+ * that contact along n. kn, N/m, is the stiffness of the contact; the result is 0 if the step does
+ * not resolve both springs together. */
+double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, double kn, size_t row, const double n[3]);
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);

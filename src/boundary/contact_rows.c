@@ -146,3 +146,14 @@ double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
     }
     return sum;
 }
+
+/* The half wave of both springs takes at least three steps, as that of a contact alone does
+ * (law_linear.c): with fewer steps the predicted closing force grew until particles flew off. */
+double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, double kn, size_t row, const double n[3]) {
+    const size_t p = (size_t)boundary->contacts.i[row];
+    const double held = gn_boundary_held_stiffness(boundary, p),
+                 inverse = dem->particles.vel[4 * p + 3];
+    if (!(held > 0.0) || (kn + held) * inverse * ctx->dt_past * ctx->dt_past > 1.0) return 0.0;
+    return boundary->holder.acceleration(boundary->holder.context, p, n);
+}

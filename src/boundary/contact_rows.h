@@ -111,7 +111,9 @@ static inline double gn_touch_force(const gn_step_context *ctx, const gn_dem *de
     size_t particle = (size_t)boundary->contacts.i[row];
     const gn_touch_step step = gn_touch_step_of(ctx, dem);
     if (gn_touch_crosses(touch, touch->speed * ctx->dt_past) && !(ctx->effects & GN_FX_HERTZ))
-        touch->other_acceleration = gn_other_acceleration(ctx, dem, boundary, row, touch->n);
+        touch->other_acceleration =
+            gn_other_acceleration(ctx, dem, boundary, row, touch->n) +
+            gn_held_acceleration(ctx, dem, boundary, side->part * side->stiffness, row, touch->n);
     if (ctx->effects & GN_FX_HERTZ) touch->checked_overlap = gn_pressed_touch(dem, particle);
     return gn_law_of(ctx->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);
 }

@@ -73,7 +73,7 @@ static inline bool gn_surface_patched(const gn_surface *surface, double radius) 
 double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
 /* Makes the surfaces of bodies from the arrays that a checkpoint stores as well. */
 gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *boundary,
-                                 gn_solids *solids, gneiss_error *error);
+                                 size_t deforming, gneiss_error *error);
 /* Gives the rotation since the start, w x y z with w >= 0. */
 void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
 

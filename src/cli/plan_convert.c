@@ -129,10 +129,13 @@ static const char by_collisions[] = "collisions";
 /* Returns what sets the present step. */
 static const char *side_of(const gn_world *world) {
     const gn_dem *dem = &world->dem;
-    const double elements = gn_elements_stable(&world->solids);
+    const double share = gn_world_nonviscous_share(&world->ctx),
+                 elements = gn_elements_stable(&world->solids);
     const int32_t p = dem->limit.sharp_id;
     if (is_near(world->ctx.dt, dem->resolution.step)) return by_collisions;
     if (is_near(world->ctx.dt, 0.98 * dem->listed)) return "contacts that may close";
+    if (world->ctx.stable < 0.9 * share * fmin(elements, dem->stable))
+        return "slaved spins of the zone";
     if (elements <= dem->stable) return "elements that are left, by their rigorous bound";
     return p >= 0 && gn_coupled_has(world->zones.coupled, p) ? "particles of the zone"
                                                              : "particles";
@@ -246,11 +249,14 @@ static void print_first(const trial *t) {
                "transit times of waves\n");
 }
 
-static void print_dt(const trial *t) {
+static void print_dt(const gn_world *world, const trial *t) {
     printf("  dt               %.6g s then, set by the %s\n", t->first, t->side[0]);
     printf("                   %.6g", t->least);
     if (t->least < equal_ratio * t->later) printf(" to %.6g", t->later);
     printf(" s after further conversions, set by the %s\n", t->side[1]);
+    if (world->ctx.scene.couple.spins == GN_COUPLE_SLAVED)
+        printf("                   roughly: the effect of slaved spins depends on single elements "
+               "of fronts; runs had 0.4 to 2 times that\n");
     if (*t->stop && t->begun)
         printf("  warning: at about %.3g times that load conversion would end the run (roughly: "
                "where elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
@@ -300,7 +306,7 @@ gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds,
     if (*t.halt)
         printf("  warning: the first would end the run: %s\n", t.halt);
     else if (t.least > 0.0)
-        print_dt(&t);
+        print_dt(world, &t);
     print_cost(world, &t);
     return GNEISS_OK;
 }

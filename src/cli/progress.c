@@ -197,7 +197,7 @@ static void print_limits(const gn_world *world) {
     else
         printf("undamped: sharp %.4g s, rigorous bound %.4g s",
                gn_world_sharp_limit(&world->ctx, &world->dem, &world->solids, &world->zones),
-               gn_world_bound(&world->ctx, &world->dem, &world->solids));
+               gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones));
     if (world->ctx.scene.has_specimen && world->dem.limit.literature < INFINITY)
         printf(", one-spring estimate of the literature %.4g s", world->dem.limit.literature);
     printf(")\n");

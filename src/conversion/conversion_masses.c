@@ -73,10 +73,10 @@ static void mark_tied(const gn_conversion *c) {
         if (d->index_of_id[ties->tie[k].id] >= 0) c->tied[d->index_of_id[ties->tie[k].id]] = 1;
 }
 
-/* Returns the moment of inertia of a particle, kg m2; 0: particles do not turn. */
+/* Returns the moment of inertia of a particle, kg m2; 0: it does not rotate by itself. */
 static double inertia_of(const gn_conversion *c, size_t p) {
     const gn_particles *q = &c->world->dem.particles;
-    return q->spin ? 1.0 / q->spin[4 * p + 3] : 0.0;
+    return q->spin && (!c->tied[p] || !coupled_of(c)->turn) ? 1.0 / q->spin[4 * p + 3] : 0.0;
 }
 
 gn_tally gn_conversion_tally(const gn_conversion *c) {

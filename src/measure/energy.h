@@ -12,6 +12,7 @@
     X(elastic_bending, STORED, "elastic energy of bending and twisting of bonds")                  \
     X(elastic_wall, STORED, "elastic energy of contacts with walls and surfaces")                  \
     X(elastic_elements, STORED, "elastic energy of finite elements")                               \
+    X(elastic_coupling, STORED, "elastic energy of springs that tie particles to elements")        \
     X(work_walls, INPUT, "work of moving walls, bodies and sides of a periodic box")               \
     X(work_prescribed, INPUT, "work of prescribed motions")                                        \
     X(work_applied, INPUT, "work of applied forces")                                               \
@@ -22,6 +23,7 @@
     X(friction, LOST, "dissipated by sliding friction")                                            \
     X(contact_damping, LOST, "dissipated by contact damping")                                      \
     X(background_damping, LOST, "dissipated by background damping")                                \
+    X(coupling_damping, LOST, "dissipated by dashpots that tie particles to elements")             \
     X(bond_breaking, LOST, "released by breaking bonds")                                           \
     X(damage, LOST, "dissipated by bonds that soften")                                             \
     X(plasticity, LOST, "dissipated by bonds that yield under pressure")                           \

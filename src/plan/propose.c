@@ -302,11 +302,12 @@ static const char *cannot_start(const gn_step_context *ctx, const gn_dem *dem) {
  * iterations. */
 static gneiss_status measure_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
-                                    gn_plan *plan, gneiss_error *error) {
+                                    const gn_zones *zones, gn_plan *plan, gneiss_error *error) {
     plan->unscaled_step = plan->groups.step_ratio > 1.0 ? dem->scaling.unscaled : ctx->dt;
     for (size_t m = 1; !plan->groups.mesh && m < COUNT(factors); m++)
-        GN_TRY(gn_dem_predict_masses(ctx, dem, boundary, solids, factors[m] * plan->unscaled_step,
-                                     &plan->bound_step_ratio[m], &plan->added_mass[m], error));
+        GN_TRY(gn_dem_predict_masses(ctx, dem, boundary, solids, zones,
+                                     factors[m] * plan->unscaled_step, &plan->bound_step_ratio[m],
+                                     &plan->added_mass[m], error));
     return GNEISS_OK;
 }
 
@@ -322,7 +323,8 @@ gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, doubl
     if (plan->absent) return GNEISS_OK;
     plan->reading = name_of_reading(plan);
     GN_TRY(measure_costs(&world->ctx, &world->dem, &world->solids, plan, error));
-    GN_TRY(measure_masses(&world->ctx, &world->dem, &world->boundary, &world->solids, plan, error));
+    GN_TRY(measure_masses(&world->ctx, &world->dem, &world->boundary, &world->solids, &world->zones,
+                          plan, error));
     plan->current = current_settings(&world->ctx, &world->dem, &world->solids, plan);
     search_settings(world, plan, wanted->error, &q);
     plan->reached = q.reached;

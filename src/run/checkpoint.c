@@ -334,7 +334,9 @@ static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_erro
         const char *name;
         double value;
     } rates[] = {{"world_boundary_surface_rate", w->boundary.surface_rate},
-                 {"world_boundary_vertex_rate", w->boundary.vertex_rate}};
+                 {"world_boundary_vertex_rate", w->boundary.vertex_rate},
+                 {"world_zones_state", w->zones.state.rate[0]},
+                 {"world_zones_state", w->zones.state.rate[1]}};
     if (w->ctx.dt < least)
         return gn_fail(
             error, GNEISS_ERROR_INPUT,

@@ -482,7 +482,7 @@ static void summary_step(const gn_world *w, gn_json *j) {
         j, {"steps", (double)w->ctx.step}, {"time", w->ctx.time}, {"dt", w->ctx.dt},
         {"dt_limit", w->ctx.stable},
         {"dt_limit_sharp", gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones)},
-        {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids)},
+        {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones)},
         {"dt_resolution", w->dem.resolution.step});
 }
 

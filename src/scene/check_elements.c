@@ -237,16 +237,26 @@ static gneiss_status check_pulse(const check *section, const gn_scene *scene) {
     return GNEISS_OK;
 }
 
-/* Non-viscous damping acts on the resultant at each mass
- * separately, which consistent masses exclude. */
+/* Springs of zones act on positions, not on spins. Non-viscous damping acts on the resultant at
+ * each mass separately, which consistent masses exclude. */
 static gneiss_status check_constraint(const check *section, const gn_scene *scene) {
     if (scene->couple.constraint == GN_COUPLE_CONSISTENT &&
         scene->background != GN_BACKGROUND_NONE && scene->background != GN_BACKGROUND_VISCOUS &&
         gn_check_is_valid(section, "damping"))
         return gn_check_fail(section, "couple.constraint",
-                             "expected lumped beside background damping that is not "
+                             "expected lumped or penalty beside background damping that is not "
                              "viscous, found consistent");
-    return GNEISS_OK;
+    /* Scenes that were written contain all keys; those at their default are accepted. */
+    const char *springs = scene->couple.penalty != 1.0           ? "couple.penalty"
+                          : scene->couple.penalty_damping != 0.0 ? "couple.penalty_damping"
+                                                                 : NULL;
+    if (springs && scene->couple.constraint != GN_COUPLE_PENALTY)
+        return gn_check_fail(section, springs, "expected constraint: penalty beside it, found %s",
+                             scene->couple.constraint == GN_COUPLE_LUMPED ? "lumped"
+                                                                          : "consistent");
+    if (scene->couple.constraint != GN_COUPLE_PENALTY || scene->couple.spins == GN_COUPLE_FREE)
+        return GNEISS_OK;
+    return gn_check_fail(section, "couple.spins", "expected free beside penalty, found slaved");
 }
 
 /* ---- conversion ---- */
@@ -308,7 +318,8 @@ static gneiss_status check_convert_beside(const check *section, const gn_scene *
         const char *key, *expected, *instead;
     } others[] = {{scene->couple.zone_count > 0, "couple.zones", "no couple.zones", "some"},
                   {scene->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint",
-                   "no couple.constraint but lumped", "consistent"},
+                   "no couple.constraint but lumped",
+                   scene->couple.constraint == GN_COUPLE_PENALTY ? "penalty" : "consistent"},
                   {scene->body_count > 0, "bodies", "no bodies", "some"},
                   {scene->has_membrane, "membrane", "no membrane", "one"},
                   {scene->has_pulse, "initial.pulse", "no initial.pulse", "one"},

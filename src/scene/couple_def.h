@@ -31,7 +31,12 @@ typedef struct gn_couple_zone {
     gn_scene_place where;
 } gn_couple_zone;
 
-typedef enum gn_couple_constraint { GN_COUPLE_LUMPED, GN_COUPLE_CONSISTENT } gn_couple_constraint;
+typedef enum gn_couple_constraint {
+    GN_COUPLE_LUMPED,
+    GN_COUPLE_CONSISTENT,
+    GN_COUPLE_PENALTY
+} gn_couple_constraint;
+typedef enum gn_couple_spins { GN_COUPLE_FREE, GN_COUPLE_SLAVED } gn_couple_spins;
 
 /* Stresses that are compared with the limits. */
 typedef enum gn_convert_by { GN_CONVERT_ELEMENTS, GN_CONVERT_NODES } gn_convert_by;
@@ -58,6 +63,9 @@ typedef struct gn_couple_def {
     size_t zone_count;
     gn_couple_zone *zones;
     gn_couple_constraint constraint;
+    gn_couple_spins spins;
+    double penalty, penalty_damping; /* factors of the automatic penalty from masses and step;
+                                        fraction of critical damping */
     bool has_convert;
     gn_convert_def convert;
     gn_scene_place where;

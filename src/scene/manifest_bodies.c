@@ -163,8 +163,12 @@ const gn_section gn_contact_section = {KEYS_OF(contact), sizeof(gn_contact_def),
 
 /* ---- keys of coupling zones and of conversion ---- */
 
-static const gn_choice constraints[] = {
-    {"lumped", GN_COUPLE_LUMPED}, {"consistent", GN_COUPLE_CONSISTENT}, {NULL, 0}};
+static const gn_choice constraints[] = {{"lumped", GN_COUPLE_LUMPED},
+                                        {"consistent", GN_COUPLE_CONSISTENT},
+                                        {"penalty", GN_COUPLE_PENALTY},
+                                        {NULL, 0}};
+static const gn_choice spins[] = {
+    {"free", GN_COUPLE_FREE}, {"slaved", GN_COUPLE_SLAVED}, {NULL, 0}};
 
 static const gn_key edge_keys[] = {
     VECTOR("from", gn_couple_edge, from, "m", GN_PLACES, REQUIRED,
@@ -239,6 +243,14 @@ static const gn_key couple_keys[] = {
         .text =
             "starts with elements everywhere, which turn into particles where stresses are high"),
     CHOICE("constraint", gn_scene, couple.constraint, constraints, BY("lumped"),
-           "particles of a zone follow the nodes, which take their mass lumped or consistently"),
+           "particles of a zone follow the nodes, which take their mass lumped or consistently; or "
+           "springs connect both"),
+    CHOICE("spins", gn_scene, couple.spins, spins, BY("free"),
+           "spins of particles of a zone: free, or half the curl of the nodes' velocity"),
+    REAL("penalty", gn_scene, couple.penalty, "1", "[1e-3, 1e3]", BY("1"),
+         "stiffness of the springs over its automatic value, from the stiffest particles and their "
+         "masses"),
+    REAL("penalty_damping", gn_scene, couple.penalty_damping, "1", "[0, 1]", BY("0"),
+         "dashpots in parallel with the springs, as a fraction of critical damping"),
 };
 const gn_section gn_couple_section = {KEYS_OF(couple), 0, offsetof(gn_scene, couple.where)};

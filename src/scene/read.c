@@ -530,17 +530,6 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
     return GNEISS_OK;
 }
 
-/* Returns what to write instead of a key that was removed; NULL for any other. */
-static const char *instead_of(const char *path) {
-    static const char zones[] = "particles of zones follow the nodes (couple.constraint: lumped or "
-                                "consistent), with free spins";
-    static const char *const removed[][2] = {
-        {"couple.spins", zones}, {"couple.penalty", zones}, {"couple.penalty_damping", zones}};
-    for (size_t k = 0; k < sizeof removed / sizeof *removed; k++)
-        if (strcmp(path, removed[k][0]) == 0) return removed[k][1];
-    return NULL;
-}
-
 /* The key that was probably intended is in doubt, or else every key of the section. */
 static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
                                  const gn_node *node) {
@@ -550,11 +539,6 @@ static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
     for (size_t k = 0; section == &gn_stage_section && k < gn_scene_section.key_count; k++)
         gn_names_add(&names, gn_scene_section.keys[k].name);
     size_t mark = path_push_name(reader, node->key);
-    const char *instead = instead_of(reader->path);
-    if (instead)
-        return gn_read_keep_problem(
-            reader, gn_read_fail(reader, node, node->key_where, reader->path,
-                                 "'%.60s' no longer exists: %s", node->key, instead));
     if (names.nearest)
         status = gn_read_fail(reader, node, node->key_where, reader->path,
                               "unknown key '%.60s'; did you mean '%s'?", node->key, names.nearest);

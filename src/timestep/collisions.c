@@ -365,8 +365,9 @@ static void consider_walls(const gn_step_context *ctx, const gn_dem *dem,
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        const double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
-                     share = share_with(dem, t, p, kn, def->passive);
+        double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
+               share = share_with(dem, t, p, kn, def->passive);
+        kn += gn_boundary_held_stiffness(boundary, p); /* wall and spring act at once */
         consider(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }

@@ -37,6 +37,7 @@ typedef struct whole {
     double *moves;                /* [count] above 0: an unknown */
     double *mode;                 /* [count] the fastest one */
     gn_whole_limit *limit;        /* what comes out */
+    double (*gradient)[4][3];     /* [ties] slaved spins: of the present places */
 } whole;
 
 static void whole_free(whole *y) {
@@ -46,6 +47,7 @@ static void whole_free(whole *y) {
     gn_free(y->moved);
     gn_free(y->moves);
     gn_free(y->mode);
+    gn_free(y->gradient);
 }
 
 /* --- between both --- */
@@ -54,6 +56,19 @@ static void whole_free(whole *y) {
 static double corner_speed(const whole *y, const gn_tie *t, int a, size_t c, const double *x) {
     const size_t k = y->dim * (size_t)t->node[a] + c;
     return y->linear.scale[k] * x[y->own + k];
+}
+
+/* Sets `spin`, the components that the dimension has, to half the curl of the nodes' velocity. */
+static void spin_of(const whole *y, size_t k, const double *x, double *spin) {
+    const gn_tie *t = &y->q->ties.tie[k];
+    double sum[3] = {0.0};
+    for (int a = 0; a < y->q->ties.corners; a++) {
+        double v[3] = {0.0}, of[3];
+        for (size_t c = 0; c < y->dim; c++) v[c] = corner_speed(y, t, a, c, x);
+        gn_cross3(y->gradient[k][a], v, of);
+        for (int c = 0; c < 3; c++) sum[c] += 0.5 * of[c];
+    }
+    memcpy(spin, sum + (y->dim == 3 ? 0 : 2), (y->dofs - y->dim) * sizeof *spin);
 }
 
 /* Sets the velocities of particles of zones from those of the nodes. */
@@ -68,22 +83,52 @@ static void follow(const whole *y, const double *x) {
             for (int a = 0; a < ties->corners; a++)
                 at[c] += ties->tie[k].shape[a] * corner_speed(y, &ties->tie[k], a, c, x);
         }
+        if (y->gradient) spin_of(y, k, x, at + y->dim);
     }
 }
 
-/* N^T of the forces on the particles of zones. */
+/* N^T of the forces on the particles of zones, and of their moments if spins are slaved. */
 static void hand_back(const whole *y, double *out) {
     const gn_ties *ties = &y->q->ties;
     for (size_t k = 0; k < ties->count; k++) {
         if (y->q->place[k] < 0) continue;
         const gn_tie *t = &ties->tie[k];
-        double *force = out + y->dofs * (size_t)y->q->place[k];
-        for (int a = 0; a < ties->corners; a++)
+        double *force = out + y->dofs * (size_t)y->q->place[k], moment[3] = {0.0};
+        if (y->gradient)
+            memcpy(moment + (y->dim == 3 ? 0 : 2), force + y->dim,
+                   (y->dofs - y->dim) * sizeof *moment);
+        for (int a = 0; a < ties->corners; a++) {
+            double turn[3] = {0.0};
+            if (y->gradient) gn_cross3(moment, y->gradient[k][a], turn);
             for (size_t c = 0; c < y->dim; c++) {
                 const size_t at = y->dim * (size_t)t->node[a] + c;
-                out[y->own + at] += y->linear.scale[at] * (t->shape[a] * force[c]);
+                out[y->own + at] += y->linear.scale[at] * (t->shape[a] * force[c] + 0.5 * turn[c]);
             }
-        memset(force, 0, y->dim * sizeof *force);
+        }
+        memset(force, 0, (y->gradient ? y->dofs : y->dim) * sizeof *force);
+    }
+}
+
+/* Adds the springs between particles of zones and their points in the elements. */
+static void pull_together(const whole *y, double stiffness, double viscosity, const double *x,
+                          double *out) {
+    const gn_ties *ties = &y->q->ties;
+    for (size_t k = 0; k < ties->count; k++) {
+        if (y->q->place[k] < 0) continue;
+        const gn_tie *t = &ties->tie[k];
+        const size_t at = y->dofs * (size_t)y->q->place[k];
+        const double hold = stiffness * y->q->stiffness[k] + viscosity * y->q->viscosity[k];
+        for (size_t c = 0; c < y->dim; c++) {
+            const double own = y->springs.scale[at + c];
+            double gap = -own * x[at + c];
+            for (int a = 0; a < ties->corners; a++)
+                gap += t->shape[a] * corner_speed(y, t, a, c, x);
+            out[at + c] -= own * hold * gap;
+            for (int a = 0; a < ties->corners; a++) {
+                const size_t node = y->dim * (size_t)t->node[a] + c;
+                out[y->own + node] += y->linear.scale[node] * t->shape[a] * hold * gap;
+            }
+        }
     }
 }
 
@@ -108,11 +153,15 @@ static void solve_masses(const whole *y, double *out) {
 static void apply(const void *context, double stiffness, double viscosity, const double *x,
                   double *out) {
     const whole *y = context;
-    follow(y, x);
-    gn_springs_apply(&y->pull, stiffness, viscosity, y->moved, out);
+    const bool springs = y->q->stiffness;
+    if (!springs) follow(y, x);
+    gn_springs_apply(&y->pull, stiffness, viscosity, springs ? x : y->moved, out);
     gn_fem_linear_apply(&y->linear, x + y->own, out + y->own);
     for (size_t k = y->own; k < y->count; k++) out[k] *= stiffness;
-    hand_back(y, out);
+    if (springs)
+        pull_together(y, stiffness, viscosity, x, out);
+    else
+        hand_back(y, out);
     if (y->q->before) solve_masses(y, out);
 }
 
@@ -151,14 +200,14 @@ static void set_masses(const whole *y) {
     }
 }
 
-/* Particles of zones have no unknowns but their spins. */
+/* Particles of zones have unknowns of their own only with springs, or spins if these are free. */
 static void set_unknowns(const whole *y) {
     memcpy(y->moves, y->springs.scale, y->own * sizeof *y->moves);
     memcpy(y->moves + y->own, y->linear.scale, (y->count - y->own) * sizeof *y->moves);
-    for (size_t k = 0; k < y->q->ties.count; k++) {
+    for (size_t k = 0; k < y->q->ties.count && !y->q->stiffness; k++) {
         if (y->q->place[k] < 0) continue;
         const size_t at = y->dofs * (size_t)y->q->place[k];
-        for (size_t c = 0; c < y->dim; c++) {
+        for (size_t c = 0; c < (y->gradient ? y->dofs : y->dim); c++) {
             y->moves[at + c] = 0.0;
             y->springs.scale[at + c] = 1.0; /* springs see velocities */
         }
@@ -177,9 +226,12 @@ static gneiss_status make(const gn_spectrum *spectrum, whole *y, gneiss_error *e
     y->moved = gn_alloc_array(y->own + 1, sizeof *y->moved);
     y->moves = gn_alloc_array(y->count + 1, sizeof *y->moves);
     y->mode = gn_alloc_array(y->count + 1, sizeof *y->mode);
-    if (!y->moved || !y->moves || !y->mode)
+    if (y->q->turn) y->gradient = gn_alloc_array(y->q->ties.count + 1, sizeof *y->gradient);
+    if (!y->moved || !y->moves || !y->mode || (y->q->turn && !y->gradient))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu unknowns of a zone",
                        y->count);
+    for (size_t k = 0; y->gradient && k < y->q->ties.count; k++)
+        gn_tie_gradients(&y->q->ties, k, &b->nodes, y->gradient[k]);
     set_unknowns(y);
     if (y->q->before) set_masses(y);
     return GNEISS_OK;
@@ -247,7 +299,9 @@ static gneiss_status find(const gn_spectrum *spectrum, void *context, gneiss_err
                               .metric = y->q->before ? metric : NULL,
                               .context = y,
                               .moves = y->moves,
-                              .damped = y->springs.damped,
+                              .damped =
+                                  y->springs.damped ||
+                                  (y->q->stiffness && y->ctx->scene.couple.penalty_damping > 0.0),
                               .threads = y->ctx->threads};
     GN_TRY(gn_damped_largest(&system, 1e-3, y->mode, &top, error));
     *limit = (gn_whole_limit){.sharp = 1.0 / top.rate,

@@ -34,11 +34,22 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
+/* Slaved spins add to the square of the largest frequency of either side a share of the square of
+ * the particles' frequency (zone_spins.c). Dashpots resist rotation as well: where K + C r is at
+ * most r^2 for the rate r = 1/dt, (1 + share) r is enough for 1 + share times both, and
+ * r_F + share r beside r_F. */
+static double turned_limit(const gn_dem *dem, const gn_zones *zones, double particles) {
+    const double share = zones->state.turned;
+    if (!(share > 0.0)) return INFINITY;
+    return particles / (dem->damping_fraction > 0.0 ? share : sqrt(share));
+}
+
 /* Limit of the partners of the particles: free bodies, finite elements that they touch, springs of
  * zones. */
 static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids) {
-    const double bodies = limit_of(boundary->surface_rate);
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_zones *zones) {
+    double bodies = together(dem, limit_of(boundary->surface_rate), limit_of(zones->state.rate[0]));
     if (!(boundary->vertex_rate > 0.0)) return bodies;
     double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
     return fmin(bodies, together(dem, elements, limit_of(boundary->vertex_rate)));
@@ -46,10 +57,16 @@ static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Bodies and elements do not touch each other. */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, double particles) {
-    const double share = gn_world_nonviscous_share(ctx);
-    return fmin(together(dem, share * particles, partner_limit(ctx, dem, boundary, solids)),
-                share * gn_elements_stable(solids));
+                       const gn_solids *solids, const gn_zones *zones, double particles) {
+    double share = gn_world_nonviscous_share(ctx),
+           turned = turned_limit(dem, zones, share * particles);
+    double elements =
+        together(dem, share * gn_elements_stable(solids), limit_of(zones->state.rate[1]));
+    return fmin(
+        together(dem,
+                 together(dem, share * particles, partner_limit(ctx, dem, boundary, solids, zones)),
+                 turned),
+        together(dem, elements, turned));
 }
 
 double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
@@ -64,10 +81,15 @@ static double without(const gn_dem *dem, double rate, double other) {
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
+/* With slaved spins the elements limit it too, unless the limit of both as one is known. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, double step) {
-    const double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids));
-    return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(ctx)) : (double)INFINITY;
+                       const gn_solids *solids, const gn_zones *zones, double step) {
+    const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
+    double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids, zones));
+    if (isfinite(own)) left /= 1.0 / together(dem, 1.0, own);
+    if (isfinite(own) && !(zones->state.whole > 0.0))
+        left = fmin(left, own * without(dem, 1.0 / step, share * gn_elements_stable(solids)));
+    return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
 }
 
 /* Limit of particles and elements as one system (coupled_limit.c): free bodies yield to them, and
@@ -87,7 +109,7 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem,
 static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
-    *limit = gn_limit_of_all(ctx, dem, boundary, solids,
+    *limit = gn_limit_of_all(ctx, dem, boundary, solids, zones,
                              ctx->scene.has_specimen ? dem->stable : INFINITY);
     if (!gn_coupled_has_limit(ctx, solids) || !(dem->limit.bound < INFINITY)) return GNEISS_OK;
     if (ctx->scene.step > 0.0 && ctx->scene.step <= *limit) return GNEISS_OK;
@@ -95,6 +117,9 @@ static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, false, whole, error));
     zones->state.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(ctx, dem, boundary, solids, whole->sharp));
+    /* Slaved spins: elements may be much smaller than the particles that they rotate. */
+    if (zones->state.turned > 0.0)
+        *limit = fmin(*limit, gn_world_nonviscous_share(ctx) * whole->sharp);
     return GNEISS_OK;
 }
 
@@ -183,9 +208,9 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
     }
     set_step(ctx, dem, ctx->scene.step);
     if (ctx->dt <= limit || ctx->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
-    if (isfinite(gn_world_bound(ctx, dem, solids)))
+    if (isfinite(gn_world_bound(ctx, dem, solids, zones)))
         snprintf(bound, sizeof bound, "; the rigorous bound without damping is %.6g s",
-                 gn_world_bound(ctx, dem, solids));
+                 gn_world_bound(ctx, dem, solids, zones));
     return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                    "%s: expected at most %.6g s (stability limit at step %lld, "
                    "set by %s%s), found %.6g s = %.3f of the limit "
@@ -221,11 +246,9 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
     return check_advance(ctx, dem, solids, zones, error);
 }
 
-static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                   gneiss_error *error) {
+static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
     bool due;
-    GN_TRY(gn_dem_limit_turned(ctx, dem, boundary, solids, ledger, &due, error));
+    GN_TRY(gn_dem_limit_turned(ctx, dem, boundary, solids, zones, ledger, &due, error));
     if (!due) return GNEISS_OK;
     GN_TRY(limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error));
     if (ctx->dt <= GN_TURNED_SHARE * ctx->stable) return GNEISS_OK;
@@ -279,7 +302,7 @@ static gneiss_status check_whole(const gn_step_context *ctx, gn_dem *dem,
     if (!gn_coupled_has_limit(ctx, solids) || !(zones->state.whole > 0.0)) return GNEISS_OK;
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, true, &whole, error));
     dem->listed = fmax(dem->listed, limit_of_whole(ctx, dem, boundary, solids, whole.sharp));
-    double needed = gn_limit_needed(ctx, dem, boundary, solids, ctx->dt / 0.99);
+    double needed = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
     *fine = ctx->dt <= 0.99 * dem->listed;
     if (*fine && isfinite(needed))
         dem->listed_holds = needed; /* only changes have to be checked from now
@@ -296,9 +319,7 @@ static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_b
     return react(ctx, dem, boundary, solids, zones, ctx->stable, error);
 }
 
-static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                                 bool *fine, gneiss_error *error) {
+static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!ctx->scene.has_specimen) return GNEISS_OK;
     GN_TRY(check_lighter(ctx, dem, boundary, solids, zones, error));
@@ -306,23 +327,23 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     follow_flight(ctx, dem, boundary);
     gn_world_follow_bodies(ctx, dem, boundary);
     GN_TRY(resolve_listed(ctx, dem, boundary, solids, zones, error));
-    if (!full) GN_TRY(gn_dem_limit_far(ctx, dem, boundary, solids, fine, error));
+    if (!full)
+        GN_TRY(
+            gn_dem_limit_far(ctx, dem, boundary, solids, zones, fine, error));
     if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
     GN_TRY(check_rotated(ctx, dem, boundary, solids, zones, ledger, error));
-    GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, ledger, full, fine, error));
-    if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
+    GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
+    if (!*fine)
+        GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
     /* Two hundredths below the limit, so that the next lists need not lower it again. */
     if (!*fine) lower(ctx, dem, 0.98 * dem->listed);
     return check_advance(ctx, dem, solids, zones, error);
 }
 
-gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                   gneiss_error *error) {
+gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
     double start = gn_now();
     bool fine = true;
-    gneiss_status status =
-        check_lists(ctx, dem, boundary, solids, zones, ledger, false, &fine, error);
+    gneiss_status status = check_lists(ctx, dem, boundary, solids, zones, ledger, false, &fine, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     /* A given step is not compared with contacts that may form, but with those that have formed. */
     if (status != GNEISS_OK || fine || ctx->scene.step == 0.0) return status;
@@ -331,9 +352,7 @@ gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundar
 
 /* Chooses the step as at the start: from listed contacts, or from the whole scene if there are
  * none. */
-static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                gneiss_error *error) {
+static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
     bool fine, shorter;
     gn_dem_limit_anew(dem);
     GN_TRY(check_lists(ctx, dem, boundary, solids, zones, ledger, true, &fine, error));
@@ -343,43 +362,46 @@ static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *
     return GNEISS_OK;
 }
 
-gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                                  gneiss_error *error) {
+gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, gneiss_error *error) {
     double start = gn_now();
-    bool due = false, elements_due = false;
+    bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
     if (ctx->scene.has_specimen) gn_pressed_update(ctx, dem, boundary);
-    if (ctx->scene.has_specimen)
-        status = gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, full, &due, error);
-    if (status == GNEISS_OK) status = gn_elements_limit(ctx, solids, full, &elements_due, error);
+    if (ctx->scene.has_specimen) status = gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, full, &due, error);
+    if (status == GNEISS_OK)
+        status = gn_elements_limit(ctx, solids, full, &elements_due, error);
+    if (status == GNEISS_OK && full && ctx->step == 0)
+        gn_coupled_stiffen(ctx, dem, solids, zones);
+    if (status == GNEISS_OK)
+        status =
+            gn_coupled_turn_faster(ctx, dem, solids, zones, &turn_faster, error);
+    due |= turn_faster;
     if (status == GNEISS_OK && (due || elements_due)) {
-        status = limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
+        status =
+            limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
         if (status == GNEISS_OK)
-            status = react(ctx, dem, boundary, solids, zones, ctx->stable, error);
+            status =
+                react(ctx, dem, boundary, solids, zones, ctx->stable, error);
     }
     /* Resolves loose contacts of lists that are kept for long. */
     if (status == GNEISS_OK && !full && ctx->scene.has_specimen)
         status = resolve_listed(ctx, dem, boundary, solids, zones, error);
     /* Lists are not checked with a vanishing step. */
     if (status == GNEISS_OK && full) status = gn_world_check_duration(ctx, error);
-    if (status == GNEISS_OK && full)
-        status = check_anew(ctx, dem, boundary, solids, zones, ledger, error);
+    if (status == GNEISS_OK && full) status = check_anew(ctx, dem, boundary, solids, zones, ledger, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
-static gneiss_status check_again(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                 gn_solids *solids, gn_zones *zones, gneiss_error *error) {
+static gneiss_status check_again(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status = resolve_listed(ctx, dem, boundary, solids, zones, error);
+    gneiss_status status =
+        resolve_listed(ctx, dem, boundary, solids, zones, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
-gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                    gneiss_error *error) {
+gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
     if (!gn_debris_exceeds_ledger(ledger)) return GNEISS_OK;
     dem->debris_reported = true;
     gneiss_status status = check_again(ctx, dem, boundary, solids, zones, error);
@@ -390,9 +412,7 @@ gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_bounda
 /* Unbonded debris would be noticed late by lists that are kept for long. Without damping of
  * collisions it is checked whenever another sixteenth of the bonds has broken, from half of them
  * on. */
-gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, int64_t broken_before,
-                                   gneiss_error *error) {
+gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, int64_t broken_before, gneiss_error *error) {
     const int64_t all = dem->bonds_at_start, now = dem->broken_tension + dem->broken_shear;
     if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(ctx, dem))
         return GNEISS_OK;
@@ -400,12 +420,10 @@ gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundar
     return check_again(ctx, dem, boundary, solids, zones, error);
 }
 
-gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
-                                             gn_boundary *boundary, gn_solids *solids,
-                                             gn_zones *zones, gn_ledger *ledger,
-                                             gneiss_error *error) {
+gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
     bool due;
-    if (!ctx->scene.has_specimen || solids->count || ctx->effects & GN_FX_BONDS) return GNEISS_OK;
+    if (!ctx->scene.has_specimen || solids->count || ctx->effects & GN_FX_BONDS)
+        return GNEISS_OK;
     GN_TRY(gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, true, &due, error));
     return limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
 }
@@ -419,11 +437,14 @@ double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const
     return limit;
 }
 
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                      const gn_zones *zones) {
     double limit = ctx->scene.has_specimen ? dem->limit.bound : INFINITY, elements = INFINITY;
     for (size_t k = 0; k < solids->count; k++)
         elements = fmin(elements, solids->elements[k]->limit.bound);
-    return fmin(limit, elements);
+    const double turned = turned_limit(dem, zones, limit);
+    return fmin(together(dem, together(dem, limit, limit_of(zones->state.rate[0])), turned),
+                together(dem, together(dem, elements, limit_of(zones->state.rate[1])), turned));
 }
 
 const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,

@@ -15,12 +15,13 @@
 
 /* Returns the limit of all parts together, s, from that of the particles alone (step_limit.c). */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, double particles);
+                       const gn_solids *solids, const gn_zones *zones, double particles);
 /* Return the least of the limits, s, of the particles and of all bodies of elements, each alone and
  * undamped. */
 double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones);
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids);
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                      const gn_zones *zones);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
@@ -111,18 +112,18 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
                            bool *due, gneiss_error *error);
 /* Finds it for contacts that have rotated since. */
 gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_ledger *ledger, bool *due,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
                                   gneiss_error *error);
 /* Tells whether the step of the world holds with all listed contacts closed; else dem.listed is the
  * step that would. `full`: checks all of them. */
 gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_ledger *ledger, bool full, bool *fine,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, bool *fine,
                                   gneiss_error *error);
 /* Tells whether the step is so short that row sums of the listed contacts prove it stable, without
  * a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids, bool *far,
-                               gneiss_error *error);
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, bool *far, gneiss_error *error);
 /* The shortest collision among what is listed; among all of the scene, when nothing is listed that
  * collides. *shorter: than known before. */
 gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
@@ -143,8 +144,8 @@ gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary
  * room for such a step. */
 gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
-                                    double step, double *of_bound, double *added,
-                                    gneiss_error *error);
+                                    const gn_zones *zones, double step, double *of_bound,
+                                    double *added, gneiss_error *error);
 /* Returns the share of added mass in the kinetic energy, with the velocities of the last half
  * step. */
 double gn_dem_added_kinetic(const gn_dem *dem);

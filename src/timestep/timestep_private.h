@@ -47,7 +47,7 @@ gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
  * without time.mass_scaling and before the first step. `held`: s, the step at which their blocks
  * hold then; 0: not known. */
 gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_ledger *ledger, bool listed,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool listed,
                                    const uint8_t *changed, double *held, gneiss_error *error);
 /* Finds the shortest contact of any two distinct particles, or particle and wall or surface, of the
  * scene, wherever they are, and the stability limit of one such contact alone, s. */
@@ -61,7 +61,7 @@ double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
 /* Returns the limit of the particles, s, at which `step` is the limit of all parts; INFINITY: there
  * is none. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, double step);
+                       const gn_solids *solids, const gn_zones *zones, double step);
 /* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
 

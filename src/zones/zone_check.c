@@ -159,20 +159,26 @@ static gneiss_status check_occupied(const gn_step_context *ctx, const gn_dem *de
                    elements ? "particle" : "element");
 }
 
-/* Particles of zones start at rest, as the nodes do. */
+/* Particles of zones start at rest, as the nodes do, unless springs connect them; so do slaved
+ * spins. */
 static gneiss_status check_at_rest(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_ties *ties, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
+    const bool springs = ctx->scene.couple.constraint == GN_COUPLE_PENALTY,
+               slaved = ctx->scene.couple.spins == GN_COUPLE_SLAVED && q->spin;
     for (size_t k = 0; k < ties->count; k++) {
         const int32_t id = ties->tie[k].id;
-        const double *v = q->vel + 4 * (size_t)id;
-        if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0) continue;
+        const size_t p = 4 * (size_t)id;
+        const double *v = q->vel + p, *o = slaved ? q->spin + p : NULL;
+        const bool moves = !springs && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0);
+        const bool turns = slaved && (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0);
+        if (!moves && !turns) continue;
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.400s:%d:%d: couple: expected particles of zones that start at rest, as "
-                       "the nodes do which lead there, found particle %d with a velocity "
-                       "(initial_velocity, initial.random_velocity)",
+                       "the nodes do which lead there, found particle %d with a %s (%s)",
                        ctx->scene.source, ctx->scene.couple.where.line,
-                       ctx->scene.couple.where.column, id);
+                       ctx->scene.couple.where.column, id, moves ? "velocity" : "spin",
+                       moves ? "initial_velocity, initial.random_velocity" : "initial_spin");
     }
     return GNEISS_OK;
 }

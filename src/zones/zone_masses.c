@@ -111,7 +111,7 @@ void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coup
 void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, const gn_zones *zones, double *inverse) {
     const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
-    if (!q) return;
+    if (!q || q->stiffness) return;
     const gn_fem_solid *b = gn_coupled_solid(solids);
     for (size_t k = 0; k < q->ties.count; k++) {
         const gn_tie *t = &q->ties.tie[k];

@@ -35,6 +35,16 @@ void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
+/* Springs instead of a constraint (zone_penalty.c): sets their stiffnesses from
+ * gn_zone_state.frequency; registers them as what holds particles that touch walls; their part of a
+ * step. */
+void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                    const gn_zones *zones, gn_coupled *q);
+void gn_penalty_hold(gn_world *world);
+void gn_penalty_act(gn_world *world);
+void gn_penalty_follow(gn_world *world);
+void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading);
+
 /* Threads for so many particles or nodes of zones: one where they are few, or where the threads of
  * the particles have found that they wait for each other (sched/pace.h). */
 static inline int gn_coupled_team(const gn_step_context *ctx, const gn_dem *dem, size_t count) {

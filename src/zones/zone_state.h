@@ -62,6 +62,9 @@ typedef struct gn_conversion_parts {
 
 /* Doubles alone, as checkpoints hold it. */
 typedef struct gn_zone_state {
+    double frequency; /* rad/s, largest of the particles, which sets the springs of zones */
+    double rate[2];   /* 1/s: what springs add to the rates 1/dt of particles and elements */
+    double turned;    /* what slaved spins add, over the square of the particles' frequency */
     double whole;     /* s: sharp limit of particles and elements as one; 0: not looked for */
     double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                        * the last measured instant */

@@ -38,7 +38,10 @@ void gn_coupled_free(gn_coupled *coupled) {
     if (!coupled) return;
     gn_ties_free(&coupled->ties);
     gn_consistent_free(&coupled->consistent);
-    gn_free(coupled->before);
+    void *blocks[] = {coupled->turn,      coupled->before, coupled->stiffness,
+                      coupled->viscosity, coupled->stored, coupled->lost,
+                      coupled->drag,      coupled->twist,  coupled->sum};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_free(coupled->place);
     gn_free(coupled->load);
     gn_free(coupled);
@@ -162,6 +165,20 @@ static gneiss_status check_damped(const gn_step_context *ctx, const gn_solids *s
     return GNEISS_OK;
 }
 
+static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
+    const size_t n = q->ties.count + 1;
+    q->stiffness = gn_alloc_array(n, sizeof *q->stiffness);
+    q->viscosity = gn_alloc_array(n, sizeof *q->viscosity);
+    q->stored = gn_alloc_array(n, sizeof *q->stored);
+    q->lost = gn_alloc_array(n, sizeof *q->lost);
+    q->drag = gn_alloc_array(n, sizeof *q->drag);
+    q->twist = gn_alloc_array(n, sizeof *q->twist);
+    q->sum = gn_alloc_array(q->ties.nodes + 1, sizeof *q->sum);
+    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->twist && q->sum)
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
+}
+
 static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                           gn_coupled **out, gneiss_error *error) {
     gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
@@ -184,6 +201,13 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
         GN_TRY(gn_consistent_create(&q->ties, &q->consistent, error));
         GN_TRY(check_damped(ctx, solids, &q->ties, error));
     }
+    if (ctx->scene.couple.spins == GN_COUPLE_SLAVED && ctx->effects & GN_FX_ROTATION) {
+        q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
+        if (!q->turn)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
+                           q->ties.count);
+    }
+    if (ctx->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
     return q->ties.count || ctx->scene.couple.has_convert
                ? GNEISS_OK
                : refuse(ctx, ctx->scene.couple.where, "",
@@ -265,7 +289,9 @@ GN_HOOK(hold) {
     find_places(&w->dem, q);
     for (size_t k = 0; k < q->ties.count; k++)
         if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
-    if (!b->carried)
+    if (q->stiffness)
+        gn_penalty_set(&w->ctx, &w->dem, &w->solids, &w->zones, q); /* particles may have left */
+    else if (!b->carried)
         GN_TRY(lump(&w->dem, &w->solids, q, error)); /* resumed: nodes have it already */
     if (q->before) weigh_consistent(&w->dem, q);
     for (size_t n = 0; n < q->ties.nodes; n++)
@@ -299,9 +325,51 @@ GN_HOOK(read_stress) {
 }
 
 GN_HOOK(add_to_reading) {
+    const gn_coupled *q = w->zones.coupled;
     for (int k = 0; k < 9; k++) w->ledger.stress[k] += w->zones.state.stress[k];
-    w->ledger.reading.kinetic += w->zones.coupled->kinetic;
+    if (q->stiffness)
+        gn_penalty_book(q, &w->ledger.reading);
+    else
+        w->ledger.reading.kinetic += q->kinetic;
     return GNEISS_OK;
+}
+
+/* --- slaved spins --- */
+
+/* If the spin is half the curl of the elements' velocity, w = 1/2 sum_a grad N_a x v_a, the power
+ * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
+ * with gradients at the present positions, the moment T. Such particles have no rotational inertia.
+ */
+static void take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, int width, size_t k) {
+    const size_t p = (size_t)q->place[k], at = width == 8 ? 4 : 0;
+    const bool space = width == 8;
+    double *row = gn_hold_load(&dem->hold, width, p), *spin = dem->particles.spin + 4 * p;
+    double moment[3] = {0.0}, g[4][3];
+    for (size_t a = space ? 0 : 2; a < 3; a++) {
+        moment[a] = 0.5 * row[at + a];
+        row[at + a] = spin[a] = 0.0;
+        if (dem->spin_past) dem->spin_past[4 * p + a] = 0.0;
+    }
+    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(solids)->nodes, g);
+    for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
+}
+
+/* Sets the spin of a particle to half the curl of the nodes' velocity. */
+static void set_spin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                     const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes, *a = &dem->particles;
+    const size_t p = 4 * (size_t)q->place[k];
+    double g[4][3], sum[3] = {0.0};
+    gn_tie_gradients(&q->ties, k, nodes, g);
+    for (int c = 0; c < q->ties.corners; c++) {
+        double of[3];
+        gn_cross3(g[c], nodes->vel + 4 * (size_t)q->ties.tie[k].node[c], of);
+        for (int d = 0; d < 3; d++) sum[d] += 0.5 * of[d];
+    }
+    for (size_t d = ctx->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
+        a->spin[p + d] = sum[d];
+        if (a->spin_f) a->spin_f[p + d] = (float)sum[d];
+    }
 }
 
 static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled *q, size_t n,
@@ -310,6 +378,8 @@ static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled 
         const gn_tie_share *share = &q->ties.share[s];
         const double shape = q->ties.tie[share->tie].shape[share->corner];
         for (int a = 0; a < dimension; a++) row[a] += shape * q->load[share->tie][a];
+        if (!q->turn) continue;
+        for (int a = 0; a < dimension; a++) row[a] += q->turn[share->tie][share->corner][a];
     }
 }
 
@@ -326,7 +396,7 @@ void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, cons
     }
 }
 
-GN_HOOK(act) {
+static void hand_over(gn_world *w) {
     gn_coupled *q = w->zones.coupled;
     const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
     if (q->before) gn_masses_store(&w->solids, q);
@@ -335,10 +405,11 @@ GN_HOOK(act) {
     for (size_t k = 0; k < q->ties.count; k++) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
         if (q->place[k] >= 0) take(&w->ctx, &w->dem, width, (size_t)q->place[k], q->load[k]);
+        if (q->turn) memset(q->turn[k], 0, sizeof q->turn[k]);
+        if (q->turn && q->place[k] >= 0) take_moment(&w->dem, &w->solids, q, width, k);
     }
     gn_coupled_add_to_nodes(&w->ctx, &w->dem, &w->solids, q);
     if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
-    return GNEISS_OK;
 }
 
 /* Velocity and displacement at a tie. */
@@ -372,6 +443,7 @@ static double place(const gn_step_context *ctx, gn_dem *dem, const gn_solids *so
         a->vel_f[4 * p + c] = (float)v[c];
         a->travel_f[4 * p + c] = (float)(a->pos[4 * p + c] - a->ref[4 * p + c]);
     }
+    if (q->turn) set_spin(ctx, dem, solids, q, k);
     return gn_dot3(v, v);
 }
 
@@ -410,7 +482,7 @@ void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *
 }
 
 /* The stored largest speed is that of all particles. */
-GN_HOOK(elements_moved) {
+static gneiss_status follow(gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     gn_coupled *q = w->zones.coupled;
     if (q->before) gn_masses_book(&w->ctx, &w->solids, q);
@@ -426,6 +498,20 @@ GN_HOOK(elements_moved) {
         "step than half the smallest radius: %g m/s, smallest radius %g m; the step is "
         "%.3g s, its stability limit was estimated as %.3g s",
         (long long)w->ctx.step, w->ctx.time, speed, d->radius_min, w->ctx.dt, w->ctx.stable);
+}
+
+GN_HOOK(act) {
+    if (w->zones.coupled->stiffness)
+        gn_penalty_act(w);
+    else
+        hand_over(w);
+    return GNEISS_OK;
+}
+
+GN_HOOK(elements_moved) {
+    if (!w->zones.coupled->stiffness) return follow(w, error);
+    gn_penalty_follow(w);
+    return GNEISS_OK;
 }
 
 static bool has_zones(const gn_world *w) {
@@ -460,32 +546,36 @@ static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     weigh(&w->ctx, &w->dem, &w->solids, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;
-    GN_TRY(lump(&w->dem, &w->solids, *q, error));
-    load_nodes(gn_coupled_solid(&w->solids));
-    place_all(&w->ctx, &w->dem, &w->solids, *q);
+    if (!(*q)->stiffness) {
+        GN_TRY(lump(&w->dem, &w->solids, *q, error));
+        load_nodes(gn_coupled_solid(&w->solids));
+        place_all(&w->ctx, &w->dem, &w->solids, *q);
+    }
     return GNEISS_OK;
 }
 
-static gneiss_status take_over(gn_zones *zones, gn_coupled *q, gneiss_status status) {
-    if (status == GNEISS_OK)
-        zones->coupled = q;
-    else
+static gneiss_status take_over(gn_world *w, gn_coupled *q, gneiss_status status) {
+    if (status != GNEISS_OK) {
         gn_coupled_free(q);
-    return status;
+        return status;
+    }
+    w->zones.coupled = q;
+    if (q->stiffness) gn_penalty_hold(w);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
     gn_coupled *q = NULL;
     if (!w->ctx.scene.has_couple) return GNEISS_OK;
     gneiss_status status = prepare(w, &q, error);
-    return take_over(&w->zones, q, status);
+    return take_over(w, q, status);
 }
 
 gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
     gn_coupled *q = NULL;
     if (!w->ctx.scene.has_couple) return GNEISS_OK;
     gneiss_status status = find(&w->ctx, &w->dem, &w->solids, &q, error);
-    return take_over(&w->zones, q, status);
+    return take_over(w, q, status);
 }
 
 /* --- particles that leave --- */
@@ -501,19 +591,28 @@ static double carried_energy(const gn_solids *solids, const gn_coupled *q) {
     return sum;
 }
 
+/* Returns the energy, J, that is booked as removed with a particle although the nodes have it. */
+static double energy_of_nodes(const gn_dem *dem, const gn_coupled *q, size_t p) {
+    const double *v = dem->particles.vel + 4 * p, *o = dem->particles.spin + 4 * p;
+    double sum = 0.0;
+    if (!q->before && !q->stiffness) sum += 0.5 * gn_dot3(v, v) / v[3];
+    if (q->turn) sum += 0.5 * gn_dot3(o, o) / o[3];
+    return sum;
+}
+
 void gn_coupled_remove(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones, gn_ledger *ledger, const int32_t *gone) {
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
     zones->state.whole = -fabs(zones->state.whole); /* to be looked for anew */
-    const bool lumped = !q->before;
+    const bool lumped = !q->before && !q->stiffness;
     double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {
         if (q->place[k] < 0 || !gone[q->place[k]]) continue;
-        /* Its kinetic energy was booked as removed with it, but is that of the nodes. */
-        const double *v = dem->particles.vel + 4 * (size_t)q->place[k];
-        if (lumped) ledger->energy.removed -= 0.5 * gn_dot3(v, v) / v[3];
+        ledger->energy.removed -= energy_of_nodes(dem, q, (size_t)q->place[k]);
+        if (q->stiffness) ledger->energy.removed += q->stored[k];
+        if (q->stiffness) q->stored[k] = 0.0;
         q->place[k] = -1;
     }
     if (!b->carried) return;

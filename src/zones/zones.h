@@ -31,8 +31,12 @@ typedef struct gn_coupled {
     double (*load)[3];        /* [ties] N, of the contacts of a particle in the last step */
     gn_consistent consistent; /* without ties: masses are lumped */
     double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
+    double (*turn)[4][3];     /* [ties] N, slaved spins: forces of a moment on the corners */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
     gn_whole_limit whole;     /* as it was when last looked for */
+    /* Springs instead of a constraint: [ties] N/m, N s/m, J stored, J lost in half a step, N and
+     * N m of the dashpot; [nodes of ties] scratch. NULL: none. */
+    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], (*twist)[3], *sum;
 } gn_coupled;
 
 void gn_coupled_free(gn_coupled *coupled); /* NULL: nothing to do */
@@ -49,14 +53,22 @@ gneiss_status gn_coupled_recreate(const gn_step_context *ctx, gn_dem *dem, const
 /* Their masses alone. */
 gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zones *zones,
                                gneiss_error *error);
-/* The particles of zones are where nodes are now, with their velocities.
- */
+/* Puts the particles of zones where the nodes are now, with their velocities; not for springs. */
 void gn_coupled_follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones);
-/* At the start, when nodes have begun to move: the same, of those that nodes move.
- */
+/* Does so at the start for the particles that moving nodes lead, with springs as well. */
 void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                       gn_zones *zones);
+
+/* Sets the stiffnesses of springs and their effect on the step at the start, once the limit of the
+ * particles is known (zone_penalty.c). Does nothing without springs. */
+void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                        gn_zones *zones);
+/* Finds the effect of slaved spins on the step (gn_zone_state.turned) at the present positions;
+ * `more`: it has grown (zone_spins.c). */
+gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_solids *solids, gn_zones *zones, bool *more,
+                                     gneiss_error *error);
 
 /* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
  * pressure form, nor where the scene trusts bounds alone. */
