@@ -117,13 +117,14 @@ static bool follow_once(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledg
     return any;
 }
 
-gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool listed, const uint8_t *changed, double *held,
+gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   bool listed, const uint8_t *changed, double *held,
                                    gneiss_error *error) {
     enum { ROUNDS = 8 }; /* of dashpots */
     const gn_mass_scaling *s = &dem->scaling;
     *held = 0.0;
-    if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0))
-        return GNEISS_OK;
+    if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0)) return GNEISS_OK;
     double step = gn_limit_needed(ctx, dem, boundary, solids, zones,
                                   s->reached / (listed ? listed_share : ctx->scene.safety));
     if (!isfinite(step)) return GNEISS_OK; /* other parts leave no room */
@@ -133,8 +134,7 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
                        dem->particles.soa.count);
     gneiss_status status = GNEISS_OK;
     for (int round = 0; round < ROUNDS; round++) {
-        status =
-            gn_dem_masses(ctx, dem, boundary, listed, step, changed, factor, error);
+        status = gn_dem_masses(ctx, dem, boundary, listed, step, changed, factor, error);
         if (status != GNEISS_OK || !follow_once(ctx, dem, ledger, factor)) break;
         if (dem->damping_fraction == 0.0) break;
     }
@@ -148,7 +148,9 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
 
 /* Finds the least part of the step at which the bound has to be evaluated, within half a percent;
  * 0.8 to 0.9 in packings. */
-static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, const wanted *q, gneiss_error *error) {
+static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                            gn_solids *solids, gn_zones *zones, gn_ledger *ledger, const wanted *q,
+                            gneiss_error *error) {
     enum { TRIES = 10 };
     double low = 0.5, high = 1.0, part = q->sharp ? 0.85 : 1.0, added = -1.0;
     for (int k = 1;; k++) {
@@ -227,7 +229,9 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
     return status;
 }
 
-gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
+gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                  gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     if (!(ctx->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
     wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * ctx->dt,
@@ -235,10 +239,8 @@ gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary
     dem->scaling.unscaled = ctx->dt;
     if (q.step <= ctx->dt) return GNEISS_OK;
     double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
-    q.limit =
-        gn_limit_needed(ctx, dem, boundary, solids, zones, q.step / s->safety);
-    q.listed = gn_limit_needed(ctx, dem, boundary, solids, zones,
-                               q.step / listed_share);
+    q.limit = gn_limit_needed(ctx, dem, boundary, solids, zones, q.step / s->safety);
+    q.listed = gn_limit_needed(ctx, dem, boundary, solids, zones, q.step / listed_share);
     if (s->safety * elements < q.step || !isfinite(q.limit))
         return refuse(ctx, solids, q.step, error);
     dem->scaling.step = q.step;

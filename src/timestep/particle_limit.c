@@ -249,13 +249,16 @@ static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
 /* With the bound, raised masses follow the springs that need a smaller step before the step is
  * checked. With the sharp limit all masses are closer to their limit than the bound shows, and a
  * check of few of them proves nothing. */
-static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool listed, const uint8_t *of, const question *q,
+static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                    bool listed, const uint8_t *of, const question *q,
                                     gneiss_error *error) {
     question about = *q;
     about.turned = of;
     double held = 0.0;
     if (ctx->scene.estimate == GN_STEP_BOUND)
-        GN_TRY(gn_dem_follow_masses(ctx, dem, boundary, solids, zones, ledger, listed, of, &held, error));
+        GN_TRY(gn_dem_follow_masses(ctx, dem, boundary, solids, zones, ledger, listed, of, &held,
+                                    error));
     *q->verdict = (gn_step_verdict){.holds = true};
     /* They were raised to hold more than that, within the margin for which a block is not
      * raised. */
@@ -264,21 +267,25 @@ static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_bounda
 }
 
 /* Asks about the particles whose springs have changed since the last check. */
-static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool listed, const question *q,
-                                   gneiss_error *error) {
+static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   bool listed, const question *q, gneiss_error *error) {
     uint8_t *others = NULL;
-    if (!(ctx->effects & GN_FX_MASS_SCALING))
-        return ask(ctx, dem, boundary, listed, q, error);
+    if (!(ctx->effects & GN_FX_MASS_SCALING)) return ask(ctx, dem, boundary, listed, q, error);
     question find_others = {.step = q->step, .verdict = q->verdict, .others = &others};
     gneiss_status status = ask(ctx, dem, boundary, listed, &find_others, error);
-    if (status == GNEISS_OK) status = follow_and_ask(ctx, dem, boundary, solids, zones, ledger, listed, others, q, error);
+    if (status == GNEISS_OK)
+        status =
+            follow_and_ask(ctx, dem, boundary, solids, zones, ledger, listed, others, q, error);
     gn_free(others);
     return status;
 }
 
 /* Tells whether springs that have become active since the last check lower the limit. If there were
  * none at that check, any spring does. */
-static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell, gneiss_error *error) {
+static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell,
+                                gneiss_error *error) {
     /* With elements the particles may hold more than alone. */
     double known = fmax(trusted(ctx, &dem->limit), zones->state.whole);
     gn_step_verdict verdict = {0};
@@ -288,7 +295,9 @@ static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, bool *due, gneiss_error *error) {
+gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                           gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                           bool *due, gneiss_error *error) {
     bool fell = full;
     GN_TRY(gn_loose_find(ctx, dem, error));
     if (!full) GN_TRY(limit_fell(ctx, dem, boundary, solids, zones, ledger, &fell, error));
@@ -301,11 +310,12 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
 /* --- what may happen before the lists are made again --- */
 
 /* A hundredth is left for normals and arms that rotate until the lists are rebuilt. */
-gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, bool *fine, gneiss_error *error) {
+gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                  bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
-    double needed =
-        gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
+    double needed = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
     *fine = false; /* of a given step the answer stays */
     if (!full && ctx->scene.step > 0.0 && ctx->dt > dem->listed) return GNEISS_OK;
     /* The particles have to hold more than they were found to hold, because bodies yield more. */
@@ -326,8 +336,7 @@ gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary
     if (*fine && all) dem->listed_holds = needed;
     if (*fine) return GNEISS_OK;
     dem->listed_holds = finite ? verdict.limit : trusted(ctx, &limit);
-    dem->listed =
-        gn_limit_of_all(ctx, dem, boundary, solids, zones, dem->listed_holds);
+    dem->listed = gn_limit_of_all(ctx, dem, boundary, solids, zones, dem->listed_holds);
     return GNEISS_OK;
 }
 
@@ -394,16 +403,18 @@ static size_t find_turned(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Tells whether the step holds for the rotated contacts, with a margin for further rotation until
  * the lists are rebuilt. */
-static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, const uint8_t *turned, bool *hold,
-                                 gneiss_error *error) {
+static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                 const uint8_t *turned, bool *hold, gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step = gn_limit_needed(ctx, dem, boundary, solids, zones,
-                                          ctx->dt / GN_TURNED_SHARE),
+    question q = {.step =
+                      gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / GN_TURNED_SHARE),
                   .tolerance = tolerance_of(ctx),
                   .verdict = &verdict,
                   .whether = true,
                   .turned = turned};
-    gneiss_status status = follow_and_ask(ctx, dem, boundary, solids, zones, ledger, false, turned, &q, error);
+    gneiss_status status =
+        follow_and_ask(ctx, dem, boundary, solids, zones, ledger, false, turned, &q, error);
     *hold = verdict.holds;
     return status;
 }
@@ -411,7 +422,9 @@ static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary 
 /* Springs that rotate relative to each other have another limit although they stay the same: a
  * bonded chain that is stretched out needs a smaller step than one at a right angle. If the step is
  * not proved to hold, the limit of all particles is found anew. */
-gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due, gneiss_error *error) {
+gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
+                                  gneiss_error *error) {
     bool hold = true;
     uint8_t *turned = gn_alloc(dem->particles.soa.count + 1);
     if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");

@@ -246,7 +246,9 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
     return check_advance(ctx, dem, solids, zones, error);
 }
 
-static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
+static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   gneiss_error *error) {
     bool due;
     GN_TRY(gn_dem_limit_turned(ctx, dem, boundary, solids, zones, ledger, &due, error));
     if (!due) return GNEISS_OK;
@@ -319,7 +321,9 @@ static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_b
     return react(ctx, dem, boundary, solids, zones, ctx->stable, error);
 }
 
-static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, bool *fine, gneiss_error *error) {
+static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                 bool *fine, gneiss_error *error) {
     *fine = true;
     if (!ctx->scene.has_specimen) return GNEISS_OK;
     GN_TRY(check_lighter(ctx, dem, boundary, solids, zones, error));
@@ -327,23 +331,23 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     follow_flight(ctx, dem, boundary);
     gn_world_follow_bodies(ctx, dem, boundary);
     GN_TRY(resolve_listed(ctx, dem, boundary, solids, zones, error));
-    if (!full)
-        GN_TRY(
-            gn_dem_limit_far(ctx, dem, boundary, solids, zones, fine, error));
+    if (!full) GN_TRY(gn_dem_limit_far(ctx, dem, boundary, solids, zones, fine, error));
     if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
     GN_TRY(check_rotated(ctx, dem, boundary, solids, zones, ledger, error));
     GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
-    if (!*fine)
-        GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
+    if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
     /* Two hundredths below the limit, so that the next lists need not lower it again. */
     if (!*fine) lower(ctx, dem, 0.98 * dem->listed);
     return check_advance(ctx, dem, solids, zones, error);
 }
 
-gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
+gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   gneiss_error *error) {
     double start = gn_now();
     bool fine = true;
-    gneiss_status status = check_lists(ctx, dem, boundary, solids, zones, ledger, false, &fine, error);
+    gneiss_status status =
+        check_lists(ctx, dem, boundary, solids, zones, ledger, false, &fine, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     /* A given step is not compared with contacts that may form, but with those that have formed. */
     if (status != GNEISS_OK || fine || ctx->scene.step == 0.0) return status;
@@ -352,7 +356,9 @@ gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundar
 
 /* Chooses the step as at the start: from listed contacts, or from the whole scene if there are
  * none. */
-static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
+static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                gneiss_error *error) {
     bool fine, shorter;
     gn_dem_limit_anew(dem);
     GN_TRY(check_lists(ctx, dem, boundary, solids, zones, ledger, true, &fine, error));
@@ -362,46 +368,47 @@ static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *
     return GNEISS_OK;
 }
 
-gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, gneiss_error *error) {
+gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                  gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
     if (ctx->scene.has_specimen) gn_pressed_update(ctx, dem, boundary);
-    if (ctx->scene.has_specimen) status = gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, full, &due, error);
+    if (ctx->scene.has_specimen)
+        status = gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, full, &due, error);
+    if (status == GNEISS_OK) status = gn_elements_limit(ctx, solids, full, &elements_due, error);
+    if (status == GNEISS_OK && full && ctx->step == 0) gn_coupled_stiffen(ctx, dem, solids, zones);
     if (status == GNEISS_OK)
-        status = gn_elements_limit(ctx, solids, full, &elements_due, error);
-    if (status == GNEISS_OK && full && ctx->step == 0)
-        gn_coupled_stiffen(ctx, dem, solids, zones);
-    if (status == GNEISS_OK)
-        status =
-            gn_coupled_turn_faster(ctx, dem, solids, zones, &turn_faster, error);
+        status = gn_coupled_turn_faster(ctx, dem, solids, zones, &turn_faster, error);
     due |= turn_faster;
     if (status == GNEISS_OK && (due || elements_due)) {
-        status =
-            limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
+        status = limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
         if (status == GNEISS_OK)
-            status =
-                react(ctx, dem, boundary, solids, zones, ctx->stable, error);
+            status = react(ctx, dem, boundary, solids, zones, ctx->stable, error);
     }
     /* Resolves loose contacts of lists that are kept for long. */
     if (status == GNEISS_OK && !full && ctx->scene.has_specimen)
         status = resolve_listed(ctx, dem, boundary, solids, zones, error);
     /* Lists are not checked with a vanishing step. */
     if (status == GNEISS_OK && full) status = gn_world_check_duration(ctx, error);
-    if (status == GNEISS_OK && full) status = check_anew(ctx, dem, boundary, solids, zones, ledger, error);
+    if (status == GNEISS_OK && full)
+        status = check_anew(ctx, dem, boundary, solids, zones, ledger, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
-static gneiss_status check_again(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gneiss_error *error) {
+static gneiss_status check_again(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                 gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status =
-        resolve_listed(ctx, dem, boundary, solids, zones, error);
+    gneiss_status status = resolve_listed(ctx, dem, boundary, solids, zones, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
-gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
+gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                    gneiss_error *error) {
     if (!gn_debris_exceeds_ledger(ledger)) return GNEISS_OK;
     dem->debris_reported = true;
     gneiss_status status = check_again(ctx, dem, boundary, solids, zones, error);
@@ -412,7 +419,9 @@ gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_bounda
 /* Unbonded debris would be noticed late by lists that are kept for long. Without damping of
  * collisions it is checked whenever another sixteenth of the bonds has broken, from half of them
  * on. */
-gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, int64_t broken_before, gneiss_error *error) {
+gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                   gn_solids *solids, gn_zones *zones, int64_t broken_before,
+                                   gneiss_error *error) {
     const int64_t all = dem->bonds_at_start, now = dem->broken_tension + dem->broken_shear;
     if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(ctx, dem))
         return GNEISS_OK;
@@ -420,10 +429,12 @@ gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundar
     return check_again(ctx, dem, boundary, solids, zones, error);
 }
 
-gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids, gn_zones *zones, gn_ledger *ledger, gneiss_error *error) {
+gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
+                                             gn_boundary *boundary, gn_solids *solids,
+                                             gn_zones *zones, gn_ledger *ledger,
+                                             gneiss_error *error) {
     bool due;
-    if (!ctx->scene.has_specimen || solids->count || ctx->effects & GN_FX_BONDS)
-        return GNEISS_OK;
+    if (!ctx->scene.has_specimen || solids->count || ctx->effects & GN_FX_BONDS) return GNEISS_OK;
     GN_TRY(gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, true, &due, error));
     return limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
 }

@@ -117,8 +117,8 @@ gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary
 /* Tells whether the step of the world holds with all listed contacts closed; else dem.listed is the
  * step that would. `full`: checks all of them. */
 gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full, bool *fine,
-                                  gneiss_error *error);
+                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                  bool *fine, gneiss_error *error);
 /* Tells whether the step is so short that row sums of the listed contacts prove it stable, without
  * a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,

@@ -47,8 +47,9 @@ gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
  * without time.mass_scaling and before the first step. `held`: s, the step at which their blocks
  * hold then; 0: not known. */
 gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool listed,
-                                   const uint8_t *changed, double *held, gneiss_error *error);
+                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                   bool listed, const uint8_t *changed, double *held,
+                                   gneiss_error *error);
 /* Finds the shortest contact of any two distinct particles, or particle and wall or surface, of the
  * scene, wherever they are, and the stability limit of one such contact alone, s. */
 gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,

@@ -5,7 +5,7 @@
 #include "frame/step_context.h"
 #include "particles/dem.h"
 #include "particles/flow.h"
-#include "particles/invariants.h"
+#include "world/invariants.h"
 #include "timestep/indentation.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"

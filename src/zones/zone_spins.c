@@ -19,9 +19,9 @@
 #include "frame/step_context.h"
 #include "particles/dem.h"
 #include "soa/records.h"
+#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
-#include "zones/zone_parts.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* Invariants of a world between two steps, checked in builds with assertions. */
-#ifndef GN_PARTICLES_INVARIANTS_H
-#define GN_PARTICLES_INVARIANTS_H
+#ifndef GN_WORLD_INVARIANTS_H
+#define GN_WORLD_INVARIANTS_H
 
 #include "frame/parts.h"
 

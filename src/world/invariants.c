@@ -1,4 +1,5 @@
-#include "particles/invariants.h"
+#include "world/invariants.h"
+#include "boundary/boundary.h"
 
 #include "frame/step_context.h"
 #include "kernels/partials.h"
