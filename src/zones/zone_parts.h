@@ -35,15 +35,22 @@ void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
-/* Springs instead of a constraint (zone_penalty.c): sets their stiffnesses from
+/* Springs instead of a constraint (zone_penalty.c): makes them; sets their stiffnesses from
  * gn_zone_state.frequency; registers them as what holds particles that touch walls; their part of a
  * step. */
+gneiss_status gn_penalty_create(gn_coupled *q, gneiss_error *error);
 void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_zones *zones, gn_coupled *q);
 void gn_penalty_hold(gn_world *world);
 void gn_penalty_act(gn_world *world);
 void gn_penalty_follow(gn_world *world);
 void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading);
+
+/* Slaved spins (zone_spins.c): takes the moment on the particle of a tie and sets coupled->turn;
+ * sets the particle's spin to half the curl of the nodes' velocity. */
+void gn_spins_take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, int width, size_t k);
+void gn_spins_set(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                  const gn_coupled *q, size_t k);
 
 /* Threads for so many particles or nodes of zones: one where they are few, or where the threads of
  * the particles have found that they wait for each other (sched/pace.h). */

@@ -8,6 +8,8 @@
  * Step: with |a - b|^2 <= (1 + e) |a|^2 + (1 + 1/e) |b|^2 for any e > 0 the square of the largest
  * frequency of the whole is at most
  *     max( w_D^2 + (1 + e) max_i k_i/m_i, w_F^2 + (1 + 1/e) max_a sum_i k_i N_a(X_i)/m_a ). */
+#include "base/error.h"
+#include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "couple/ties.h"
@@ -23,6 +25,20 @@
 #include "zones/zones.h"
 
 #include <math.h>
+
+gneiss_status gn_penalty_create(gn_coupled *q, gneiss_error *error) {
+    const size_t n = q->ties.count + 1;
+    q->stiffness = gn_alloc_array(n, sizeof *q->stiffness);
+    q->viscosity = gn_alloc_array(n, sizeof *q->viscosity);
+    q->stored = gn_alloc_array(n, sizeof *q->stored);
+    q->lost = gn_alloc_array(n, sizeof *q->lost);
+    q->drag = gn_alloc_array(n, sizeof *q->drag);
+    q->twist = gn_alloc_array(n, sizeof *q->twist);
+    q->sum = gn_alloc_array(q->ties.nodes + 1, sizeof *q->sum);
+    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->twist && q->sum)
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
+}
 
 /* Sets `gap`, m, to the vector from a particle to its point in the elements. */
 static void gap_of(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q, size_t k,

@@ -1,29 +1,75 @@
-/* Effect of slaved spins on the step. Such particles add the springs that resist their rotation
- * without their inertia: their energy is at most w_D^2 (sum m v^2 + sum I w^2), where w_D is the
- * largest frequency of the particles alone, but the second sum is no part of the kinetic energy of
- * the whole. If it is at most s times v M v, M the masses of the nodes with all that they carry,
- * the square of the largest frequency is at most max(w_D^2, w_F^2) + s w_D^2.
+/* Slaved spins: their part of a step, and their effect on its limit.
+ *
+ * Such particles add the springs that resist their rotation without their inertia: their energy is
+ * at most w_D^2 (sum m v^2 + sum I w^2), where w_D is the largest frequency of the particles alone,
+ * but the second sum is no part of the kinetic energy of the whole. If it is at most s times v M v,
+ * M the masses of the nodes with all that they carry, the square of the largest frequency is at
+ * most max(w_D^2, w_F^2) + s w_D^2.
  *
  * s is the largest value of the elements, each taken with its particles and a share of the masses
  * of its nodes, because all sums are sums over elements: with w = 1/2 sum_a g_a x v_a in one
- * element, sum I w^2 is at most v M_e v times I_e |1/4 (tr G - G)|,   G = sum_ab (M_e^-1)_ab g_a
- * g_b^T, in the plane 1/4 I_e tr G. M_e is diagonal for lumped masses; for consistent masses it is
- * N^T m N of the element's particles plus a share of the nodes' own masses, which alone resist a
- * motion that rotates the particles without moving them. Nodes are divided among their elements by
- * the inertias in these. */
+ * element, sum I w^2 is at most v M_e v times
+ *     I_e |1/4 (tr G - G)|,   G = sum_ab (M_e^-1)_ab g_a g_b^T,
+ * in the plane 1/4 I_e tr G. M_e is diagonal for lumped masses; for consistent masses it is N^T m N
+ * of the element's particles plus a share of the nodes' own masses, which alone resist a motion
+ * that rotates the particles without moving them. Nodes are divided among their elements by the
+ * inertias in these. */
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "couple/ties.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "scene/scene.h"
+#include "sched/hold.h"
 #include "soa/records.h"
 #include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
 #include <math.h>
+
+/* --- their part of a step --- */
+
+/* If the spin is half the curl of the elements' velocity, w = 1/2 sum_a grad N_a x v_a, the power
+ * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
+ * with gradients at the present positions, the moment T. Such particles have no rotational inertia.
+ */
+void gn_spins_take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, int width,
+                          size_t k) {
+    const size_t p = (size_t)q->place[k], at = width == 8 ? 4 : 0;
+    const bool space = width == 8;
+    double *row = gn_hold_load(&dem->hold, width, p), *spin = dem->particles.spin + 4 * p;
+    double moment[3] = {0.0}, g[4][3];
+    for (size_t a = space ? 0 : 2; a < 3; a++) {
+        moment[a] = 0.5 * row[at + a];
+        row[at + a] = spin[a] = 0.0;
+        if (dem->spin_past) dem->spin_past[4 * p + a] = 0.0;
+    }
+    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(solids)->nodes, g);
+    for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
+}
+
+void gn_spins_set(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                  const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes, *a = &dem->particles;
+    const size_t p = 4 * (size_t)q->place[k];
+    double g[4][3], sum[3] = {0.0};
+    gn_tie_gradients(&q->ties, k, nodes, g);
+    for (int c = 0; c < q->ties.corners; c++) {
+        double of[3];
+        gn_cross3(g[c], nodes->vel + 4 * (size_t)q->ties.tie[k].node[c], of);
+        for (int d = 0; d < 3; d++) sum[d] += 0.5 * of[d];
+    }
+    for (size_t d = ctx->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
+        a->spin[p + d] = sum[d];
+        if (a->spin_f) a->spin_f[p + d] = (float)sum[d];
+    }
+}
+
+/* --- the limit of the step --- */
 
 enum { CORNERS = 4 };
 

@@ -165,20 +165,6 @@ static gneiss_status check_damped(const gn_step_context *ctx, const gn_solids *s
     return GNEISS_OK;
 }
 
-static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
-    const size_t n = q->ties.count + 1;
-    q->stiffness = gn_alloc_array(n, sizeof *q->stiffness);
-    q->viscosity = gn_alloc_array(n, sizeof *q->viscosity);
-    q->stored = gn_alloc_array(n, sizeof *q->stored);
-    q->lost = gn_alloc_array(n, sizeof *q->lost);
-    q->drag = gn_alloc_array(n, sizeof *q->drag);
-    q->twist = gn_alloc_array(n, sizeof *q->twist);
-    q->sum = gn_alloc_array(q->ties.nodes + 1, sizeof *q->sum);
-    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->twist && q->sum)
-        return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
-}
-
 static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                           gn_coupled **out, gneiss_error *error) {
     gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
@@ -207,7 +193,7 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
             return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
                            q->ties.count);
     }
-    if (ctx->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
+    if (ctx->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(gn_penalty_create(q, error));
     return q->ties.count || ctx->scene.couple.has_convert
                ? GNEISS_OK
                : refuse(ctx, ctx->scene.couple.where, "",
@@ -334,44 +320,6 @@ GN_HOOK(add_to_reading) {
     return GNEISS_OK;
 }
 
-/* --- slaved spins --- */
-
-/* If the spin is half the curl of the elements' velocity, w = 1/2 sum_a grad N_a x v_a, the power
- * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
- * with gradients at the present positions, the moment T. Such particles have no rotational inertia.
- */
-static void take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, int width, size_t k) {
-    const size_t p = (size_t)q->place[k], at = width == 8 ? 4 : 0;
-    const bool space = width == 8;
-    double *row = gn_hold_load(&dem->hold, width, p), *spin = dem->particles.spin + 4 * p;
-    double moment[3] = {0.0}, g[4][3];
-    for (size_t a = space ? 0 : 2; a < 3; a++) {
-        moment[a] = 0.5 * row[at + a];
-        row[at + a] = spin[a] = 0.0;
-        if (dem->spin_past) dem->spin_past[4 * p + a] = 0.0;
-    }
-    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(solids)->nodes, g);
-    for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
-}
-
-/* Sets the spin of a particle to half the curl of the nodes' velocity. */
-static void set_spin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
-                     const gn_coupled *q, size_t k) {
-    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes, *a = &dem->particles;
-    const size_t p = 4 * (size_t)q->place[k];
-    double g[4][3], sum[3] = {0.0};
-    gn_tie_gradients(&q->ties, k, nodes, g);
-    for (int c = 0; c < q->ties.corners; c++) {
-        double of[3];
-        gn_cross3(g[c], nodes->vel + 4 * (size_t)q->ties.tie[k].node[c], of);
-        for (int d = 0; d < 3; d++) sum[d] += 0.5 * of[d];
-    }
-    for (size_t d = ctx->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
-        a->spin[p + d] = sum[d];
-        if (a->spin_f) a->spin_f[p + d] = (float)sum[d];
-    }
-}
-
 static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled *q, size_t n,
                                                                double *row, int dimension) {
     for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
@@ -406,7 +354,7 @@ static void hand_over(gn_world *w) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
         if (q->place[k] >= 0) take(&w->ctx, &w->dem, width, (size_t)q->place[k], q->load[k]);
         if (q->turn) memset(q->turn[k], 0, sizeof q->turn[k]);
-        if (q->turn && q->place[k] >= 0) take_moment(&w->dem, &w->solids, q, width, k);
+        if (q->turn && q->place[k] >= 0) gn_spins_take_moment(&w->dem, &w->solids, q, width, k);
     }
     gn_coupled_add_to_nodes(&w->ctx, &w->dem, &w->solids, q);
     if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
@@ -443,7 +391,7 @@ static double place(const gn_step_context *ctx, gn_dem *dem, const gn_solids *so
         a->vel_f[4 * p + c] = (float)v[c];
         a->travel_f[4 * p + c] = (float)(a->pos[4 * p + c] - a->ref[4 * p + c]);
     }
-    if (q->turn) set_spin(ctx, dem, solids, q, k);
+    if (q->turn) gn_spins_set(ctx, dem, solids, q, k);
     return gn_dot3(v, v);
 }
 
