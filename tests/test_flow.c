@@ -1,4 +1,5 @@
 /* Sources, sinks, planes that count, and particles that were lost. */
+#include "inflow/sources.h"
 #include "world_helpers.h"
 
 #include "particles/dem.h"

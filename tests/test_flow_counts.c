@@ -1,5 +1,7 @@
 /* Numbers of particles that sources bring and sinks take, whatever the steps at which they act.
  */
+#include "inflow/removal.h"
+#include "inflow/sources.h"
 #include "surface_helpers.h"
 
 #include "run/run.h"

@@ -1,19 +1,29 @@
 """Holds the includes of src, bench and validate against the table of docs/design.md: `./do check layers`.
 
 A folder may include itself, base, and what its row names; a row names only folders above it, so that there is no circle.
-A name with a slash is one header; `A to B` stands for all rows from A to B. No folder includes a <folder>_private.h of another. Includes that break these rules and are left stand in
-tools/layers_upward.txt; a line there that no file needs is refused, so that the list only shrinks. Functions above 60 lines are refused as well.
+A name with a slash is one header; `A to B` stands for all rows from A to B. No folder includes a <folder>_private.h of another.
+Includes that break these rules and are left stand in tools/layers_upward.txt; a line there that no file needs is refused, so that the list only
+shrinks. A function is declared in a header of the folder that defines it, so that calls follow the includes. Fields of the parts (PARTS) are written
+in the folder of the part; tools/layers_writes.txt has the numbers of other writes that are left, which may only fall. Functions above 60 lines are
+refused as well.
 Prints file:line of whatever is not so.
 """
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 TABLE = ROOT / "docs" / "design.md"
 UPWARD = ROOT / "tools" / "layers_upward.txt"
+WRITES = ROOT / "tools" / "layers_writes.txt"
+PARTS = {"dem": "particles", "boundary": "boundary", "solids": "solids", "zones": "zones"}
 LONGEST = 60
 INCLUDE = re.compile(r'\s*#\s*include\s+[<"]([^">]+)[">]')
+COMMENT = re.compile(r"/\*.*?\*/", re.S)
+FUNCTION = re.compile(r"^(?!static|typedef|extern)[A-Za-z_][\w \*]*?[ \*](gn_\w+)\((?:[^(){};]|\([^()]*\))*\)\s*([;{])", re.M)
+WRITE = re.compile(r"(?:\b(?P<own>dem|boundary|solids|zones)->|\b(?:w|world)(?:->|\.)(?P<of>dem|boundary|solids|zones)\.)"
+                   r"[\w.]+(?:->\w+|\[[^\]]*\]|\.\w+)*\s*(?:[-+*/|&^]=|=(?!=)|\+\+|--)")
 
 
 def uses_of(cell, above):
@@ -71,6 +81,30 @@ def check_includes(path, table, known, needed):
             yield f"{path.relative_to(ROOT)}:{number}: {room} includes {header}, which its row does not name"
 
 
+def check_declarations(sources):
+    """A function that is declared in one folder and defined in another would let calls pass by the includes."""
+    texts = {path: COMMENT.sub("", path.read_text()) for path in sources}
+    defined = {name: path for path, text in texts.items() if path.suffix == ".c" for name, end in FUNCTION.findall(text) if end == "{"}
+    for path, text in texts.items():
+        for name, end in FUNCTION.findall(text) if path.suffix == ".h" else ():
+            if end == ";" and name in defined and room_of(defined[name]) != room_of(path):
+                yield f"{path.relative_to(ROOT)}: declares {name}, which {defined[name].relative_to(ROOT)} defines: expected one folder"
+
+
+def check_writes(sources):
+    """Counts assignments to fields of a part in other folders; locals that point into a part are not seen."""
+    found = Counter()
+    for path in sources:
+        for write in WRITE.finditer(COMMENT.sub("", path.read_text())) if path.suffix == ".c" else ():
+            part = write["own"] or write["of"]
+            if room_of(path) != PARTS[part]:
+                found[f"{room_of(path)} {part}"] += 1
+    known = {line.rsplit(" ", 1)[0]: int(line.rsplit(" ", 1)[1]) for line in WRITES.read_text().splitlines()}
+    for key in sorted(set(known) | set(found)):
+        if found[key] != known.get(key, 0):
+            yield f"{WRITES.relative_to(ROOT)}: {key}: expected {known.get(key, 0)} writes to a field of the part, found {found[key]}"
+
+
 def check_lengths(path):
     start = None
     for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -93,6 +127,8 @@ def main():
     for path in sources:
         problems += check_includes(path, table, known, needed)
         problems += check_lengths(path)
+    code = [path for path in sources if path.relative_to(ROOT).parts[0] == "src"]
+    problems += [*check_declarations(code), *check_writes(code)]
     problems += [f"{UPWARD.relative_to(ROOT)}: no file needs '{line}'" for line in sorted(known - needed)]
     print(*problems, sep="\n", end="\n" if problems else "")
     return bool(problems)

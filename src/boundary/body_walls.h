@@ -53,10 +53,6 @@ typedef struct gn_body_wall {
 } gn_body_wall;
 gn_body_wall gn_body_wall_at(const gn_step_context *ctx, const gn_boundary *boundary, size_t row);
 
-/* Returns the largest squared frequency, 1/s2, of the body of a row on the springs of its wall, all
- * listed ones closed; moves *row to the first row of the next group (surface_limit.c). */
-double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t *row);
-
 /* Returns an upper bound of that of any body on any wall, wherever they are. */
 double gn_body_walls_bound(const gn_step_context *ctx, const gn_boundary *boundary);
 

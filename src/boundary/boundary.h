@@ -126,17 +126,6 @@ void gn_boundary_measure(const gn_step_context *ctx, const gn_boundary *boundary
 /* Adds the largest resultant on a free body over its weight, its load and a mean contact force. */
 void gn_boundary_balance(const gn_step_context *ctx, const gn_boundary *boundary,
                          gn_balance *balance);
-/* Checks that nothing moved too far in the step (paths.c). */
-gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, gneiss_error *error);
-
-/* Limits by bodies and vertices of elements that yield (surface_limit.c). The first tells
- * whether their rates have risen by more than a fiftieth; the second also stores them then, or
- * if `anew`. */
-gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, bool *more, gneiss_error *error);
-gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error);
 
 uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h);
 size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary);

@@ -12,6 +12,8 @@
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
 #include "conversion/conversion.h"
+#include "inflow/removal.h"
+#include "inflow/sources.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"

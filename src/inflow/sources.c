@@ -1,4 +1,5 @@
 /* Particles that flow in: those that are due and have room. */
+#include "inflow/sources.h"
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -8,6 +9,7 @@
 #include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "inflow/free_space.h"
+#include "inflow/removal.h"
 #include "pack/domain.h"
 #include "pack/sizes.h"
 #include "particles/dem.h"

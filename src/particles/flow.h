@@ -67,44 +67,8 @@ double gn_flow_mean_radius(const gn_step_context *ctx);
 void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[3],
                     double upper[3]);
 
-/* Tells whether a source has a particle that is due and the lists are old enough to be rebuilt for
- * it. */
-bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem);
-/* Lets in what is due and finds room. At the start (`first`) there must be particles then. */
-gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                             gn_ledger *ledger, bool first, gneiss_error *error);
-/* s by which what came in is behind what should have; whether that is more than a hundredth of the
- * time and more than one particle. */
-double gn_flow_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);
-bool gn_flow_is_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);
-/* Particles that source k brings between two looks, which lack at the end of a run in which it
- * still feeds; 0: at most one, or a hundredth of what it brings. */
-double gn_flow_late(const gn_step_context *ctx, const gn_dem *dem, size_t k);
-/* Particles that source k brings until time.end by its rate, at most its total. */
-double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k);
-/* Tells whether a source will bring more particles until time.end, and has not waited for room
- * since it last looked. */
-bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem);
-/* The wall that has all of the region of source k behind it; NULL: none has. */
-const char *gn_flow_wall_before(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, size_t k);
-
 /* Tells whether a particle is inside the region of a sink. */
 bool gn_sink_has(const gn_step_context *ctx, const gn_dem *dem, size_t sink, const double x[4]);
-/* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
-double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink);
-/* Tells whether a particle is where a sink has it, or was there at any time of the last step if the
- * sink is thin. */
-bool gn_sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle);
-/* Tells whether a sink that is thin beside the ways on which lists stand has a particle to remove;
- * such sinks are looked at in every step. */
-bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem);
-/* The lists are made. */
-void gn_sinks_listed(const gn_step_context *ctx, gn_dem *dem);
-/* Tells whether there are particles that never are wholly inside of a sink; then the text says so.
- */
-bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
-                         size_t size);
 /* Counts particles that cross planes which do not remove: since the lists were made. */
 void gn_flow_count(const gn_step_context *ctx, gn_dem *dem);
 gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t particle,
@@ -113,14 +77,6 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
 void gn_flow_row(const gn_step_context *ctx, gn_dem *dem);
 /* Particles that are there. */
 size_t gn_world_present(const gn_dem *dem);
-
-/* removal.c: room for those that come in, behind the others; the lists have to be made anew. */
-gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const gn_arrival *arrivals, size_t count, gneiss_error *error);
-/* Leaves out the rows of particles that are gone, once they are many, but for those that have
- * bonds. Before anything is removed that the lists still hold. */
-gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          gneiss_error *error);
 
 uint64_t gn_flow_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);
 

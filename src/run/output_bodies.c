@@ -1,4 +1,5 @@
 /* Rigid bodies as files: snapshots and their group in results.h5 (docs/results.md). */
+#include "inflow/sources.h"
 #include "run/output_table.h"
 
 #include "base/error.h"

@@ -1,6 +1,7 @@
 #include "run/quantities.h"
 
 #include "conversion/conversion.h"
+#include "inflow/sources.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"

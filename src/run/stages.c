@@ -6,6 +6,7 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "frame/balance.h"
+#include "inflow/sources.h"
 #include "particles/flow.h"
 #include "run/spacing.h"
 #include "scene/laboratory.h"

@@ -2,6 +2,8 @@
 #include "run/warnings.h"
 #include "base/point.h"
 #include "conversion/conversion.h"
+#include "inflow/removal.h"
+#include "inflow/sources.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "particles/bonds.h"

@@ -77,9 +77,6 @@ void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *s
 /* then that of the others; with `measure` also stress and unbalanced. */
 gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn_ledger *ledger,
                                double *seconds, bool measure, gneiss_error *error);
-/* That no node that particles touch moved too far in the step (paths.c). */
-gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_solids *solids, gneiss_error *error);
 /* Adds their ledgers of the last measured step. */
 void gn_elements_book(const gn_solids *solids, gn_energy *ledger);
 

@@ -16,6 +16,7 @@
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "soa/records.h"
+#include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
 #include "zones/zone_parts.h"
 #include "zones/zone_state.h"
@@ -347,4 +348,15 @@ const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t siz
         snprintf(place, sizeof place, "particle %d", limit->particle);
     snprintf(text, size, "the %s, %s", gn_side_text(limit->side), place);
     return text;
+}
+
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_solids *solids, const gn_zones *zones) {
+    const gn_element_model *lead = NULL;
+    for (size_t k = 0; k < solids->count; k++)
+        if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];
+    const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
+    if (whole) return whole->side == GN_SIDE_ELEMENTS ? lead : NULL;
+    bool after = lead && ctx->scene.has_specimen && dem->stable < lead->stable;
+    return after ? NULL : lead;
 }

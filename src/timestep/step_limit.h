@@ -8,6 +8,7 @@
 #include "frame/parts.h"
 #include "particles/dem.h"
 #include "scene/scene.h"
+#include "zones/zones.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -153,5 +154,48 @@ double gn_dem_added_kinetic(const gn_dem *dem);
 /* That no particle went bad or too far in the step (paths.c). */
 gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, bool measure, gneiss_error *error);
+
+/* Returns the largest squared frequency, 1/s2, of the body of a row on the springs of its wall, all
+ * listed ones closed; moves *row to the first row of the next group (surface_limit.c). */
+double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t *row);
+
+/* Checks that nothing moved too far in the step (paths.c). */
+gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, gneiss_error *error);
+
+/* Limits by bodies and vertices of elements that yield (surface_limit.c). The first tells
+ * whether their rates have risen by more than a fiftieth; the second also stores them then, or
+ * if `anew`. */
+gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_boundary *boundary, bool *more, gneiss_error *error);
+
+gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error);
+
+/* That no node that particles touch moved too far in the step (paths.c). */
+gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_solids *solids, gneiss_error *error);
+
+/* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
+ * pressure form, nor where the scene trusts bounds alone. */
+bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids);
+
+gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, bool listed, gn_whole_limit *limit,
+                               gneiss_error *error);
+
+/* As last looked for; NULL: not looked for. */
+const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones);
+
+/* Names the side ("particles", "elements", "zone") and its member ("particle 12", "a node of the
+ * mesh, 12"). */
+const char *gn_side_text(gn_side side);
+
+const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
+
+/* Returns the body of elements that sets the step, NULL: none does. */
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_solids *solids, const gn_zones *zones);
 
 #endif

@@ -8,6 +8,7 @@
 #include "drive/box.h"
 #include "frame/periodic_box.h"
 #include "inflow/removal.h"
+#include "inflow/sources.h"
 #include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/fragments.h"

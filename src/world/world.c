@@ -11,6 +11,7 @@
 #include "drive/box.h"
 #include "frame/ledger.h"
 #include "frame/step_context.h"
+#include "inflow/sources.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
 #include "laboratory/ends.h"

@@ -613,14 +613,3 @@ const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id) {
 bool gn_coupled_has(const gn_coupled *q, int32_t id) {
     return gn_coupled_tie(q, id) != NULL;
 }
-
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_solids *solids, const gn_zones *zones) {
-    const gn_element_model *lead = NULL;
-    for (size_t k = 0; k < solids->count; k++)
-        if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];
-    const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
-    if (whole) return whole->side == GN_SIDE_ELEMENTS ? lead : NULL;
-    bool after = lead && ctx->scene.has_specimen && dem->stable < lead->stable;
-    return after ? NULL : lead;
-}

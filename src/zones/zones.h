@@ -70,20 +70,6 @@ gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *d
                                      const gn_solids *solids, gn_zones *zones, bool *more,
                                      gneiss_error *error);
 
-/* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
- * pressure form, nor where the scene trusts bounds alone. */
-bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids);
-gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, bool listed, gn_whole_limit *limit,
-                               gneiss_error *error);
-/* As last looked for; NULL: not looked for. */
-const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones);
-/* Names the side ("particles", "elements", "zone") and its member ("particle 12", "a node of the
- * mesh, 12"). */
-const char *gn_side_text(gn_side side);
-const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
-
 /* Tells whether a particle, by its id, belongs to a zone. */
 bool gn_coupled_has(const gn_coupled *q, int32_t id);
 /* Where it is in the elements; NULL: it is none. */
@@ -156,9 +142,5 @@ void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_sol
                      const gn_zones *zones, size_t k, gn_zone_figures *figures);
 /* Tells whether the mass of a zone's particles differs from the share that the elements leave. */
 bool gn_zone_is_off(const gn_zone_figures *figures);
-
-/* Returns the body of elements that sets the step, NULL: none does. */
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_solids *solids, const gn_zones *zones);
 
 #endif
