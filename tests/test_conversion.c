@@ -7,6 +7,7 @@
 #include "particles/flow.h"
 #include "particles/sets.h"
 #include "parts.h"
+#include "run/spacing.h"
 #include "run/warnings.h"
 #include "run_helpers.h"
 #include "solids/dormant_places.h"
@@ -826,7 +827,7 @@ static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     gn_run *run = busy_run(false, 1, "double"), *again = calloc(1, sizeof *again);
     const double step = run->world.ctx.dt, end = 1000.0 * step;
     run->world.ctx.scene.end = end;
-    run->history_interval = 1000 / ROWS;
+    gn_run_space_rows(run, 1000 / ROWS);
     if (gn_run_steps(run, 500, &error) != GNEISS_OK) fail_msg("%s", error.message);
     if (gn_checkpoint_write(run, path, &error) != GNEISS_OK ||
         gn_checkpoint_load(path, NULL, 0, again, &error) != GNEISS_OK)
@@ -856,7 +857,7 @@ static void a_row_at_a_conversion_counts_both_sides_after_it(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_run *run = busy_run(false, 1, "double");
-    run->history_interval = 1;
+    gn_run_space_rows(run, 1);
     if (gn_run_steps(run, 90, &error) != GNEISS_OK) fail_msg("%s", error.message);
     const double *elements = gn_history_column(&run->history, "elements"),
                  *particles = gn_history_column(&run->history, "particles");

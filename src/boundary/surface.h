@@ -34,7 +34,7 @@ typedef struct gn_rigid {
     double ref_position[3], ref_axes[9]; /* position then */
 } gn_rigid;
 
-/* What contacts ask of a body whose surface deforms; solids provide it. */
+/* Functions of a body whose surface deforms, for contacts; solids provide them. */
 typedef struct gn_deforming_body {
     /* Takes the present positions as those of the lists. */
     void (*refer)(gn_element_model *elements);

@@ -355,8 +355,8 @@ const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_de
     const gn_element_model *lead = NULL;
     for (size_t k = 0; k < solids->count; k++)
         if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];
-    const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
-    if (whole) return whole->side == GN_SIDE_ELEMENTS ? lead : NULL;
+    const gn_whole_limit *found = gn_coupled_whole(ctx, zones);
+    if (found) return found->side == GN_SIDE_ELEMENTS ? lead : NULL;
     bool after = lead && ctx->scene.has_specimen && dem->stable < lead->stable;
     return after ? NULL : lead;
 }
