@@ -152,5 +152,10 @@ gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_er
     for (size_t k = 0; k < COUNT(columns); k++)
         GN_TRY(gn_h5_get(file, columns[k].name, columns[k].type, count, columns[k].components,
                          sizeof *list->rows, (char *)list->rows + columns[k].offset, error));
+    for (size_t k = 0; k < count; k++)
+        if (list->rows[k].cause < 0 || list->rows[k].cause > GN_EVENT_YIELD)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "events/cause[%zu]: expected 0 to %d, found %d", k, GN_EVENT_YIELD,
+                           (int)list->rows[k].cause);
     return GNEISS_OK;
 }

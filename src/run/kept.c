@@ -225,8 +225,10 @@ void gn_kept_plan(gn_run *run) {
     gn_kept *k = &run->kept;
     k->part = k->halvings ? (k->part / part_size(k) + 1) * part_size(k) : PARTS;
     if (k->part >= PARTS) k->part = 0;
-    run->snapshot_next =
-        k->base + (k->part ? k->part * run->snapshot_interval / PARTS : run->snapshot_interval);
+    const int64_t whole = run->snapshot_interval / PARTS, rest = run->snapshot_interval % PARTS,
+                  steps =
+                      k->part ? k->part * whole + k->part * rest / PARTS : run->snapshot_interval;
+    run->snapshot_next = steps > INT64_MAX - k->base ? INT64_MAX : k->base + steps;
 }
 
 static size_t most_regular(const gn_run *run) {

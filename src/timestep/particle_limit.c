@@ -346,7 +346,7 @@ static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_
 }
 
 /* Grains whose collisions are resolved take steps far below the limit. Row sums then prove that the
- * step holds, which takes half of the time of a check (5 to 9 % of the steps of a chute). */
+ * step holds without a look at what has changed. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error) {
