@@ -26,7 +26,7 @@ gneiss_status gn_h5_open_whole(const char *path, gn_h5 **out, gneiss_error *erro
 /* Flushes, fsyncs, renames to the final name, fsyncs the folder, closes and frees. On failure (disk
  * full) the temporary file is removed, an old file under `path` is unchanged, and the handle is
  * freed. *file is NULL afterwards. */
-gneiss_status gn_h5_commit(gn_h5 **file, gn_durability durability, gneiss_error *error);
+gneiss_status gn_h5_commit(gn_h5 **handle, gn_durability durability, gneiss_error *error);
 /* Closes; a file being created is removed. NULL is allowed. */
 void gn_h5_close(gn_h5 *file);
 void gn_h5_close_at(gn_h5 **file); /* for GN_FREED_BY */

@@ -78,7 +78,9 @@ static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
     }
     hsize_t item = gn_type_size(type), chunk[2] = {0, 1};
     if (shape.rank == 2) chunk[1] = at_most(shape.size[1], CHUNK_BYTES / item);
-    chunk[0] = at_most(shape.size[0], CHUNK_BYTES / (item * chunk[1]));
+    /* A size of 0 has no bytes to divide by. */
+    const hsize_t row = item * chunk[1];
+    chunk[0] = at_most(shape.size[0], row ? CHUNK_BYTES / row : 1);
     if (H5Pset_chunk(list, shape.rank, chunk) >= 0 && H5Pset_fletcher32(list) >= 0) return list;
     H5Pclose(list);
     return -1;

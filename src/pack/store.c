@@ -320,7 +320,7 @@ static gneiss_status keep(const char *path, const char *key, const gn_pack_resul
     GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
     if (!folder) return gn_no_memory(error, "a name");
     *strrchr(folder, '/') = '\0';
-    GN_TRY(gn_make_directory(folder, error));
+    GN_TRY(gn_make_directory(folder, error)); /* NOLINT(clang-analyzer-unix.Malloc): GN_FREED */
     GN_TRY(gn_h5_create(path, &file, error));
     GN_TRY(put_packing(file, key, result, error));
     return gn_h5_commit(&file, GN_DURABLE, error);

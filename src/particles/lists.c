@@ -216,9 +216,9 @@ static size_t uniform(const double *column, size_t count) {
     return ~(size_t)0;
 }
 
-gn_uniform gn_list_find_uniform(const gn_contacts *k) {
-    size_t n = k->soa.count;
-#define X(name) .name = uniform(k->name, n),
+gn_uniform gn_list_find_uniform(const gn_contacts *contacts) {
+    size_t n = contacts->soa.count;
+#define X(name) .name = uniform(contacts->name, n),
     return (gn_uniform){GN_UNIFORM_COLUMNS(X)};
 #undef X
 }
