@@ -75,7 +75,7 @@ struct gn_boundary {
 };
 
 /* Creates walls, bodies and their surfaces; those of finite elements are added later
- * (element_contact.c). */
+ * (solids/element_contact.c). */
 gneiss_status gn_boundary_create(const gn_step_context *ctx, const gn_dem *dem,
                                  gn_boundary *boundary, size_t deforming, gneiss_error *error);
 /* Takes the properties of surfaces from the scene of another stage; walls and bodies read it in

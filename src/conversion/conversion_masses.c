@@ -145,10 +145,10 @@ bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double 
 
 /* --- masses --- */
 
-bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t p) {
+bool gn_conversion_scales(const gn_conversion *c, gn_scaled scaled, size_t p) {
     const gn_particles *q = &c->world->dem.particles;
     if (!gn_particle_is_active(q, p)) return false;
-    return who == GN_SCALED_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
+    return scaled == GN_SCALED_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
 }
 
 /* Mass, centre and size of the particles whose masses are scaled. */
@@ -156,18 +156,18 @@ typedef struct spread {
     double mass, centre[3], size; /* kg, m; m, of the mean square from the centre */
 } spread;
 
-static spread spread_of(const gn_conversion *c, gn_scaled who) {
+static spread spread_of(const gn_conversion *c, gn_scaled scaled) {
     const gn_particles *q = &c->world->dem.particles;
     double square = 0.0;
     spread s = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_conversion_scales(c, who, p)) continue;
+        if (!gn_conversion_scales(c, scaled, p)) continue;
         s.mass += 1.0 / q->vel[4 * p + 3];
         for (size_t a = 0; a < 3; a++) s.centre[a] += q->pos[4 * p + a] / q->vel[4 * p + 3];
     }
     for (int a = 0; s.mass > 0.0 && a < 3; a++) s.centre[a] /= s.mass;
     for (size_t p = 0; p < q->soa.count; p++)
-        for (size_t a = 0; gn_conversion_scales(c, who, p) && a < 3; a++)
+        for (size_t a = 0; gn_conversion_scales(c, scaled, p) && a < 3; a++)
             square += pow(q->pos[4 * p + a] - s.centre[a], 2.0) / q->vel[4 * p + 3];
     s.size = s.mass > 0.0 ? sqrt(square / s.mass) : 0.0;
     return s;
@@ -223,20 +223,20 @@ static double factor_at(const double *f, const double *b, size_t n) {
 
 /* The first `n` of the basis, with factors f that make up for as much of what is missing; false:
  * that says too much. */
-static bool polynomial(const gn_conversion *c, gn_scaled who, const spread *s,
+static bool polynomial(const gn_conversion *c, gn_scaled scaled, const spread *s,
                        const gn_tally *missing, size_t n, double f[BASIS_MOST]) {
     const gn_particles *q = &c->world->dem.particles;
     double m[BASIS_MOST][BASIS_MOST] = {{0.0}}, b[BASIS_MOST], largest = 0.0;
     missing_about(c, s, missing, f);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_conversion_scales(c, who, p)) continue;
+        if (!gn_conversion_scales(c, scaled, p)) continue;
         basis_at(c, s, p, b);
         for (size_t k = 0; k < n; k++)
             for (size_t l = 0; l < n; l++) m[k][l] += b[k] * b[l] / q->vel[4 * p + 3];
     }
     if (!gn_solve_positive(n, m, f)) return false;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_conversion_scales(c, who, p)) continue;
+        if (!gn_conversion_scales(c, scaled, p)) continue;
         basis_at(c, s, p, b);
         largest = fmax(largest, fabs(factor_at(f, b, n)));
     }
@@ -245,18 +245,18 @@ static bool polynomial(const gn_conversion *c, gn_scaled who, const spread *s,
 
 /* Scales masses so that mass, centre and inertia are restored, or mass and centre, or mass alone;
  * false if none is possible. */
-static bool scale_masses(const gn_conversion *c, gn_scaled who, const gn_tally *missing) {
+static bool scale_masses(const gn_conversion *c, gn_scaled scaled, const gn_tally *missing) {
     gn_particles *q = &c->world->dem.particles;
     const size_t d = (size_t)c->world->ctx.scene.dimension;
     const size_t counts[] = {1 + d + second_count(d), 1 + d, 1};
-    const spread s = spread_of(c, who);
+    const spread s = spread_of(c, scaled);
     double f[BASIS_MOST], b[BASIS_MOST];
     size_t k = 0;
     if (!(fabs(missing->mass) <= GN_MASS_SCALED_MOST * s.mass) || !(s.mass > 0.0)) return false;
-    while (k < 2 && !polynomial(c, who, &s, missing, counts[k], f)) k++;
+    while (k < 2 && !polynomial(c, scaled, &s, missing, counts[k], f)) k++;
     if (k == 2) f[0] = missing->mass / s.mass;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_conversion_scales(c, who, p)) continue;
+        if (!gn_conversion_scales(c, scaled, p)) continue;
         basis_at(c, &s, p, b);
         const double factor = 1.0 + factor_at(f, b, counts[k]);
         q->vel[4 * p + 3] /= factor;
@@ -286,11 +286,11 @@ static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
 gneiss_status gn_conversion_keep_invariants(const gn_conversion *c, const gn_tally *before,
                                             gneiss_error *error) {
     const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
-    gn_scaled who = GN_SCALED_CHANGED;
-    bool taken = scale_masses(c, who, &missing);
-    if (!taken) taken = scale_masses(c, who = GN_SCALED_TIED, &missing);
+    gn_scaled scaled = GN_SCALED_CHANGED;
+    bool taken = scale_masses(c, scaled, &missing);
+    if (!taken) taken = scale_masses(c, scaled = GN_SCALED_TIED, &missing);
     GN_TRY(gn_coupled_weigh(&c->world->dem, &c->world->solids, &c->world->zones, error));
     if (!taken) GN_TRY(check_mass(c, before, error));
-    gn_conversion_keep_momentum(c, before, who);
+    gn_conversion_keep_momentum(c, before, scaled);
     return GNEISS_OK;
 }

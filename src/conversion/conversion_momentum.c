@@ -33,7 +33,7 @@ typedef enum takers { TAKERS_CHANGED, TAKERS_ZONE, TAKERS_ALL, TAKERS } takers;
  * components as the dimension has. */
 typedef struct rigid {
     const gn_conversion *c;
-    takers who;
+    takers chosen;
     size_t dimension, count;
     double centre[3], size; /* m */
     double motion[6];       /* m/s */
@@ -50,23 +50,23 @@ static bool node_takes(const rigid *r, size_t n, size_t a) {
     const double part = b->nodes.blend[2 * n];
     if (!gn_particle_is_active(&b->nodes, n) || (slot >= 0 && b->prescribed.mask[slot] >> a & 1))
         return false;
-    return r->who == TAKERS_ALL || part != c->node_part[2 * n] ||
-           (r->who == TAKERS_ZONE && part < 1.0);
+    return r->chosen == TAKERS_ALL || part != c->node_part[2 * n] ||
+           (r->chosen == TAKERS_ZONE && part < 1.0);
 }
 
 static bool particle_takes(const rigid *r, size_t p) {
     const gn_dem *d = &r->c->world->dem;
     if (r->c->freed[p]) return true;
-    return r->who == TAKERS_ALL && gn_particle_is_active(&d->particles, p) && !r->c->tied[p] &&
+    return r->chosen == TAKERS_ALL && gn_particle_is_active(&d->particles, p) && !r->c->tied[p] &&
            !(d->prescribed.count && d->particles.slot[p] >= 0);
 }
 
 /* The centre is that of the mass of all receivers, held ones included. */
-static rigid rigid_of(const gn_conversion *c, takers who) {
+static rigid rigid_of(const gn_conversion *c, takers chosen) {
     const gn_particles *q = &c->world->dem.particles,
                        *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
     const size_t d = (size_t)c->world->ctx.scene.dimension;
-    rigid r = {.c = c, .who = who, .dimension = d, .count = d == 3 ? 6 : 3};
+    rigid r = {.c = c, .chosen = chosen, .dimension = d, .count = d == 3 ? 6 : 3};
     const gn_particles *all[2] = {q, nodes};
     double mass = 0.0, sum[3] = {0.0}, square = 0.0;
     for (int pass = 0; pass < 2; pass++) {
@@ -188,12 +188,12 @@ typedef struct means {
     double centre[3], velocity[3], spin[3]; /* m, m/s, rad/s */
 } means;
 
-static means means_of(const gn_conversion *c, gn_scaled who) {
+static means means_of(const gn_conversion *c, gn_scaled scaled) {
     const gn_particles *q = &c->world->dem.particles;
     double mass = 0.0;
     means m = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_conversion_scales(c, who, p)) continue;
+        if (!gn_conversion_scales(c, scaled, p)) continue;
         const double own = 1.0 / q->vel[4 * p + 3];
         mass += own;
         for (size_t a = 0; a < 3; a++) {
@@ -238,10 +238,10 @@ static double beyond_rounding(double missing, double size) {
     return fabs(missing) > 1e-14 * size ? missing : 0.0;
 }
 
-static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled who) {
+static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled scaled) {
     const size_t d = (size_t)c->world->ctx.scene.dimension;
     const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
-    const means m = means_of(c, who);
+    const means m = means_of(c, scaled);
     const gn_tally about = gn_tally_about(&missing, d, m.centre);
     const double trace = now.second[0] + (d == 3 ? now.second[1] + now.second[2] : 0.0);
     const double size = sqrt(2.0 * now.mass * now.energy), turns = sqrt(2.0 * trace * now.energy);
@@ -307,14 +307,14 @@ static double find_rest(const gn_conversion *c, const lack *l, rigid *r) {
     return 0.0;
 }
 
-void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who) {
+void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled) {
     gn_world *w = c->world;
     gn_corrections *all = &w->zones.state.corrected;
-    const lack l = lack_of(c, before, who);
+    const lack l = lack_of(c, before, scaled);
     rigid r;
     const bool taken = find_takers(c, &l, true, &r);
     const double part = taken ? 1.0 : find_rest(c, &l, &r);
-    const bool wider = r.who != TAKERS_CHANGED;
+    const bool wider = r.chosen != TAKERS_CHANGED;
     const double beside = wider ? gn_conversion_held_beside(c) : 0.0;
     change(&r);
     gn_fem_to_single(gn_coupled_solid(&w->solids));

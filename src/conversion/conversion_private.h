@@ -141,7 +141,7 @@ gneiss_status gn_conversion_keep_invariants(const gn_conversion *c, const gn_tal
 /* Particles with scaled masses: those whose weight changes, or those of a zone if the former are
  * too few, as for an element at the edge that holds no particle. */
 typedef enum gn_scaled { GN_SCALED_CHANGED, GN_SCALED_TIED } gn_scaled;
-bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t particle);
+bool gn_conversion_scales(const gn_conversion *c, gn_scaled scaled, size_t particle);
 
 /* x of m x = f, in its place, for a symmetric positive m [n][n]; false: it is as good as singular.
  */
@@ -149,7 +149,7 @@ enum { GN_BASIS_MOST = 10 };
 bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f);
 
 /* Velocities (conversion_momentum.c), with these masses scaled. */
-void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who);
+void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled);
 
 /* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
  * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of

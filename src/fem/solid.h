@@ -217,7 +217,7 @@ void gn_fem_load_free(gn_fem_load *load);
 void gn_fem_set_loads(gn_fem_solid *solid, const gn_fem_load *load, const double (*value)[3],
                       size_t count);
 
-/* Lists contact facets (surface.c): those of a group, by name or tag, or, with `group` NULL, the
+/* Lists contact facets: those of a group, by name or tag, or, with `group` NULL, the
  * whole boundary. Nodes are numbered by their places in the solid; *corner [*count][dimension],
  * gn_alloc'ed. GNEISS_ERROR_INPUT lists the existing groups. */
 gneiss_status gn_fem_surface(const gn_fem_solid *solid, const char *group, int32_t **corner,

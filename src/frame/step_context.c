@@ -4,6 +4,7 @@
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 
+#include <math.h>
 #include <string.h>
 
 static bool in(const gn_test_end *end, const char *name) {
@@ -38,8 +39,6 @@ double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
     double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
     return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
 }
-
-/* --- together --- */
 
 double gn_world_nonviscous_share(const gn_step_context *ctx) {
     return gn_scene_nonviscous_share(&ctx->scene, ctx->effects);

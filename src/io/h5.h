@@ -14,7 +14,7 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error);
 /* Makes a small file in memory and discards it, so that the library has allocated what it needs
  * for any file. */
 void gn_h5_load(void);
-/* Omits the digests (h5_digest.c) in files for other programs. */
+/* Omits the digests in files for other programs. */
 void gn_h5_omit_digests(gn_h5 *file);
 /* Opens for reading. Truncated or foreign files give GNEISS_ERROR_INPUT with the path, a file that
  * cannot be opened (missing, no permission) GNEISS_ERROR_IO. Only the format of HDF5 1.10, which

@@ -130,7 +130,7 @@ static const double overlap_least = 1e-9;
 
 /* Tells whether overlaps of the start are those of a packing that bonds take as they are. Where a
  * later stage forms the bonds this is known of packings that were made to overlap. Elements that
- * convert refuse overlaps without a bond (conversion_check.c). */
+ * convert refuse overlaps without a bond (conversion/conversion_setup.c). */
 static bool overlaps_are_free(const gn_step_context *ctx) {
     const gn_scene *s = &ctx->scene;
     const bool made = s->specimen.pack.overlap == GN_OVERLAP_PASSIVE || gn_scene_from_packing(s);

@@ -368,14 +368,14 @@ static void warn_of_depth(const gn_run *run, gn_warnings *list) {
 /* Warns of contacts of particles beyond the range of their springs. */
 static void warn_of_overlap(const gn_run *run, gn_warnings *list) {
     const gn_depth *d = &run->world.dem.depth;
-    char who[160];
+    char contact[160];
     if (!(d->excess > 1.0)) return;
     gn_warn(list, "contacts_too_deep",
             "%s overlapped by %.3g m, %.3g of the smaller radius, at t = %.4g s: beyond %g of it "
             "no contact law is valid, and a particle deeper than a radius emerges on the other "
             "side; more stiffness, or less load or speed, keeps overlaps small",
-            gn_depth_text(&run->world.ctx, &run->world.dem, who, sizeof who), d->overlap, d->share,
-            d->time, d->share / d->excess);
+            gn_depth_text(&run->world.ctx, &run->world.dem, contact, sizeof contact), d->overlap,
+            d->share, d->time, d->share / d->excess);
 }
 
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {

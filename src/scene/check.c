@@ -36,6 +36,12 @@ gneiss_status gn_check_fail(const check *section, const char *key, const char *f
                         text);
 }
 
+gneiss_status gn_check_name(const check *section, bool taken, const char *name) {
+    return taken ? gn_check_fail(section, "name",
+                                 "expected a unique name, found '%s' a second time", name)
+                 : GNEISS_OK;
+}
+
 bool gn_check_given(const check *section, const char *key) {
     return gn_node_find(section->map, key) != NULL;
 }
@@ -354,9 +360,8 @@ static gneiss_status check_law_values(const check *section, const gn_scene *scen
 
 static gneiss_status check_material(const check *section, const gn_scene *scene, size_t index) {
     const gn_material *material = &scene->materials[index];
-    if (gn_scene_find_material(scene, material->name) != (int)index)
-        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
-                             material->name);
+    GN_TRY(gn_check_name(section, gn_scene_find_material(scene, material->name) != (int)index,
+                         material->name));
     GN_TRY(gn_check_scatter(section, "strength_scatter", &material->strength_scatter));
     GN_TRY(gn_check_scatter(section, "stiffness_scatter", &material->stiffness_scatter));
     return check_law_values(section, scene, material);
@@ -469,10 +474,10 @@ static gneiss_status check_start(const check *section, const gn_table given[3],
 
 static gneiss_status check_set(const check *section, const gn_scene *scene, size_t index) {
     const gn_set_def *set = &scene->sets[index];
-    if (gn_scene_find_set(scene, set->name) != (int)index ||
-        gn_scene_find_wall(scene, set->name) >= 0)
-        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
-                             set->name);
+    GN_TRY(gn_check_name(section,
+                         gn_scene_find_set(scene, set->name) != (int)index ||
+                             gn_scene_find_wall(scene, set->name) >= 0,
+                         set->name));
     if (!set->all && !set->has_box && !set->id_count && set->end_axis < 0)
         return gn_check_fail(section, "select", "expected all, box, ids or end, found none");
     if (set->has_box)
@@ -509,9 +514,7 @@ static bool moves(const gn_motion *motion) {
 
 static gneiss_status check_wall(const check *section, const gn_scene *scene, size_t index) {
     gn_wall_def *wall = &scene->walls[index];
-    if (gn_scene_find_wall(scene, wall->name) != (int)index)
-        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
-                             wall->name);
+    GN_TRY(gn_check_name(section, gn_scene_find_wall(scene, wall->name) != (int)index, wall->name));
     if (!gn_check_direction(wall->normal))
         return gn_check_fail(section, "normal", "expected a direction, found [0, 0, 0]");
     GN_TRY(gn_check_side(section, scene, "",

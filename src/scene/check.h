@@ -25,6 +25,9 @@ gneiss_status gn_check_list(const check *section, const char *list, size_t count
 gneiss_status gn_check_fail(const check *section, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Refuses the name of an element if it is taken. */
+gneiss_status gn_check_name(const check *section, bool taken, const char *name);
+
 bool gn_check_given(const check *section, const char *key);
 
 /* Fails if a value that `reason` ("by softening energy") requires is not above 0. */

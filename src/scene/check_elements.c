@@ -108,12 +108,12 @@ static gneiss_status check_region(const check *section, const gn_scene *scene,
 
 static gneiss_status check_motion(const check *section, const gn_scene *scene, size_t index) {
     const gn_element_motion *motion = &scene->elements.motions[index];
-    if (gn_scene_find_element_motion(scene, motion->name) != (int)index ||
-        gn_scene_find_set(scene, motion->name) >= 0 ||
-        gn_scene_find_wall(scene, motion->name) >= 0 ||
-        gn_scene_find_body(scene, motion->name) >= 0)
-        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
-                             motion->name);
+    GN_TRY(gn_check_name(section,
+                         gn_scene_find_element_motion(scene, motion->name) != (int)index ||
+                             gn_scene_find_set(scene, motion->name) >= 0 ||
+                             gn_scene_find_wall(scene, motion->name) >= 0 ||
+                             gn_scene_find_body(scene, motion->name) >= 0,
+                         motion->name));
     GN_TRY(check_region(section, scene, &motion->region));
     return gn_check_plane_motion(section, scene, &motion->motion);
 }

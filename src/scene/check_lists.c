@@ -122,9 +122,8 @@ static gneiss_status check_sizes(const check *section, const gn_source_def *sour
 static gneiss_status check_source(const check *section, const gn_scene *scene, size_t index) {
     gn_source_def *source = &scene->sources[index];
     for (size_t k = 0; k < index; k++)
-        if (strcmp(scene->sources[k].name, source->name) == 0)
-            return gn_check_fail(section, "name",
-                                 "expected a unique name, found '%s' a second time", source->name);
+        GN_TRY(gn_check_name(section, strcmp(scene->sources[k].name, source->name) == 0,
+                             source->name));
     GN_TRY(check_region(section, scene, &source->region, NULL));
     if ((source->rate > 0) == (source->mass_rate > 0))
         return gn_check_fail(section, source->rate > 0 ? "mass_rate" : "rate",
@@ -144,9 +143,7 @@ static gneiss_status check_source(const check *section, const gn_scene *scene, s
 static gneiss_status check_sink(const check *section, const gn_scene *scene, size_t index) {
     gn_sink_def *sink = &scene->sinks[index];
     for (size_t k = 0; k < index; k++)
-        if (strcmp(scene->sinks[k].name, sink->name) == 0)
-            return gn_check_fail(section, "name",
-                                 "expected a unique name, found '%s' a second time", sink->name);
+        GN_TRY(gn_check_name(section, strcmp(scene->sinks[k].name, sink->name) == 0, sink->name));
     GN_TRY(check_region(section, scene, &sink->region, sink));
     if (!sink->remove && !sink->has_plane)
         return gn_check_fail(section, "remove", "expected plane beside false, found a region");
@@ -293,10 +290,11 @@ static gneiss_status check_free(const check *section, const gn_scene *scene,
 
 static gneiss_status check_body(const check *section, const gn_scene *scene, size_t index) {
     gn_body_def *body = &scene->bodies[index];
-    if (gn_scene_find_body(scene, body->name) != (int)index ||
-        gn_scene_find_wall(scene, body->name) >= 0 || gn_scene_find_set(scene, body->name) >= 0)
-        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
-                             body->name);
+    GN_TRY(gn_check_name(section,
+                         gn_scene_find_body(scene, body->name) != (int)index ||
+                             gn_scene_find_wall(scene, body->name) >= 0 ||
+                             gn_scene_find_set(scene, body->name) >= 0,
+                         body->name));
     if (scene->has_periodic)
         return gn_check_fail(section, "name", "expected no periodic box beside a body, found one");
     GN_TRY(check_body_shape(section, scene, body));

@@ -16,10 +16,8 @@ static bool by_time_alone(const gn_stage *stage) {
 
 static gneiss_status check_name(const check *section, const gn_scene *scene, size_t stage) {
     for (size_t k = 0; k < stage; k++)
-        if (strcmp(scene->stages[k].name, scene->stages[stage].name) == 0)
-            return gn_check_fail(section, "name",
-                                 "expected a unique name, found '%s' a second time",
-                                 scene->stages[stage].name);
+        GN_TRY(gn_check_name(section, strcmp(scene->stages[k].name, scene->stages[stage].name) == 0,
+                             scene->stages[stage].name));
     return GNEISS_OK;
 }
 
@@ -130,7 +128,7 @@ static bool rows_overlap(const gn_scene *scene) {
 }
 
 /* True if a stage that begins at rest may find loaded contacts. Particles that are not listed in
- * the scene are checked once they exist (gn_world_stage_check). */
+ * the scene are checked once they exist (gn_stages_check_first). */
 static bool may_overlap(const gn_scene *scene) {
     return !scene->specimen.particle_count || scene->body_count || scene->has_elements ||
            rows_overlap(scene);

@@ -412,13 +412,7 @@ static const gn_key wall_keys[] = {
          PRESENT(TEXT, gn_wall_def, material)),
     REAL("kratio", gn_wall_def, kratio, "1", GN_RATIOS, OR("none", 0),
          "k_n/k_t of the wall; needed with friction"),
-    REAL("friction", gn_wall_def, friction, GN_SLOPE, GN_FRICTIONS, BY("0"),
-         "Coulomb friction coefficient"),
-    REAL("rolling_friction", gn_wall_def, rolling_friction, "1", GN_FRICTIONS, BY("0"),
-         "mu_r, as for materials"),
-    REAL("twisting_friction", gn_wall_def, twisting_friction, "1", GN_FRICTIONS, BY("0"),
-         "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: "
-         "no resistance"),
+    SIDE_FRICTIONS(gn_wall_def),
     CHOICE("passive", gn_wall_def, passive, gn_booleans, BY("false"),
            "initial overlaps of particles with the wall are free of stress, as bonds with "
            "passive_gaps: a platen on a cut face"),

@@ -68,13 +68,7 @@ static const gn_key body_keys[] = {
          PRESENT(TEXT, gn_body_def, material)),
     REAL("kratio", gn_body_def, kratio, "1", GN_RATIOS, OR("none", 0),
          "k_n/k_t of the surface; needed with friction, with hertz only together with stiffness"),
-    REAL("friction", gn_body_def, friction, GN_SLOPE, GN_FRICTIONS, BY("0"),
-         "Coulomb friction coefficient"),
-    REAL("rolling_friction", gn_body_def, rolling_friction, "1", GN_FRICTIONS, BY("0"),
-         "mu_r, as for materials"),
-    REAL("twisting_friction", gn_body_def, twisting_friction, "1", GN_FRICTIONS, BY("0"),
-         "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: "
-         "no resistance"),
+    SIDE_FRICTIONS(gn_body_def),
     VECTOR("reference", gn_body_def, reference, "m", GN_PLACES,
            PRESENT(BOOL, gn_body_def, has_reference),
            "centre of rotation and reference of moments; default: the origin, for free bodies the "

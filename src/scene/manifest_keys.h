@@ -74,6 +74,15 @@ extern const gn_choice gn_booleans[], gn_axes[];
 #define SHAPE(KIND, DIMENSION)                                                                     \
     .shape = GN_SHAPE_##KIND, .shape_dimension = (DIMENSION),                                      \
     PRESENT(SHAPE, gn_scene, specimen.pack.shape)
+/* The coefficients of friction of a side that particles touch: of walls and bodies. */
+#define SIDE_FRICTIONS(STRUCT)                                                                     \
+    REAL("friction", STRUCT, friction, GN_SLOPE, GN_FRICTIONS, BY("0"),                            \
+         "Coulomb friction coefficient"),                                                          \
+        REAL("rolling_friction", STRUCT, rolling_friction, "1", GN_FRICTIONS, BY("0"),             \
+             "mu_r, as for materials"),                                                            \
+        REAL("twisting_friction", STRUCT, twisting_friction, "1", GN_FRICTIONS, BY("0"),           \
+             "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced "        \
+             "radius; 0: no resistance")
 /* The section of a table: its keys, the size of an element of a list, where its place is kept. */
 #define KEYS_OF(NAME)  NAME##_keys, sizeof NAME##_keys / sizeof(gn_key)
 #define TABLE_OF(NAME) static const gn_section NAME##_section = {KEYS_OF(NAME), 0, GN_NO_WHERE}

@@ -512,7 +512,7 @@ typedef struct gn_scene {
     gn_scene_place start_where;
     double start_fraction;  /* fraction of the time of the first break; with GN_START_FIRST_BREAK */
     double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off,
-                               below 0: the scene states no end (scene/stops.h) */
+                               below 0: the scene states no end (scene/stages.h) */
     double stop_strain;     /* 0: off */
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
 

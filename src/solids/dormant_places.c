@@ -30,8 +30,6 @@ bool gn_elements_have_left(const gn_solids *solids) {
     return gn_elements_left_count(solids) < count;
 }
 
-/* --- readings of dormant particles --- */
-
 int32_t *gn_element_places(const gn_step_context *ctx, const gn_solids *solids) {
     size_t count;
     return gn_converts(ctx) ? gn_fem_places(gn_coupled_solid(solids), &count) : NULL;

@@ -16,7 +16,7 @@ size_t gn_elements_left_count(const gn_solids *solids);
  * NULL where nothing converts, or without memory. The caller's. */
 int32_t *gn_element_places(const gn_step_context *ctx, const gn_solids *solids);
 /* Returns the displacement of a particle, m; that of a dormant one follows the elements, and is NaN
- * without their places. Works in any world (conversion_limits.c). */
+ * without their places. Works in any world. */
 void gn_particle_travel(const gn_dem *dem, const gn_solids *solids, const int32_t *places, size_t p,
                         double u[3]);
 /* m/s: the same of its velocity. */

@@ -427,7 +427,8 @@ static gneiss_status move_body(gn_element_model *q, double dt, bool measure, gne
     return measure_forces(q, error);
 }
 
-/* As of particles (dem_step.c); the reading of these has been taken, in a step that is measured. */
+/* Adds the energy of a change of the step, as of particles (frame/step_change.h). In a measured
+ * step the reading has been taken before. */
 static void book_change(const gn_step_context *ctx, gn_ledger *ledger, gn_element_model *q,
                         bool measure) {
     double halves[2] = {0.0, 0.0};

@@ -80,7 +80,7 @@ gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn
 /* Adds their ledgers of the last measured step. */
 void gn_elements_book(const gn_solids *solids, gn_energy *ledger);
 
-/* Looks at the stability limits (step_limit.c): `full` from the start on, otherwise only at what
+/* Looks at the stability limits: `full` from the start on, otherwise only at what
  * strain has done since. *due: one has changed. */
 gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, bool full, bool *due,
                                 gneiss_error *error);

@@ -47,7 +47,7 @@ gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
 /* Does so for a world whose records were read. */
 gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
 
-/* Finds the particles that follow nodes after a conversion, and their masses (conversion.c). */
+/* Finds the particles that follow nodes after a conversion, and their masses. */
 gneiss_status gn_coupled_recreate(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                                   gn_zones *zones, gneiss_error *error);
 /* Their masses alone. */
