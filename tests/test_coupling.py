@@ -89,6 +89,17 @@ def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     assert abs(first - 15e-3) < 0.02 * 10e-3 and "was assumed" not in said, said
 
 
+@fact
+def plan_does_not_look_behind_the_end_of_the_last_stage(folder):
+    """The limit would come at 10 ms, behind the end of the stage at 4 ms and before time.end."""
+    stages = "time: {end: 50 ms}\nstages: [{name: pull, end: {time: 4 ms}}]\n"
+    first, said = first_of(write_scene(folder, DRAWN + stages))
+    none = re.search(r"first +none in (\d+) steps, to 0.004 s: (\S+) of a limit at most, in stage 'pull'", said)
+    assert first is None and none and abs(float(none.group(2)) - 0.4) < 0.02, said
+    assert re.search(rf"steps +{none.group(1)} to t = 0\.00(4|399)\d* s", said), said
+    assert re.search(r"\nstages .*\n  pull +\d+ steps, .*; until", said), said
+
+
 # Waves at 1754 m/s go along it in 68 us; at 0.2 m/s the first of them brings 2.7 MPa.
 @fact
 def plan_says_where_waves_come_first(folder):

@@ -144,6 +144,16 @@ def threads_and_interruptions_leave_the_same_rows_and_snapshots(folder):
             assert all(os.path.exists(os.path.join(broken, file)) for file, _ in series(broken, name))
 
 
+@plain_fact
+def rows_are_evenly_apart_when_a_resumed_run_has_no_stop_any_more(folder):
+    """The rows that are close at first are thinned as before, and those that come later are at the same steps."""
+    arguments = ("--threads", 1, "--set", "time.end=0.3 ms", "--set", "output.history_rows=50", "--set", "output.snapshots=10")
+    expect(stop_at_snapshot(folder, 2, signal.SIGINT, *arguments, "--set", "time.stop.peak_drop=0.9999"), 6)
+    resume(folder, "--set", "time.stop=none")
+    apart = np.diff(history(folder)["step"])
+    assert len(apart) >= 49 and apart[:-1].max() <= 2 * apart[:-1].min(), apart
+
+
 @fact
 def the_time_left_is_that_to_the_end_which_is_expected(folder):
     """The peak is predicted from the specimen; behind that, and without a prediction, it is at most the time to time.end."""

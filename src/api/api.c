@@ -164,7 +164,7 @@ static gneiss_status hand_over(gneiss_status status, gneiss_world *made, gneiss_
 gneiss_status gneiss_world_create(const gneiss_scene *scene, const char *folder,
                                   gneiss_world **world, gneiss_error *error) {
     gneiss_world *made;
-    GN_FREED gn_scene *copy = NULL; /* too large for a small stack */
+    GN_FREED_BY(gn_scene_delete) gn_scene *copy = NULL; /* too large for a small stack */
     GN_TRY(gn_api_require(world, "world", error));
     *world = NULL;
     GN_TRY(gn_api_require(scene, "scene", error));

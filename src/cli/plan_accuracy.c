@@ -228,6 +228,15 @@ static gneiss_status correct(const gn_options *options, const gn_settings *setti
     return GNEISS_OK;
 }
 
+/* Prints a text of any length into a comment, whose lines all begin with "#". */
+static void put_comment(FILE *out, const char *text) {
+    for (; *text; text++)
+        if (*text == '\n')
+            fputs("\n# ", out);
+        else
+            fputc((unsigned char)*text < ' ' ? '?' : *text, out);
+}
+
 /* The scene with the settings, resolved, below a list of the settings. */
 static gneiss_status scene_text(const gn_options *options, const gn_settings *settings,
                                 const gn_scene *scene, char **text, gneiss_error *error) {
@@ -238,8 +247,13 @@ static gneiss_status scene_text(const gn_options *options, const gn_settings *se
     if (!resolved) return gn_no_memory(error, "the text of the scene");
     GN_TRY(gn_text_open(text, &size, &out, "the text of the scene", error));
     fprintf(out, "# %s with\n", gn_printable(options->target, shown, sizeof shown));
-    for (size_t k = 0; k < settings->count; k++)
-        fprintf(out, "#   --set '%s=%s'\n", settings->setting[k].key, settings->setting[k].value);
+    for (size_t k = 0; k < settings->count; k++) {
+        fputs("#   --set '", out);
+        put_comment(out, settings->setting[k].key);
+        fputc('=', out);
+        put_comment(out, settings->setting[k].value);
+        fputs("'\n", out);
+    }
     fprintf(out, "%s", resolved);
     return gn_text_close(out, "the text of the scene", error);
 }

@@ -3,6 +3,7 @@
 #include "base/timer.h"
 #include "cli/plan_cost.h"
 #include "cli/plan_parts.h"
+#include "cli/plan_stages.h"
 #include "cli/progress.h"
 #include "particles/dormant.h"
 #include "scene/stages.h"
@@ -46,17 +47,15 @@ static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
     gneiss_status status = gn_resolution_listed(&world->ctx, &world->dem, &world->boundary,
                                                 &world->solids, &world->zones, &collision, error);
     gn_conversion_swap_dormant(&world->ctx, &world->dem);
+    GN_TRY(status);
     t->collision = collision.step;
-    return status;
+    return GNEISS_OK;
 }
 
 /* Returns the latest end of a stage that begins at a time, s. */
 static double stage_end(const gn_world *world, size_t k, double begin) {
-    const gn_stage *stage = &world->ctx.given.stages[k];
-    double length = INFINITY;
-    if (stage->time >= 0.0) length = stage->time;
-    if (stage->steps >= 0) length = fmin(length, (double)stage->steps * world->ctx.dt);
-    return fmin(begin + length, world->ctx.scene.end);
+    return fmin(begin + gn_stage_length(&world->ctx.given.stages[k], world->ctx.dt),
+                world->ctx.scene.end);
 }
 
 static double latest_end(const gn_world *world) {
@@ -100,18 +99,21 @@ static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error
     enum { WARM_UP = 20 };
     const double budget = 2e8 / (double)gn_elements_left_count(&world->solids);
     const double settled = 20.0 * wave_travel(world);
-    double start = gn_now();
+    double start = gn_now(), untimed = 0.0; /* steps before the start of the clock */
     while (!t->begun && t->steps < budget &&
-           world->ctx.time < world->ctx.scene.end - 0.5 * world->ctx.dt) {
+           world->ctx.time < latest_end(world) - 0.5 * world->ctx.dt) {
         GN_TRY(follow_stages(world, t, settled, error));
         const gneiss_status status = gn_world_step(world, false, error);
-        if (t->steps++ == WARM_UP) start = gn_now();
+        if (++t->steps == WARM_UP) {
+            start = gn_now();
+            untimed = WARM_UP;
+        }
         if (status != GNEISS_OK && status != GNEISS_ERROR_UNSTABLE) return status;
         snprintf(t->halt, sizeof t->halt, "%.400s",
                  status == GNEISS_OK ? world->outcome.halt : error->message);
         t->begun = *t->halt || gn_elements_have_left(&world->solids);
     }
-    t->seconds[0] = (gn_now() - start) / fmax(t->steps - WARM_UP - 1.0, 1.0);
+    t->seconds[0] = (gn_now() - start) / fmax(t->steps - untimed, 1.0);
     t->time = world->ctx.time;
     if (world->ctx.scene.stage_count) t->stage = world->ctx.scene.stages[world->stages.now].name;
     return gn_conversion_most_loaded(&world->ctx, &world->solids, &world->most_loaded, &t->most,
@@ -212,7 +214,8 @@ static cost cost_of(const trial *t) {
     const double dt[2] = {t->begun ? t->later : t->alone, t->least > 0.0 ? t->least : t->alone};
     cost c;
     for (int k = 0; k < 2; k++) {
-        const double more = left > 0.0 ? ceil(left / dt[k]) : 0.0;
+        /* A rest below half a step is rounding. */
+        const double more = left > 0.5 * dt[k] ? ceil(left / dt[k] - 1e-9) : 0.0;
         const bool with_particles = t->least > 0.0 && (k || t->begun);
         c.steps[k] = t->steps + more;
         c.seconds[k] = t->steps * t->seconds[0] + more * t->seconds[with_particles];
@@ -264,12 +267,8 @@ static void print_dt(const gn_world *world, const trial *t) {
 }
 
 static bool has_open_end(const gn_scene *scene) {
-    bool open = scene->stop_peak_drop > 0.0 || scene->stop_strain > 0.0;
-    for (size_t k = 0; k < scene->stage_count; k++) {
-        const gn_stage *stage = &scene->stages[k];
-        open = open || stage->strain > 0.0 || stage->stress > 0.0 || stage->peak_drop > 0.0 ||
-               stage->unbalanced > 0.0 || stage->held > 0.0;
-    }
+    bool open = gn_scene_may_end_early(scene, 0);
+    for (size_t k = 1; k < scene->stage_count; k++) open |= gn_scene_may_end_early(scene, k);
     return open;
 }
 
@@ -308,6 +307,8 @@ gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds,
     else if (t.least > 0.0)
         print_dt(world, &t);
     print_cost(world, &t);
+    world->ctx.dt = t.alone; /* the list is at the step of the first stage */
+    gn_print_stages(world, t.seconds[0]);
     return GNEISS_OK;
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/new.h"
 #include "base/point.h"
+#include "base/sort.h"
 #include "cli/plan.h"
 #include "frame/parts.h"
 #include "particles/bond_sections.h"
@@ -98,11 +99,6 @@ void gn_print_element_notes(const gn_world *world, const char *indent) {
         print_notes(world, world->solids.elements[k], indent);
 }
 
-static int by_size(const void *left, const void *right) {
-    const double *x = left, *y = right;
-    return (*x > *y) - (*x < *y);
-}
-
 /* A few slivers make the whole run slow. */
 static void print_slivers(const gn_world *world, const gn_element_model *model, int *warnings) {
     const gn_fem_solid *solid = &model->solid;
@@ -111,7 +107,7 @@ static void print_slivers(const gn_world *world, const gn_element_model *model, 
     double *scale = calloc(count + 1, sizeof *scale);
     if (!scale) return; /* a hint only */
     gn_fem_step_scales(solid, scale);
-    qsort(scale, count, sizeof *scale, by_size);
+    gn_sort_numbers(scale, count);
     double ratio = scale[0] / scale[count / 2];
     free(scale);
     if (ratio > 0.3) return;

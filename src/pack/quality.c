@@ -3,6 +3,7 @@
 #include "base/ball.h"
 #include "base/eigen.h"
 #include "base/new.h"
+#include "base/sort.h"
 #include "neigh/pairs.h"
 #include "pack/spheres.h"
 
@@ -22,11 +23,6 @@ static double lens(int dimension, double a, double b, double d) {
     /* p and q can exceed 1 by rounding if one touches the other from inside. */
     double turn_a = acos(fmax(fmin(p, 1.0), -1.0)), turn_b = acos(fmax(fmin(q, 1.0), -1.0));
     return a * a * turn_a + b * b * turn_b - 0.5 * sqrt(fmax(kite, 0.0));
-}
-
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 /* ---- radii ---- */
@@ -74,7 +70,7 @@ static gneiss_status measure_radii(const gn_packing *packing, int dimension, dou
         sum += sorted[k];
         volumes += gn_ball_volume(dimension, sorted[k]);
     }
-    qsort(sorted, count, sizeof *sorted, ascending);
+    gn_sort_numbers(sorted, count);
     quality->radius_mean = sum / n;
     measure_shape(sorted, count, quality);
     quality->radius_volume = pow(volumes / n / gn_ball_volume(dimension, 1.0), 1.0 / dimension);
@@ -156,7 +152,7 @@ static void measure_contacts(const gn_packing *packing, int dimension, double vo
     quality->coordination_5 = 2.0 * (double)counts->at_5 / n;
     quality->distance_mean = counts->at_5 ? counts->distance_sum / (double)counts->at_5 : NAN;
     quality->overlaps = (double)counts->overlaps / n;
-    qsort(counts->overlap, counts->overlaps, sizeof *counts->overlap, ascending);
+    gn_sort_numbers(counts->overlap, counts->overlaps);
     if (counts->overlaps) {
         quality->overlap_median = counts->overlap[counts->overlaps / 2];
         quality->overlap_mean = counts->overlap_sum / (double)counts->overlaps;

@@ -1,6 +1,7 @@
 #include "pack/sizes.h"
 
 #include "base/random.h"
+#include "base/sort.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -85,11 +86,6 @@ static double sizes_below(const gn_sizes *sizes, double size) {
     return (below((x - mean) / deviation) - low) / (high - low);
 }
 
-static int by_size(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Returns the largest deviation for sizes in a unit, at the jumps of their sum. */
 static double off_at(const gn_sizes *sizes, const double *radius, size_t count, double unit,
                      double sum, double *at) {
@@ -110,7 +106,7 @@ double gn_sizes_off(const gn_sizes *sizes, double *radius, size_t count, double 
     const double power = sizes->kind == GN_SIZES_SIEVE ? sizes->dimension : 0.0;
     double least, most, sum = 0.0, found = 1.0;
     gn_sizes_range(sizes, &least, &most);
-    qsort(radius, count, sizeof *radius, by_size);
+    gn_sort_numbers(radius, count);
     for (size_t k = 0; k < count; k++) sum += pow(radius[k], power);
     const double low = radius[0] / least, high = radius[count - 1] / most,
                  first = 0.8 * fmin(low, high), last = 1.25 * fmax(low, high);

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/sort.h"
 #include "io/h5.h"
 #include "scene/place.h"
 #include "scene/scene.h"
@@ -137,11 +138,6 @@ static gneiss_status check_dimension(const gn_scene *scene, const source *s, con
                    (int)scene->dimension, (int)dimension);
 }
 
-static int by_size(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* One particle of another order of size than all others is none of a specimen: every step would be
  * as short as the smallest needs, and lists as long as the largest reaches. */
 static gneiss_status check_sizes(const gn_from_run *from, gneiss_error *error) {
@@ -149,7 +145,7 @@ static gneiss_status check_sizes(const gn_from_run *from, gneiss_error *error) {
     double *radius = gn_alloc_array(from->count + 1, sizeof *radius);
     if (!radius) return no_memory(error);
     for (size_t p = 0; p < from->count; p++) radius[p] = from->sphere[4 * p + 3];
-    qsort(radius, from->count, sizeof *radius, by_size);
+    gn_sort_numbers(radius, from->count);
     const double median = from->count ? radius[from->count / 2] : 0.0;
     gn_free(radius);
     for (size_t p = 0; p < from->count; p++) {

@@ -1,6 +1,7 @@
 #include "plan/cost.h"
 
 #include "base/new.h"
+#include "base/sort.h"
 #include "base/timer.h"
 #include "run/history_rows.h"
 
@@ -111,11 +112,6 @@ static void put_grid(const gn_solids *solids, gn_scene *scene) {
 /* --- timing --- */
 
 /* Takes the median of a few short intervals, because disturbances on the machine come in bursts. */
-static int by_size(const void *left, const void *right) {
-    const double *x = left, *y = right;
-    return (*x > *y) - (*x < *y);
-}
-
 enum { SPELLS = 9, WARM_UP = 20 };
 
 static gneiss_status take_steps(gn_world *world, gn_history *history, int count,
@@ -141,7 +137,7 @@ static gneiss_status time_spells(gn_world *world, gn_history *history, double sp
         GN_TRY(take_steps(world, history, steps, error));
         each[k] = (gn_process_time() - start) / steps;
     }
-    qsort(each, SPELLS, sizeof *each, by_size);
+    gn_sort_numbers(each, SPELLS);
     *seconds = each[SPELLS / 2];
     return GNEISS_OK;
 }

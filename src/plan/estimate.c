@@ -2,6 +2,7 @@
 
 #include "accuracy/accuracy.h"
 #include "base/new.h"
+#include "base/sort.h"
 #include "particles/observe.h"
 #include "scene/stages.h"
 
@@ -62,11 +63,6 @@ static void breaking_strains(const gn_step_context *ctx, const gn_dem *dem, size
     if (need > 0.0) *slip = b->rt[c] / need;
 }
 
-static int by_size(const void *left, const void *right) {
-    const double *x = left, *y = right;
-    return (*x > *y) - (*x < *y);
-}
-
 /* A test in tension fails by stretched bonds; a compression test fails by bonds stretched laterally
  * together with sheared bonds, at the geometric mean of both, whose ratio is bounded. */
 static double combined_breaking_strain(const gn_scene *scene, double tension, double slip) {
@@ -91,8 +87,8 @@ static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem
         holding++;
     }
     const size_t place = (size_t)(share * (double)holding);
-    qsort(tension, holding, sizeof *tension, by_size);
-    qsort(slip, holding, sizeof *slip, by_size);
+    gn_sort_numbers(tension, holding);
+    gn_sort_numbers(slip, holding);
     estimate->breaking_strain = combined_breaking_strain(&ctx->scene, tension[place], slip[place]);
     return GNEISS_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "accuracy/accuracy.h"
 #include "base/new.h"
+#include "base/sort.h"
 #include "laboratory/laboratory.h"
 
 #include <math.h>
@@ -42,11 +43,6 @@ static size_t row_of_largest(const gn_history *h, const double *stress) {
     return largest;
 }
 
-static int by_size(const void *a, const void *b) {
-    const double *x = a, *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 /* Computes the median over the second half of the rise to the largest stress, because waves
  * dominate its start. */
 static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_error *error) {
@@ -64,7 +60,7 @@ static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_er
                 stored += h->columns[c].value[first + k];
         share[k] = stored > 0.0 ? kinetic[first + k] / stored : 0.0;
     }
-    qsort(share, count, sizeof *share, by_size);
+    gn_sort_numbers(share, count);
     *found = share[count / 2];
     return GNEISS_OK;
 }

@@ -154,8 +154,11 @@ enum { STAGE_ARRAYS = 2 };
 
 static void list_stages(gn_stage_state **stages, size_t count,
                         gn_checkpoint_array out[STAGE_ARRAYS]) {
-    out[0] = GN_CHECKPOINT_MEMBERS("stages", GN_F64, count, 3, stages, gn_stage_state, time);
-    out[1] = GN_CHECKPOINT_MEMBERS("stage_numbers", GN_I64, count, 3, stages, gn_stage_state, step);
+    out[0] = GN_CHECKPOINT_MEMBERS("stages", GN_F64, count, offsetof(gn_stage_state, step) / 8,
+                                   stages, gn_stage_state, time);
+    out[1] = GN_CHECKPOINT_MEMBERS("stage_numbers", GN_I64, count,
+                                   (sizeof(gn_stage_state) - offsetof(gn_stage_state, step)) / 8,
+                                   stages, gn_stage_state, step);
 }
 
 static gneiss_status put_stages(const gn_world *w, gn_h5 *file, gneiss_error *error) {

@@ -94,8 +94,9 @@ enum { DORMANT_ARRAYS = 2 };
 
 static void list_dormant(gn_dormant_particle **rows, size_t count,
                          gn_checkpoint_array out[DORMANT_ARRAYS]) {
-    out[0] = GN_CHECKPOINT_MEMBERS("sleepers", GN_F64, count, 2, rows, gn_dormant_particle,
-                                   inverse_mass);
+    out[0] =
+        GN_CHECKPOINT_MEMBERS("sleepers", GN_F64, count, offsetof(gn_dormant_particle, element) / 8,
+                              rows, gn_dormant_particle, inverse_mass);
     out[1] = GN_CHECKPOINT_MEMBERS("sleeper_elements", GN_I32, count, 1, rows, gn_dormant_particle,
                                    element);
 }
@@ -271,6 +272,6 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
                                     gn_list_kinds[l]->effects_of(w->ctx.effects), error));
     GN_TRY(get_near(w, file, path, error));
     if (gn_converts(&w->ctx)) GN_TRY(get_dormant(w, file, path, error));
-    GN_TRY(gn_checkpoint_get_events(w, file, error));
+    GN_TRY(gn_checkpoint_get_events(w, file, path, error));
     return check(w, path, error);
 }

@@ -42,7 +42,8 @@ gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, const char 
 
 /* events.c */
 gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_error *error);
+gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, const char *path,
+                                       gneiss_error *error);
 
 /* checkpoint_ranges.c: checks that the values of a record that index, count or bound something are
  * within their ranges, and that ids below `most` occur once. GNEISS_ERROR_INPUT names the data

@@ -142,7 +142,8 @@ gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_er
     return GNEISS_OK;
 }
 
-gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, const char *path,
+                                       gneiss_error *error) {
     gn_events *list = &w->dem.events;
     if (!(w->ctx.effects & GN_FX_EVENTS)) return GNEISS_OK;
     size_t count = 0;
@@ -155,7 +156,7 @@ gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_er
     for (size_t k = 0; k < count; k++)
         if (list->rows[k].cause < 0 || list->rows[k].cause > GN_EVENT_YIELD)
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "events/cause[%zu]: expected 0 to %d, found %d", k, GN_EVENT_YIELD,
-                           (int)list->rows[k].cause);
+                           "%s: events/cause: expected 0 to %d, found %d in row %zu", path,
+                           GN_EVENT_YIELD, (int)list->rows[k].cause, k);
     return GNEISS_OK;
 }

@@ -16,19 +16,8 @@
  * requested. */
 enum { LEAST_STEPS = 5 };
 
-static bool may_end_early(const gn_scene *s, size_t stage) {
-    if (s->stage_count) {
-        const gn_stage *e = &s->stages[stage];
-        return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 || e->unbalanced > 0.0 ||
-               e->held > 0.0;
-    }
-    const gn_stops stops = gn_scene_stops(s);
-    const bool tested = gn_scene_tested(s);
-    return stops.peak_drop > 0.0 || (tested && stops.strain > 0.0) || s->stop_unbalanced > 0.0;
-}
-
 bool gn_run_may_end_early(const gn_run *run) {
-    return may_end_early(&run->world.ctx.scene, run->world.stages.now);
+    return gn_scene_may_end_early(&run->world.ctx.scene, run->world.stages.now);
 }
 
 int64_t gn_halvings(int64_t interval, int64_t least, int64_t most) {
@@ -46,7 +35,7 @@ int64_t gn_row_halvings(int64_t interval) {
  * elements have their rows at given times, and rates of sinks are means from row to row. */
 static bool adapts(const gn_world *w, size_t stage) {
     return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
-           !gn_scene_has_flow(&w->ctx.scene) && may_end_early(&w->ctx.scene, stage);
+           !gn_scene_has_flow(&w->ctx.scene) && gn_scene_may_end_early(&w->ctx.scene, stage);
 }
 
 static double rows_expected(const gn_world *w, size_t stage) {
@@ -88,12 +77,18 @@ static bool is_spaced(const gn_run *run, int64_t step) {
            (run->history_halvings && step % spacing_of(run) == 0);
 }
 
+/* Tells whether rows are at multiples of the spacing. Rows that are thinned later remain so, also
+ * when a resumed run has no condition any more that may end it early. */
+static bool goes_by_steps(const gn_run *run) {
+    return run->history_halvings > 0 || adapts(&run->world, run->world.stages.now);
+}
+
 /* Rows that may be removed are at multiples of the interval. All others are equal times apart, from
  * the last one on, because the step may become shorter. */
 bool gn_run_row_is_due(const gn_run *run) {
     const gn_world *w = &run->world;
     const size_t rows = run->history.row_count;
-    if (adapts(w, w->stages.now) || !rows) return is_spaced(run, w->ctx.step);
+    if (goes_by_steps(run) || !rows) return is_spaced(run, w->ctx.step);
     const double last = gn_history_column(&run->history, "time")[rows - 1];
     return run->history_spacing > 0.0 &&
            w->ctx.time - last > run->history_spacing - 0.5 * w->ctx.dt;
@@ -118,8 +113,7 @@ gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
 
 /* The first row of all, or of a stage, is a look as well. */
 bool gn_run_is_look(const gn_run *run, size_t row) {
-    if (row <= (size_t)run->history_begin || !adapts(&run->world, run->world.stages.now))
-        return true;
+    if (row <= (size_t)run->history_begin || !goes_by_steps(run)) return true;
     const double step = gn_history_column(&run->history, "step")[row];
     return (int64_t)step % run->history_interval == 0;
 }

@@ -248,18 +248,14 @@ void gn_run_stage_time(gn_run *run) {
 double gn_run_stage_duration(const gn_run *run) {
     const gn_world *w = &run->world;
     const gn_stage *e = stage_of(run);
-    double left = w->ctx.scene.end - state_of(run)->time;
-    if (e->time >= 0.0) left = fmin(left, e->time);
-    return e->steps >= 0 ? fmin(left, (double)e->steps * w->ctx.dt) : left;
+    return fmin(w->ctx.scene.end - state_of(run)->time, gn_stage_length(e, w->ctx.dt));
 }
 
 double gn_run_time_left(const gn_run *run) {
     const gn_world *w = &run->world;
     double end = w->ctx.scene.end - w->ctx.time, left = 0.0;
     for (size_t k = w->stages.now; gn_run_staged(run) && k < w->ctx.scene.stage_count; k++) {
-        const gn_stage *e = &w->ctx.scene.stages[k];
-        double most = e->time >= 0.0 ? e->time : (double)INFINITY;
-        if (e->steps >= 0) most = fmin(most, (double)e->steps * w->ctx.dt);
+        const double most = gn_stage_length(&w->ctx.scene.stages[k], w->ctx.dt);
         left += k == w->stages.now ? fmax(0.0, w->stages.state[k].time + most - w->ctx.time) : most;
     }
     return gn_run_staged(run) ? fmin(end, left) : end;

@@ -2,7 +2,7 @@
 
 /* ---- words ---- */
 
-static const gn_choice switches[] = {
+const gn_choice gn_switches[] = {
     {"auto", GN_SWITCH_AUTO}, {"on", GN_SWITCH_ON},  {"off", GN_SWITCH_OFF}, {"true", GN_SWITCH_ON},
     {"false", GN_SWITCH_OFF}, {"yes", GN_SWITCH_ON}, {"no", GN_SWITCH_OFF},  {NULL, 0}};
 const gn_choice gn_booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
@@ -159,7 +159,7 @@ static const gn_key law_keys[] = {
     CHOICE("pull", gn_scene, pull, gn_booleans, BY("true"),
            "with hertz: the dashpot may exert tension at the end of a collision; false: the total "
            "force is cut off at zero, and the dashpot is adjusted to keep the restitution"),
-    CHOICE("rotation", gn_scene, rotation, switches, BY("auto"), "particles rotate; auto: on"),
+    CHOICE("rotation", gn_scene, rotation, gn_switches, BY("auto"), "particles rotate; auto: on"),
     CHOICE("coupling", gn_scene, coupling, couplings, BY("none"),
            "reduction of a bond's shear strength by tension; quadratic: the bond breaks when the "
            "squares of force over strength add up to 1; linear: by mu_1 f_n"),
@@ -183,7 +183,7 @@ static const gn_key law_keys[] = {
 static const gn_section law_section = {KEYS_OF(law), 0, offsetof(gn_scene, law_where)};
 
 static const gn_key bonds_keys[] = {
-    CHOICE("enabled", gn_scene, bonds, switches, BY("auto"),
+    CHOICE("enabled", gn_scene, bonds, gn_switches, BY("auto"),
            "auto: on when the scene has a bonds section"),
     REAL("interaction_range", gn_scene, interaction_range, "1", "[0, 100]", BY("0.05"),
          "bonds form at gaps up to this times the sum of the radii"),
@@ -277,13 +277,12 @@ SIDE(x, 0);
 SIDE(y, 1);
 SIDE(z, 2);
 
-static const gn_choice open_axes[] = {{"none", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
 static const gn_key periodic_keys[] = {
     VECTOR("min", gn_scene, periodic_min, "m", GN_PLACES, REQUIRED,
            "lower corner of the periodic box"),
     VECTOR("max", gn_scene, periodic_max, "m", GN_PLACES, REQUIRED,
            "upper corner of the periodic box"),
-    CHOICE("open", gn_scene, periodic_open, open_axes, BY("none"),
+    CHOICE("open", gn_scene, periodic_open, gn_axes_or_none, BY("none"),
            "axis along which the box is open, as between two plates; min and max are not read "
            "along it"),
     SECTION("x", side_x_section,
@@ -312,24 +311,20 @@ TABLE_OF(domain);
 
 /* ---- sets and walls ---- */
 
-#define CHANNEL(NAME, FIELD, UNIT, RANGE, TEXT)                                                    \
-    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .range = RANGE, .word = "free",               \
-        .fallback = "free", .text = TEXT)
-
 static const gn_key set_motion_keys[] = {
-    CHANNEL("vx", velocity[0], "m/s", GN_SPEEDS, "prescribed velocity along x"),
-    CHANNEL("vy", velocity[1], "m/s", GN_SPEEDS, "prescribed velocity along y"),
-    CHANNEL("vz", velocity[2], "m/s", GN_SPEEDS, "prescribed velocity along z"),
-    CHANNEL("wx", spin[0], "rad/s", GN_SPINS, "prescribed spin about x"),
-    CHANNEL("wy", spin[1], "rad/s", GN_SPINS, "prescribed spin about y"),
-    CHANNEL("wz", spin[2], "rad/s", GN_SPINS, "prescribed spin about z"),
+    CHANNEL(gn_motion, "vx", velocity[0], "m/s", GN_SPEEDS, "free", "prescribed velocity along x"),
+    CHANNEL(gn_motion, "vy", velocity[1], "m/s", GN_SPEEDS, "free", "prescribed velocity along y"),
+    CHANNEL(gn_motion, "vz", velocity[2], "m/s", GN_SPEEDS, "free", "prescribed velocity along z"),
+    CHANNEL(gn_motion, "wx", spin[0], "rad/s", GN_SPINS, "free", "prescribed spin about x"),
+    CHANNEL(gn_motion, "wy", spin[1], "rad/s", GN_SPINS, "free", "prescribed spin about y"),
+    CHANNEL(gn_motion, "wz", spin[2], "rad/s", GN_SPINS, "free", "prescribed spin about z"),
 };
 TABLE_OF(set_motion);
 
 static const gn_key wall_motion_keys[] = {
-    CHANNEL("vx", velocity[0], "m/s", GN_SPEEDS, "velocity along x"),
-    CHANNEL("vy", velocity[1], "m/s", GN_SPEEDS, "velocity along y"),
-    CHANNEL("vz", velocity[2], "m/s", GN_SPEEDS, "velocity along z"),
+    CHANNEL(gn_motion, "vx", velocity[0], "m/s", GN_SPEEDS, "free", "velocity along x"),
+    CHANNEL(gn_motion, "vy", velocity[1], "m/s", GN_SPEEDS, "free", "velocity along y"),
+    CHANNEL(gn_motion, "vz", velocity[2], "m/s", GN_SPEEDS, "free", "velocity along z"),
 };
 TABLE_OF(wall_motion);
 

@@ -20,17 +20,16 @@ static const gn_key cylinder_keys[] = {
 };
 TABLE_OF(cylinder);
 
-#define CHANNEL(NAME, FIELD, UNIT, RANGE, TEXT)                                                    \
-    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .range = RANGE, .word = "free",               \
-        .fallback = "free", .text = TEXT)
-
 static const gn_key motion_keys[] = {
-    CHANNEL("vx", velocity[0], "m/s", GN_SPEEDS, "velocity of the reference point along x"),
-    CHANNEL("vy", velocity[1], "m/s", GN_SPEEDS, "velocity of the reference point along y"),
-    CHANNEL("vz", velocity[2], "m/s", GN_SPEEDS, "velocity of the reference point along z"),
-    CHANNEL("wx", spin[0], "rad/s", GN_SPINS, "spin about x"),
-    CHANNEL("wy", spin[1], "rad/s", GN_SPINS, "spin about y"),
-    CHANNEL("wz", spin[2], "rad/s", GN_SPINS, "spin about z"),
+    CHANNEL(gn_motion, "vx", velocity[0], "m/s", GN_SPEEDS, "free",
+            "velocity of the reference point along x"),
+    CHANNEL(gn_motion, "vy", velocity[1], "m/s", GN_SPEEDS, "free",
+            "velocity of the reference point along y"),
+    CHANNEL(gn_motion, "vz", velocity[2], "m/s", GN_SPEEDS, "free",
+            "velocity of the reference point along z"),
+    CHANNEL(gn_motion, "wx", spin[0], "rad/s", GN_SPINS, "free", "spin about x"),
+    CHANNEL(gn_motion, "wy", spin[1], "rad/s", GN_SPINS, "free", "spin about y"),
+    CHANNEL(gn_motion, "wz", spin[2], "rad/s", GN_SPINS, "free", "spin about z"),
 };
 TABLE_OF(motion);
 

@@ -68,16 +68,12 @@ ELEMENTS_OF(material, gn_element_material);
     };                                                                                             \
     TABLE_OF(NAME)
 
-#define CHANNEL(NAME, FIELD, STRUCT, UNIT, RANGE, WORD, TEXT)                                      \
-    KEY(NAME, TABLE, STRUCT, FIELD, .unit = UNIT, .range = RANGE, .word = WORD, .fallback = WORD,  \
-        .text = TEXT)
-
 REGION_BOX(gn_element_motion, motion_box);
 
 static const gn_key velocity_keys[] = {
-    CHANNEL("vx", velocity[0], gn_motion, "m/s", GN_SPEEDS, "free", "prescribed velocity along x"),
-    CHANNEL("vy", velocity[1], gn_motion, "m/s", GN_SPEEDS, "free", "prescribed velocity along y"),
-    CHANNEL("vz", velocity[2], gn_motion, "m/s", GN_SPEEDS, "free", "prescribed velocity along z"),
+    CHANNEL(gn_motion, "vx", velocity[0], "m/s", GN_SPEEDS, "free", "prescribed velocity along x"),
+    CHANNEL(gn_motion, "vy", velocity[1], "m/s", GN_SPEEDS, "free", "prescribed velocity along y"),
+    CHANNEL(gn_motion, "vz", velocity[2], "m/s", GN_SPEEDS, "free", "prescribed velocity along z"),
 };
 TABLE_OF(velocity);
 
@@ -99,16 +95,16 @@ ELEMENTS_OF(motion, gn_element_motion);
 REGION_BOX(gn_element_load, load_box);
 
 static const gn_key traction_keys[] = {
-    CHANNEL("tx", traction[0], gn_element_load, "Pa", GN_TRACTIONS, "none", "component along x"),
-    CHANNEL("ty", traction[1], gn_element_load, "Pa", GN_TRACTIONS, "none", "component along y"),
-    CHANNEL("tz", traction[2], gn_element_load, "Pa", GN_TRACTIONS, "none", "component along z"),
+    CHANNEL(gn_element_load, "tx", traction[0], "Pa", GN_TRACTIONS, "none", "component along x"),
+    CHANNEL(gn_element_load, "ty", traction[1], "Pa", GN_TRACTIONS, "none", "component along y"),
+    CHANNEL(gn_element_load, "tz", traction[2], "Pa", GN_TRACTIONS, "none", "component along z"),
 };
 TABLE_OF(traction);
 
 static const gn_key force_keys[] = {
-    CHANNEL("fx", force[0], gn_element_load, "N", GN_FORCES, "none", "component along x"),
-    CHANNEL("fy", force[1], gn_element_load, "N", GN_FORCES, "none", "component along y"),
-    CHANNEL("fz", force[2], gn_element_load, "N", GN_FORCES, "none", "component along z"),
+    CHANNEL(gn_element_load, "fx", force[0], "N", GN_FORCES, "none", "component along x"),
+    CHANNEL(gn_element_load, "fy", force[1], "N", GN_FORCES, "none", "component along y"),
+    CHANNEL(gn_element_load, "fz", force[2], "N", GN_FORCES, "none", "component along z"),
 };
 TABLE_OF(force);
 

@@ -28,7 +28,7 @@
 #define GN_PRESSURES     "[0, 1e18]"     /* Pa */
 
 /* Words that several tables use. */
-extern const gn_choice gn_booleans[], gn_axes[];
+extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[];
 
 /* A key TYPE called NAME for FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
@@ -74,6 +74,11 @@ extern const gn_choice gn_booleans[], gn_axes[];
 #define SHAPE(KIND, DIMENSION)                                                                     \
     .shape = GN_SHAPE_##KIND, .shape_dimension = (DIMENSION),                                      \
     PRESENT(SHAPE, gn_scene, specimen.pack.shape)
+/* A component of a motion or a load: a number, a table of times, or a word for none, the default.
+ */
+#define CHANNEL(STRUCT, NAME, FIELD, UNIT, RANGE, WORD, TEXT)                                      \
+    KEY(NAME, TABLE, STRUCT, FIELD, .unit = UNIT, .range = RANGE, .word = WORD, .fallback = WORD,  \
+        .text = TEXT)
 /* The coefficients of friction of a side that particles touch: of walls and bodies. */
 #define SIDE_FRICTIONS(STRUCT)                                                                     \
     REAL("friction", STRUCT, friction, GN_SLOPE, GN_FRICTIONS, BY("0"),                            \

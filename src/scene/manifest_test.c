@@ -3,7 +3,7 @@
 #include "scene/stages.h"
 #include "scene/units.h"
 
-static const gn_choice axes_or_none[] = {{"none", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
+const gn_choice gn_axes_or_none[] = {{"none", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
 #define X(NAME, name, text) {#name, GN_TEST_##NAME},
 static const gn_choice test_kinds[] = {GN_TEST_KIND_LIST(X){NULL, 0}};
 #undef X
@@ -34,7 +34,7 @@ TABLE_OF(control);
 static const gn_key test_keys[] = {
     CHOICE("kind", gn_scene, test.kind, test_kinds, REQUIRED,
            "which test it is: how stress and strain are formed and what is read" KINDS_TEXT),
-    CHOICE("axis", gn_scene, test.axis, axes_or_none, BY("none"),
+    CHOICE("axis", gn_scene, test.axis, gn_axes_or_none, BY("none"),
            "direction of loading; needed by all but hydrostatic"),
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
           PRESENT(COUNT, gn_scene, test.lower.count), PLACED(gn_scene, test.lower.where),
@@ -44,7 +44,7 @@ static const gn_key test_keys[] = {
           PRESENT(COUNT, gn_scene, test.upper.count), PLACED(gn_scene, test.upper.where),
           .text = "wall, body, set or motion of elements at the upper end; forces of several add "
                   "up; needed by all but hydrostatic"),
-    CHOICE("normal", gn_scene, test.normal, axes_or_none, BY("none"),
+    CHOICE("normal", gn_scene, test.normal, gn_axes_or_none, BY("none"),
            "shear and simple_shear: axis normal to the sheared plane"),
     REAL("length", gn_scene, test.given.length, "m", GN_LENGTHS, OR("auto", 0),
          "length of the specimen; auto: its extent along the axis, in shear the free distance "
@@ -216,10 +216,6 @@ const gn_section gn_stage_section = {KEYS_OF(stage), sizeof(gn_stage), offsetof(
 
 /* ---- keys of `output` ---- */
 
-static const gn_choice switches[] = {
-    {"auto", GN_SWITCH_AUTO}, {"on", GN_SWITCH_ON},  {"off", GN_SWITCH_OFF}, {"true", GN_SWITCH_ON},
-    {"false", GN_SWITCH_OFF}, {"yes", GN_SWITCH_ON}, {"no", GN_SWITCH_OFF},  {NULL, 0}};
-
 static const gn_key output_keys[] = {
     TEXT("directory", gn_scene, output_directory, BY(""),
          "folder of the results; left out: runs/ and the name of the scene"),
@@ -230,14 +226,14 @@ static const gn_key output_keys[] = {
             "only the last state"),
     REAL("checkpoint", gn_scene, checkpoint_wall, "s", "[0, inf)", BY("5 min"),
          "wall time between checkpoints; off: only on a signal and at the end", .word = "off"),
-    CHOICE("energy", gn_scene, energy, switches, BY("auto"), "energy ledger; auto: on"),
-    CHOICE("orientation", gn_scene, orientation, switches, BY("auto"),
+    CHOICE("energy", gn_scene, energy, gn_switches, BY("auto"), "energy ledger; auto: on"),
+    CHOICE("orientation", gn_scene, orientation, gn_switches, BY("auto"),
            "rotations of particles since the start, in snapshots and results.h5, if they rotate; "
            "auto: off"),
-    CHOICE("events", gn_scene, events, switches, BY("auto"),
+    CHOICE("events", gn_scene, events, gn_switches, BY("auto"),
            "list of the times and places at which bonds broke, began to soften or to yield, in "
            "results.h5; auto: on"),
-    CHOICE("contacts", gn_scene, contact_rows, switches, BY("auto"),
+    CHOICE("contacts", gn_scene, contact_rows, gn_switches, BY("auto"),
            "all acting contacts, including unbonded ones and those with walls and bodies, in "
            "snapshots and results.h5; auto: off"),
     REAL("burst_reach", gn_scene, burst_reach, "1", "[0, 1e6]", BY("5"),

@@ -38,6 +38,17 @@ double gn_scene_peak_drop(const gn_scene *scene) {
     return asked > 0.0 ? asked : by_kind > 0.0 ? by_kind : 0.5;
 }
 
+bool gn_scene_may_end_early(const gn_scene *scene, size_t stage) {
+    if (scene->stage_count) {
+        const gn_stage *e = &scene->stages[stage];
+        return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 || e->unbalanced > 0.0 ||
+               e->held > 0.0;
+    }
+    const gn_stops stops = gn_scene_stops(scene);
+    const bool tested = gn_scene_tested(scene);
+    return stops.peak_drop > 0.0 || (tested && stops.strain > 0.0) || scene->stop_unbalanced > 0.0;
+}
+
 const char *gn_stops_text(const gn_scene *scene, char *text, size_t size) {
     const gn_stops stops = gn_scene_stops(scene);
     const bool said = scene->stop_strain > 0.0 || scene->stop_unbalanced > 0.0;

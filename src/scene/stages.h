@@ -6,6 +6,8 @@
 
 #include "scene/scene.h"
 
+#include <math.h>
+
 typedef struct gn_stage {
     char name[GN_NAME_SIZE];
     double time;       /* s since its start; negative: no condition */
@@ -24,6 +26,13 @@ typedef struct gn_stage {
 static inline bool gn_stage_has_end(const gn_stage *stage) {
     return stage->time >= 0 || stage->steps >= 0 || stage->strain > 0 || stage->stress > 0 ||
            stage->peak_drop > 0 || stage->unbalanced > 0 || stage->held > 0;
+}
+
+/* Returns the largest duration of a stage at a step, s; INFINITY: neither time nor steps bound it.
+ */
+static inline double gn_stage_length(const gn_stage *stage, double dt) {
+    const double time = stage->time >= 0.0 ? stage->time : (double)INFINITY;
+    return stage->steps >= 0 ? fmin(time, (double)stage->steps * dt) : time;
 }
 
 /* Makes the scene of a stage, base 0, from one that gn_scene_parse or gn_scene_write gave. Tables
@@ -52,6 +61,9 @@ typedef struct gn_stops {
  * Scenes with stages have none, as each stage has its own end, and controlled tests continue past
  * their peak. */
 gn_stops gn_scene_stops(const gn_scene *scene);
+
+/* Tells whether a condition may end the run, or the stage if there are stages, before its time. */
+bool gn_scene_may_end_early(const gn_scene *scene, size_t stage);
 
 /* Returns the relative fall of stress from its peak that ends a test: that of gn_scene_stops; if
  * there is none, that of the kind of test, or 0.5. */

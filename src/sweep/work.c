@@ -192,8 +192,6 @@ static void child_outcome(const gn_child *child, int wait_status, gn_outcome *ou
                  outcome->code);
 }
 
-#define _GNU_SOURCE /* sched_getaffinity */
-
 /* Consecutive kills without a new checkpoint after which a run counts as failed. */
 enum { KILLS_MOST = 5 };
 
