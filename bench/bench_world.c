@@ -3,6 +3,7 @@
 #include "base/timer.h"
 #include "particles/dem.h"
 #include "run/run.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <omp.h>
@@ -82,8 +83,8 @@ void bench_world_free(bench_world *b) {
 
 bool bench_world_use(bench_world *b, int threads, const char *isa) {
     for (gn_isa k = GN_ISA_AUTO; k < GN_ISA_COUNT; k++)
-        if (strcmp(gn_isa_name(k), isa) == 0) b->world.scene.isa = k;
-    b->world.scene.threads = threads;
+        if (strcmp(gn_isa_name(k), isa) == 0) b->world.ctx.scene.isa = k;
+    b->world.ctx.scene.threads = threads;
     gneiss_error error;
     return gn_world_prepare(&b->world.ctx, &b->world.dem, &b->world.box, &error) == GNEISS_OK;
 }
@@ -126,33 +127,30 @@ bench_numbers bench_world_numbers(const bench_world *b) {
     n.wall_contacts = w->boundary.contacts.soa.count;
     n.bond_bytes = gn_record_bytes(&gn_contact_record, w->dem.bonds.contacts.soa.effects);
     n.pair_bytes = gn_record_bytes(&gn_contact_record, w->dem.pairs.contacts.soa.effects);
-    n.particle_bytes = gn_record_bytes(&gn_particle_record, w->effects);
+    n.particle_bytes = gn_record_bytes(&gn_particle_record, w->ctx.effects);
     n.world_bytes = gn_world_bytes(&w->ctx, &w->dem, &w->boundary, &w->solids);
     n.contact_steps = w->dem.contact_steps;
-    n.steps = w->step;
+    n.steps = w->ctx.step;
     n.rebuilds = w->dem.verlet.rebuilds;
     n.seconds_lists = w->ctx.seconds[GN_PHASE_lists];
     n.seconds_setup = w->ctx.seconds[GN_PHASE_setup];
-    n.threads = w->threads;
-    n.isa = w->kernels->name;
+    n.threads = w->ctx.threads;
+    n.isa = w->ctx.kernels->name;
     return n;
 }
 
 /* --- kernels alone --- */
 
-static bool bonds_are_more(const gn_world *w) {
-    return w->dem.bonds.contacts.soa.count > w->dem.pairs.contacts.soa.count;
-}
-
-static const gn_contacts *longer_list(const gn_world *w) {
-    return bonds_are_more(w) ? &w->dem.bonds.contacts : &w->dem.pairs.contacts;
+static const gn_contact_list *longer_list(const gn_world *w) {
+    const gn_contact_list *bonds = &w->dem.bonds, *pairs = &w->dem.pairs;
+    return bonds->contacts.soa.count > pairs->contacts.soa.count ? bonds : pairs;
 }
 
 size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
     gn_contact_args a = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, longer_list(w), false);
     a.dt = 0.0; /* the state does not change */
-    gn_contact_kernel *kernel = bonds_are_more(w) ? w->dem.bonds.kernel : w->dem.pairs.kernel;
+    gn_contact_kernel *kernel = longer_list(w)->kernel;
     size_t length = a.partials->length, last = blocks * length;
     if (last > a.contacts->soa.count) last = a.contacts->soa.count;
     for (size_t first = 0; first < last; first += length) {
@@ -178,14 +176,14 @@ size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
 }
 
 void bench_world_contact_name(const bench_world *b, char *name, size_t size) {
-    gn_effects effects = longer_list(&b->world)->soa.effects;
+    gn_effects effects = longer_list(&b->world)->contacts.soa.effects;
     gn_contact_variant_name(gn_contact_variant(effects), name, size);
     size_t used = strlen(name);
     if (effects & GN_FX_MIXED) snprintf(name + used, size - used, "_mixed");
 }
 
 void bench_world_motion_name(const bench_world *b, char *name, size_t size) {
-    gn_motion_variant_name(gn_motion_variant(b->world.effects), name, size);
+    gn_motion_variant_name(gn_motion_variant(b->world.ctx.effects), name, size);
 }
 
 static size_t width(const void *array, size_t bytes) {
@@ -208,16 +206,17 @@ static size_t parameters(const gn_contacts *k, const gn_uniform *u) {
 
 void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *written) {
     const gn_world *w = &b->world;
-    const gn_contacts *k = longer_list(w);
-    const gn_partials *q = bonds_are_more(w) ? &w->dem.bonds.partials : &w->dem.pairs.partials;
-    size_t components = w->effects & GN_FX_SPACE ? 3 : 2;
+    const gn_contact_list *list = longer_list(w);
+    const gn_contacts *k = &list->contacts;
+    const gn_partials *q = &list->partials;
+    size_t components = w->ctx.effects & GN_FX_SPACE ? 3 : 2;
     size_t state = width(k->shear, 8 * components) + width(k->shear_f, 4 * components) +
                    width(k->fd, 8) + width(k->fd_f, 4);
     /* a row is cleared, and then read and written by the contacts of its block from the cache */
     size_t count = q->blocks ? (size_t)q->first[q->blocks] : 0;
     size_t rows = count * gn_partials_row_bytes(q), named = count * sizeof *q->particle;
     *read = 2 * sizeof *k->i + 2 * sizeof *q->place + state + (rows + named) / k->soa.count +
-            parameters(k, bonds_are_more(w) ? &w->dem.bonds.uniform : &w->dem.pairs.uniform);
+            parameters(k, &list->uniform);
     *written = state + rows / k->soa.count;
 }
 
