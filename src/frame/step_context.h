@@ -21,17 +21,6 @@ typedef struct gn_machine {
     double looked; /* s: time of the last reading */
 } gn_machine;
 
-/* The way in which the volume of the specimen is known. */
-typedef enum gn_volume_source {
-    GN_VOLUME_OF_ELEMENTS,
-    GN_VOLUME_OF_BOX,
-    GN_VOLUME_OF_SOURCES,
-    GN_VOLUME_OF_SHAPE,
-    GN_VOLUME_OF_PACKING,
-    GN_VOLUME_OF_TEST,
-    GN_VOLUME_OF_HULL
-} gn_volume_source;
-
 struct gn_step_context {
     gn_scene scene; /* of the stage; its points relative to scene.origin, as all points of the
                        world */
@@ -54,7 +43,6 @@ struct gn_step_context {
     bool sums;        /* sums over contacts are asked for, whether or not it is read */
     double period[3]; /* m: present sides of a periodic box; 0: not periodic */
     double volume;    /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
-    gn_volume_source volume_source; /* found when the world is created */
     double lower[3], upper[3];      /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;  /* m, m2 (2D: m x 1 m) */
 };

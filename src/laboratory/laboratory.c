@@ -503,7 +503,7 @@ static bool is_known(const gn_step_context *ctx, const gn_solids *solids) {
 }
 
 gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_solids *solids) {
+                             const gn_boundary *boundary, const gn_solids *solids) {
     const gn_bar_section even = {.uneven = 1.0};
     if (!is_known(ctx, solids)) return even;
     const slabs s = slabs_of(ctx, dem, solids);
@@ -517,13 +517,14 @@ gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
     const bool grains = dem->particles.soa.count;
     const double solid = grains ? 1.0 - gn_dem_porosity(ctx, dem) : 1.0;
     const bool waist = has_waist(&s);
+    const gn_volume_source source = gn_volume_source_of(ctx, dem, boundary, solids);
     return (gn_bar_section){.mean = sum / s.thick / solid,
                             .narrowest = least / s.thick / solid,
                             .uneven = sum * inverse,
                             .length = s.thick * (double)s.count,
                             .waist = waist,
-                            .guessed = ctx->volume_source == GN_VOLUME_OF_TEST ||
-                                       (waist && ctx->volume_source == GN_VOLUME_OF_HULL),
+                            .guessed = source == GN_VOLUME_OF_TEST ||
+                                       (waist && source == GN_VOLUME_OF_HULL),
                             .spread = spread_of(&s, (int)ctx->scene.dimension, solid,
                                                 grains ? spreads_particles : spreads_elements)};
 }
@@ -544,4 +545,29 @@ double gn_section_by_mean(const gn_step_context *ctx, const gn_dem *dem, const g
     if (dem->particles.soa.count && x->waist != 0.0) return NAN;
     if (x->guessed != 0.0) return 1.0;
     return ctx->test_area * gn_world_side(ctx, solids, (int)ctx->scene.test.axis) / ctx->volume;
+}
+
+gn_volume_source gn_volume_source_of(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids) {
+    if (!ctx->scene.has_specimen) return GN_VOLUME_OF_ELEMENTS;
+    if (ctx->effects & GN_FX_PERIODIC) return GN_VOLUME_OF_BOX;
+    if (!ctx->scene.specimen_given) return GN_VOLUME_OF_SOURCES;
+    if (ctx->scene.specimen.pack.shape != GN_SHAPE_NONE) return GN_VOLUME_OF_SHAPE;
+    if (gn_scene_from_packing(&ctx->scene)) return GN_VOLUME_OF_PACKING;
+    bool given =
+        gn_scene_tested(&ctx->scene) && gn_test_shape(ctx, dem, boundary, solids).volume > 0.0;
+    return given ? GN_VOLUME_OF_TEST : GN_VOLUME_OF_HULL;
+}
+
+const char *gn_volume_source_text(const gn_step_context *ctx, gn_volume_source source) {
+    static const char *const names[] = {"the elements",
+                                        "the periodic box",
+                                        "the box about the sources",
+                                        "the shape",
+                                        "the shape that was packed",
+                                        "length times area of the test",
+                                        "the convex hull of the particles"};
+    if (source == GN_VOLUME_OF_TEST && gn_scene_test(&ctx->scene)->disc)
+        return "the disc of the test";
+    return names[source];
 }

@@ -55,8 +55,7 @@ struct gn_bar_section {
 };
 
 /* Finds the section of a prism whose modulus is read, at the start; after all parts are made. */
-gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_solids *solids);
+gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary, const gn_solids *solids);
 
 /* Young's modulus over the slope of the stress of the test over its strain, and over the mean
  * strain of the specimen. 1: the section does not vary; NaN: no modulus follows from that slope. */
@@ -74,5 +73,22 @@ bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
  * load, is between. False if a wall is among them. */
 bool gn_bending_outside(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids);
+
+/* The way in which the volume of the specimen is known. */
+typedef enum gn_volume_source {
+    GN_VOLUME_OF_ELEMENTS,
+    GN_VOLUME_OF_BOX,
+    GN_VOLUME_OF_SOURCES,
+    GN_VOLUME_OF_SHAPE,
+    GN_VOLUME_OF_PACKING,
+    GN_VOLUME_OF_TEST,
+    GN_VOLUME_OF_HULL
+} gn_volume_source;
+
+/* Returns how the volume of the specimen is known. */
+gn_volume_source gn_volume_source_of(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids);
+/* Names it: "the shape", "the convex hull of the particles", ... */
+const char *gn_volume_source_text(const gn_step_context *ctx, gn_volume_source source);
 
 #endif

@@ -82,8 +82,8 @@ double gn_dem_mean_radius(const gn_dem *dem) {
 
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
     double solid = 0.0;
-    if (ctx->volume_source == GN_VOLUME_OF_SOURCES)
-        return 0.0; /* a volume of their own is all they have */
+    if (ctx->scene.has_specimen && !ctx->scene.specimen_given && !(ctx->effects & GN_FX_PERIODIC))
+        return 0.0; /* grains of sources alone have no volume but their own */
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
     return 1.0 - solid / ctx->volume;

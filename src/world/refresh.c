@@ -31,7 +31,6 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
     GN_TRY(gn_boundary_restore(&w->dem, &w->boundary, error));
-    gn_world_find_volume_source(&w->ctx, &w->dem, &w->boundary, &w->solids);
     return gn_features_follow_lists(w, error);
 }
 

@@ -89,36 +89,6 @@ static gneiss_status measure_test(gn_step_context *ctx, const gn_dem *dem,
                    isfinite(shape.length) ? "ends that overlap" : "an end without particles");
 }
 
-static gn_volume_source source_of_volume(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_boundary *boundary, const gn_solids *solids) {
-    if (!ctx->scene.has_specimen) return GN_VOLUME_OF_ELEMENTS;
-    if (ctx->effects & GN_FX_PERIODIC) return GN_VOLUME_OF_BOX;
-    if (!ctx->scene.specimen_given) return GN_VOLUME_OF_SOURCES;
-    if (ctx->scene.specimen.pack.shape != GN_SHAPE_NONE) return GN_VOLUME_OF_SHAPE;
-    if (gn_scene_from_packing(&ctx->scene)) return GN_VOLUME_OF_PACKING;
-    bool given =
-        gn_scene_tested(&ctx->scene) && gn_test_shape(ctx, dem, boundary, solids).volume > 0.0;
-    return given ? GN_VOLUME_OF_TEST : GN_VOLUME_OF_HULL;
-}
-
-void gn_world_find_volume_source(gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids) {
-    ctx->volume_source = source_of_volume(ctx, dem, boundary, solids);
-}
-
-const char *gn_world_volume_source(const gn_step_context *ctx) {
-    static const char *const names[] = {"the elements",
-                                        "the periodic box",
-                                        "the box about the sources",
-                                        "the shape",
-                                        "the shape that was packed",
-                                        "length times area of the test",
-                                        "the convex hull of the particles"};
-    if (ctx->volume_source == GN_VOLUME_OF_TEST && gn_scene_test(&ctx->scene)->disc)
-        return "the disc of the test";
-    return names[ctx->volume_source];
-}
-
 /* Along an axis without sides as far as the particles reach. */
 static double box_volume(const gn_step_context *ctx) {
     int64_t open = ctx->scene.periodic_open;
@@ -130,7 +100,7 @@ static double box_volume(const gn_step_context *ctx) {
 static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
-    gn_volume_source source = source_of_volume(ctx, dem, boundary, solids);
+    gn_volume_source source = gn_volume_source_of(ctx, dem, boundary, solids);
     if (!ctx->scene.specimen_given)
         gn_flow_bounds(ctx, dem, ctx->lower, ctx->upper);
     else if (source == GN_VOLUME_OF_HULL)
@@ -144,7 +114,6 @@ static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
     if (source == GN_VOLUME_OF_BOX) ctx->volume = box_volume(ctx);
     GN_TRY(measure_test(ctx, dem, boundary, solids, error));
     if (source == GN_VOLUME_OF_TEST) ctx->volume = gn_test_shape(ctx, dem, boundary, solids).volume;
-    gn_world_find_volume_source(ctx, dem, boundary, solids); /* the extent is known now */
     return GNEISS_OK;
 }
 
@@ -344,7 +313,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     if (!particles) GN_TRY(measure_elements(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_ends_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     gn_ends_begin(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach);
-    w->section = gn_section_of(&w->ctx, &w->dem, &w->solids);
+    w->section = gn_section_of(&w->ctx, &w->dem, &w->boundary, &w->solids);
     GN_TRY(gn_geometry_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_sides_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_stages_check_first(&w->ctx, &w->dem, &w->solids, &w->stages, error));

@@ -103,14 +103,6 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 /* Rebuilds the lists in any case. */
 gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 
-/* Sets ctx.volume_source, once the particles and their extent are known. */
-void gn_world_find_volume_source(gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids);
-
-/* Returns the body whose volume ctx->volume is: "the shape", "the convex hull of the particles",
- * ... */
-const char *gn_world_volume_source(const gn_step_context *ctx);
-
 /* Returns the mass of particles and elements, kg, without mass added for a longer step. */
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids);
 
