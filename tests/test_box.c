@@ -1,6 +1,7 @@
 /* Sides of a periodic box that move: particles ride on it without a seam, the mean stress is held,
  * the ledger closes, and nothing depends on threads or on a break in between. */
 #include "boundary/boundary.h"
+#include "drive/servo.h"
 #include "run_helpers.h"
 
 /* 108 spheres of 1 mm in a face-centred lattice that is compressed by 0.1 %: three cells of side

@@ -1,7 +1,8 @@
 /* The limit of the step of particles and elements as one system. */
 #include "coupling_helpers.h"
 #include "timestep/step_limit.h"
-#include "zones/zone_parts.h"
+#include "zones/zones.h"
+#include "zones/zones_private.h"
 
 /* A small disordered packing (x from 4 to 14 mm) beside elements (0 to 10 mm); the outermost
  * particles of the zone have little mass and, in some directions, stiffer neighbours. */

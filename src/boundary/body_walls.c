@@ -14,7 +14,6 @@
 #include "kernels/law.h"
 #include "particles/body_springs.h"
 #include "particles/dem.h"
-#include "particles/law.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "soa/field.h"

@@ -13,8 +13,6 @@
 #include "frame/parts.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
-#include "particles/body_springs.h"
-#include "scene/scene.h"
 
 #include <stdbool.h>
 #include <stddef.h>

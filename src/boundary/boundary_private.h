@@ -9,7 +9,6 @@
 #include "measure/energy.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
-#include "surfaces/patch.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -3,7 +3,6 @@
 #ifndef GN_BOUNDARY_CONTACT_ROWS_H
 #define GN_BOUNDARY_CONTACT_ROWS_H
 
-#include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"

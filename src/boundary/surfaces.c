@@ -1,7 +1,6 @@
 /* Contacts of particles with surfaces, particle by particle. */
 #include "boundary/surfaces.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"

@@ -8,7 +8,6 @@
 #include "boundary/contact_rows.h"
 #include "boundary/surfaces.h"
 #include "drive/servo.h"
-#include "frame/ledger.h"
 #include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"

@@ -3,8 +3,6 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/point.h"
-#include "base/timer.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
@@ -17,23 +15,18 @@
 #include "particles/dormant.h"
 #include "particles/lists.h"
 #include "scene/couple_def.h"
-#include "scene/place.h"
-#include "scene/scene.h"
-#include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
-#include "zones/zone_state.h"
 #include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>
 
-static gneiss_status no_memory(gneiss_error *error) {
+gneiss_status gn_conversion_no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
 }
 
@@ -45,7 +38,7 @@ gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_
     size_t count;
     int32_t *place = gn_fem_places(gn_coupled_solid(solids), &count);
     int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
-    gneiss_status status = place && element ? GNEISS_OK : no_memory(error);
+    gneiss_status status = place && element ? GNEISS_OK : gn_conversion_no_memory(error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
         const bool awake = dem->prepared.soa.capacity && gn_particle_is_active(q, p);
         if (gn_dormant_element(dem, p) >= count)
@@ -66,7 +59,7 @@ gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *s
                                   uint8_t *kind, gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     uint8_t *driven = gn_alloc(b->nodes.soa.count + 1);
-    if (!driven) return no_memory(error);
+    if (!driven) return gn_conversion_no_memory(error);
     gn_elements_driven(solids->elements[0], driven);
     gn_front_kinds(b, &ctx->scene.couple.convert, driven, kind);
     gn_free(driven);
@@ -338,7 +331,7 @@ static gneiss_status convert(gn_world *w, uint8_t *kind, int *dry_run, gneiss_er
                       c.some,  c.active, c.tied,      c.reached, c.rate};
     bool held = true;
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) held = held && blocks[k];
-    gneiss_status status = held ? go(&c, error) : no_memory(error);
+    gneiss_status status = held ? go(&c, error) : gn_conversion_no_memory(error);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     if (dry_run) *dry_run = c.rings;
     return status;

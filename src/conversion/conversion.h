@@ -22,7 +22,7 @@
 gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gneiss_error *error);
-/* Puts the bonds by and the particles to sleep. */
+/* Stores the bonds and makes all particles dormant. */
 gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
                                            const gn_boundary *boundary, const gn_solids *solids,
                                            gn_zones *zones, gneiss_error *error);
@@ -38,19 +38,20 @@ gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_sol
                                         gneiss_error *error);
 /* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as
  * gn_conversion_kinds has it, and changed. Where more would have to go than may, nothing goes, and
- * world->halt says what. */
+ * world->outcome.halt says what. */
 gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
                                   uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
 /* Converts the elements that are loaded to at least this part of a limit. */
 gneiss_status gn_conversion_convert_above(gn_world *world, double part, gneiss_error *error);
 
-/* Evaluates such a conversion without performing it; changes only world->halt and `kind`. *rings:
- * rings of neighbouring elements that would convert as well. */
+/* Evaluates such a conversion without performing it; changes only world->outcome.halt and `kind`.
+ * *rings: rings of neighbouring elements that would convert as well. */
 gneiss_status gn_conversion_dry_run(gn_world *world, uint8_t *kind, int *rings,
                                     gneiss_error *error);
 
-/* Tells whether world->halt reports that conversion reached the end of couple.convert.box. */
+/* Tells whether world->outcome.halt reports that conversion reached the end of couple.convert.box.
+ */
 bool gn_conversion_ended_at_box(const gn_ending *outcome);
 /* Tells whether it reports too few particles for the mass of the converting elements. */
 bool gn_conversion_lacked_mass(const gn_ending *outcome);
@@ -65,7 +66,7 @@ bool gn_conversion_left_light_nodes(const gn_ending *outcome);
 
 /* Places of an unconverted body that may convert, looked at by themselves: how many there are; how
  * many of them take elements around along, and at how many particles are too few all the same;
- * those where the box ends count for nothing (conversion_setup.c). */
+ * those where the box ends count for nothing (conversion_limits.c). */
 typedef struct gn_conversion_places_checked {
     size_t looked, along, too_few;
 } gn_conversion_places_checked;

@@ -5,7 +5,6 @@
  * along the normal in a uniform strain eps, and zero in any rigid motion. (With displacements alone
  * each rotation would shear all bonds.) */
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
 #include "couple/ties.h"
@@ -18,7 +17,7 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>

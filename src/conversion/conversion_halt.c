@@ -15,7 +15,7 @@
 #include "solids/dormant_places.h"
 #include "solids/elements.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>
@@ -319,7 +319,7 @@ static void describe_watching(const gn_element_model *q, const uint8_t *found, c
     snprintf(text, size,
              "%s%s, which only watch%s (elements.motions), ha%s nodes in couple.convert.box: "
              "elements there stay, and conversion that comes to them ends the run; sets of "
-             "particles, which may sleep, can watch instead (sets: select without motion)",
+             "particles, which may be dormant, can watch instead (sets: select without motion)",
              names, count > NAMED ? " and others" : "", count == 1 ? "es" : "",
              count == 1 ? "s" : "ve");
 }

@@ -1,45 +1,26 @@
 /* Evaluation of the limits at which elements convert, and readings of dormant particles. */
-#include "base/ball.h"
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/point.h"
 #include "base/timer.h"
-#include "base/vec3.h"
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "couple/ties.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
-#include "kernels/partials.h"
-#include "laboratory/strain_gauge.h"
-#include "limit/step_limits.h"
-#include "measure/measure.h"
 #include "neigh/pairs.h"
 #include "particles/dem.h"
 #include "particles/dormant.h"
-#include "particles/lists.h"
-#include "particles/observe.h"
 #include "scene/couple_def.h"
-#include "scene/place.h"
-#include "scene/scene.h"
-#include "soa/field.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
 #include "solids/elements.h"
-#include "timestep/step_limit.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>
-
-static gneiss_status no_memory(gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
-}
 
 /* --- what converts --- */
 
@@ -57,7 +38,7 @@ static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_s
     const double least = least_share(most_loaded);
     const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
     double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
-    if (!stress) return no_memory(error);
+    if (!stress) return gn_conversion_no_memory(error);
     double(*nodal)[6] = stress + elements;
     gn_fem_element_stress(b, stress);
     gneiss_status status = gn_fem_nodal_stress(b, (const double(*)[6])stress, nodal, error);
@@ -161,7 +142,7 @@ static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneis
     size_t count;
     bool any = false;
     int32_t *place = gn_fem_places(gn_coupled_solid(&w->solids), &count);
-    if (!place) return no_memory(error);
+    if (!place) return gn_conversion_no_memory(error);
     mark_stressed(&w->ctx.scene.couple.convert, elements, excess, kind);
     mark_broken(&w->dem, place, kind);
     gn_free(place);
@@ -186,7 +167,7 @@ gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn
     const size_t elements = gn_elements_left_count(solids);
     *kind = gn_alloc(elements + 1);
     *excess = gn_alloc_array(elements + 1, sizeof **excess);
-    if (!*kind || !*excess) return no_memory(error);
+    if (!*kind || !*excess) return gn_conversion_no_memory(error);
     GN_TRY(gn_conversion_kinds(ctx, solids, *kind, error));
     return find_excess(ctx, solids, most_loaded, *kind, *excess, error);
 }

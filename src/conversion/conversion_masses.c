@@ -11,7 +11,6 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
 #include "zones/zones.h"
 
 #include <math.h>

@@ -15,7 +15,6 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 

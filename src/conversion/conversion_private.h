@@ -3,14 +3,13 @@
 #define GN_CONVERSION_CONVERSION_PRIVATE_H
 
 #include "base/error.h"
-#include "conversion/conversion.h"
 #include "couple/ties.h"
 #include "fem/solid.h"
 #include "frame/parts.h"
 #include "particles/dormant.h"
 #include "soa/records.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
+#include "zones/zones.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -165,5 +164,7 @@ void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, co
 enum { GN_AROUND_MOST = 64 };
 size_t gn_conversion_around(const gn_fem_solid *b, const gn_tie *tie,
                             int32_t element[GN_AROUND_MOST]);
+
+gneiss_status gn_conversion_no_memory(gneiss_error *error);
 
 #endif

@@ -29,8 +29,8 @@
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,8 +5,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
-#include "base/timer.h"
-#include "base/vec3.h"
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
@@ -20,7 +18,6 @@
 #include "particles/dormant.h"
 #include "particles/lists.h"
 #include "particles/observe.h"
-#include "scene/couple_def.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
@@ -29,16 +26,11 @@
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>
-
-static gneiss_status no_memory(gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
-}
 
 static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, const char *key,
                             const char *message, gneiss_error *error) {
@@ -123,7 +115,8 @@ static gneiss_status check_room(const gn_step_context *ctx, const gn_solids *sol
     double room = 0.0;
     size_t ready = 0;
     uint8_t *kind = gn_alloc(gn_elements_left_count(solids) + 1);
-    gneiss_status status = kind ? gn_conversion_kinds(ctx, solids, kind, error) : no_memory(error);
+    gneiss_status status =
+        kind ? gn_conversion_kinds(ctx, solids, kind, error) : gn_conversion_no_memory(error);
     if (status == GNEISS_OK)
         status = gn_front_room(gn_coupled_solid(solids), kind, enough, &room, error);
     for (size_t e = 0; status == GNEISS_OK && e < gn_elements_left_count(solids); e++)
@@ -146,7 +139,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     GN_TRY(check_law(ctx, error));
     GN_TRY(check_width(ctx, solids, error));
     dem->dormant = gn_alloc_array(dem->particles.soa.count + 1, sizeof *dem->dormant);
-    if (!dem->dormant) return no_memory(error);
+    if (!dem->dormant) return gn_conversion_no_memory(error);
     GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &ties, error));
     gneiss_status status = find_homes(ctx, dem, solids, &ties, error);
     gn_ties_free(&ties);
@@ -389,13 +382,14 @@ static gneiss_status refuse_overlaps(const gn_step_context *ctx, const gn_dem *d
     if (!count) return GNEISS_OK;
     const int32_t a = dem->particles.id[pairs->pair[deepest][0]],
                   b = dem->particles.id[pairs->pair[deepest][1]];
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected a bond between all particles that overlap, found %zu pairs "
-                   "without one, particles %d and %d by %.3g %% of r_i + r_j: they would push each "
-                   "other apart as they wake (one cohesive group, bonds.overlap_range 1, or "
-                   "specimen.packing.overlap none)",
-                   gn_scene_at(&ctx->scene, ctx->scene.couple.convert.where, "couple.convert").text,
-                   count, a < b ? a : b, a < b ? b : a, 100.0 * most);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected a bond between all particles that overlap, found %zu pairs "
+        "without one, particles %d and %d by %.3g %% of r_i + r_j: they would push each "
+        "other apart once they are active (one cohesive group, bonds.overlap_range 1, or "
+        "specimen.packing.overlap none)",
+        gn_scene_at(&ctx->scene, ctx->scene.couple.convert.where, "couple.convert").text, count,
+        a < b ? a : b, a < b ? b : a, 100.0 * most);
 }
 
 static gneiss_status check_free_of_stress(const gn_step_context *ctx, const gn_dem *dem,

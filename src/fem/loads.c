@@ -213,7 +213,7 @@ void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3])
 
 /* --- forces --- */
 
-/* Returns the initial area of a facet, m2; a line is 1 m thick (loads.c). */
+/* Returns the initial area of a facet, m2; a line is 1 m thick. */
 static double facet_area(const gn_fem_solid *solid, const int32_t *node) {
     const double *x = solid->mesh.node + 3 * (size_t)node[0];
     const double *y = solid->mesh.node + 3 * (size_t)node[1];

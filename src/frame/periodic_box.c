@@ -1,6 +1,5 @@
 #include "frame/periodic_box.h"
 
-#include "base/effects.h"
 #include "base/error.h"
 #include "frame/step_context.h"
 #include "scene/laboratory.h"

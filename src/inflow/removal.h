@@ -1,4 +1,4 @@
-/* Removal of particles. */
+/* Sinks, the removal of particles, and room for new ones. */
 #ifndef GN_INFLOW_REMOVAL_H
 #define GN_INFLOW_REMOVAL_H
 
@@ -37,7 +37,7 @@ void gn_sinks_listed(const gn_step_context *ctx, gn_dem *dem);
 bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
                          size_t size);
 
-/* removal.c: room for those that come in, behind the others; the lists have to be made anew. */
+/* Makes room for particles that come in, behind the others; the lists have to be rebuilt. */
 gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                           const gn_arrival *arrivals, size_t count, gneiss_error *error);
 

@@ -85,11 +85,6 @@ void gn_control_create(gn_step_context *ctx);
 void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids,
                        gn_gauge *gauge);
 
-void gn_control_create(gn_step_context *ctx);
-/* Updates the control from the reading at intervals of steps, before the forces of a step. */
-void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids,
-                       gn_gauge *gauge);
-
 /* Mean displacement of a set from the start along an axis, m. */
 double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                      size_t set, int axis);

@@ -37,8 +37,8 @@ gneiss_status gn_gauge_update(const gn_step_context *ctx, gn_dem *dem, gn_gauge 
 gneiss_status gn_gauge_leave(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                              gneiss_error *error);
 
-/* The mean displacement gradient of the particles (gn_strain_gauge_read), those that sleep being
- * where the elements have them. In any world. */
+/* Returns the mean displacement gradient of the particles (gn_strain_gauge_read); dormant ones have
+ * the displacements of their elements. */
 void gn_gauge_gradient(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_gauge *gauge, double gradient[9]);
 

@@ -1,7 +1,6 @@
 /* Average stress from contact forces and branch vectors: Rojek et al. (2012), sec. 5; Labra et al.
  * (2012); in 2D Kruyt and Rothenburg (1996), J. Appl. Mech. 63, 706-711. Only forces enter: the
  * moments of a contact do no work on a homogeneous displacement gradient. */
-#include "base/memory.h"
 #include "measure/assembly.h"
 #include "soa/bond_causes.h"
 #include "soa/particle_state.h"

@@ -8,7 +8,6 @@
 #include "neigh/pairs.h"
 #include "particles/dem.h"
 #include "particles/lists.h"
-#include "particles/parameters.h"
 #include "sched/deal.h"
 
 #include <stddef.h>

@@ -17,7 +17,7 @@
 #include <stdint.h>
 
 /* X(NAME, name): the lists, in the order in which their forces and sums are added up. Each is a
- * member `name` of gn_dem, and gn_dem.list[GN_LIST_NAME]. */
+ * member `name` of gn_dem, and gn_dem.list[GN_LIST_<NAME>]. */
 #define GN_CONTACT_LISTS(X)                                                                        \
     X(BONDS, bonds)                                                                                \
     X(PAIRS, pairs)

@@ -7,15 +7,12 @@
 
 #include "base/error.h"
 #include "base/vec3.h"
-#include "frame/balance.h"
 #include "frame/step_context.h"
 #include "io/packing.h"
 #include "kernels/contact.h"
 #include "kernels/dispatch.h"
 #include "kernels/law.h"
 #include "kernels/motion.h"
-#include "kernels/partials.h"
-#include "limit/equilibrium.h"
 #include "limit/step_limits.h"
 #include "measure/energy.h"
 #include "neigh/pairs.h"
@@ -24,8 +21,6 @@
 #include "particles/events.h"
 #include "particles/flow.h"
 #include "sched/deal.h"
-#include "sched/hold.h"
-#include "soa/bond_causes.h"
 #include "soa/records.h"
 
 #include <stdbool.h>

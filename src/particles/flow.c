@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/point.h"
 #include "base/vec3.h"
 #include "frame/step_context.h"
 #include "pack/domain.h"

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "pack/domain.h"
-#include "scene/scene.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -4,7 +4,6 @@
 #define GN_PARTICLES_FROM_RUN_H
 
 #include "base/error.h"
-#include "io/packing.h"
 #include "scene/scene.h"
 
 #include <stddef.h>

@@ -2,7 +2,6 @@
 #include "particles/lists.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/vec3.h"
 #include "frame/ledger.h"
 #include "frame/periodic_box.h"
 #include "frame/step_context.h"
@@ -12,11 +11,8 @@
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
 #include "particles/dormant.h"
-#include "particles/flow.h"
-#include "particles/fragments.h"
 #include "particles/parameters.h"
 #include "scene/scene.h"
-#include "sched/hold.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
@@ -55,8 +51,8 @@ static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
     return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
 }
 
-/* Those without bonds; where elements convert, those of which one has a part of the body at least:
- * bonds of others sleep, and their overlap, which is all theirs, is no contact. */
+/* Leaves out pairs with a bond and, where elements convert, pairs of two dormant particles, whose
+ * bonds are stored: their overlap is no contact. */
 static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs) {
     if (!dem->bonds.contacts.soa.count) return;
     size_t kept = 0, at = 0;

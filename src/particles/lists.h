@@ -17,7 +17,8 @@
 void gn_dem_null_particles(const gn_step_context *ctx, gn_dem *dem);
 void gn_dem_number_ids(gn_dem *dem);
 gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error);
-/* After masses have changed (lists.c); what they sum up to (mass_scaling.c). */
+/* Adapts what depends on masses after they have changed; gn_dem_sum_masses only adds them up. */
+void gn_dem_sum_masses(gn_dem *dem);
 void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem);
 /* Contacts whose particles have other numbers: i, j and where the contact was. Sorts the keys and
  * puts the items of *list in their order, into *now; *list is freed (lists.c). */
@@ -37,7 +38,5 @@ gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_pe
                             gneiss_error *error);
 /* Returns masks of the columns whose contacts all have one value. */
 gn_uniform gn_list_find_uniform(const gn_contacts *contacts);
-
-void gn_dem_sum_masses(gn_dem *dem);
 
 #endif

@@ -27,8 +27,8 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
     gn_contacts_pad(copy, &dem->particles);
     /* The pressure needs all bonds; for some alone it stays that of the last step. */
     if (list == &dem->bonds.contacts) gn_dem_confine(ctx, dem, copy);
-    gn_contact_args args =
-        gn_dem_contact_args(ctx, dem, box, &(gn_contact_list){.contacts = *copy}, false);
+    gn_contact_list alone = {.contacts = *copy};
+    gn_contact_args args = gn_dem_contact_args(ctx, dem, box, &alone, false);
     args.contacts = copy;
     args.partials = partials;
     args.dt = 0.0;

@@ -3,6 +3,7 @@
  * have been checked to be finite before (gn_h5_demand_finite). */
 #include "base/new.h"
 #include "run/checkpoint_internal.h"
+#include "soa/bond_causes.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,6 +5,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
+#include "soa/bond_causes.h"
 #include "solids/dormant_places.h"
 #include "timestep/step_limit.h"
 #include "world/space.h"

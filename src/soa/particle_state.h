@@ -1,9 +1,8 @@
 /* The state of particles as their inverse mass tells it. An inverse mass of 0 stands for a particle
- * that takes no part in the motion: it was removed, or is dormant (conversion/conversion.h). */
+ * that takes no part in the motion: it was removed, or is dormant (particles/dormant.h). */
 #ifndef GN_SOA_PARTICLE_STATE_H
 #define GN_SOA_PARTICLE_STATE_H
 
-#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <stdbool.h>

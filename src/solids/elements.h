@@ -70,7 +70,7 @@ gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
 gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids, gneiss_error *error);
 void gn_elements_free(gn_solids *solids);
 
-/* A step of world->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not
+/* A step of ctx->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not
  * wait for an exchange; */
 void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *seconds,
                         bool measure);

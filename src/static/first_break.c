@@ -1,7 +1,7 @@
 /* The path of equilibria of a loaded specimen up to shortly before its first bond failure.
  *
  * An increment of time moves the prescribed particles and walls; Newton's method brings the rest
- * into equilibrium, with the forces of the actual contacts (timestep/trial.h) and the tangent of
+ * into equilibrium, with the forces of the actual contacts (static/trial.h) and the tangent of
  * the stability limit, whose contacts open, close and slide as in the last trial. Increments start
  * from the rates of the previous one. The failure time of each bond is extrapolated from its forces
  * at the ends of the last increment by the law's own criterion; the path ends at the wanted
@@ -14,7 +14,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "frame/step_context.h"

@@ -16,9 +16,9 @@
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "soa/records.h"
+#include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 

@@ -19,7 +19,7 @@ gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *b
 #define GN_DEPTH_LOOSE  0.1
 #define GN_DEPTH_BONDED 0.5
 
-/* Updates world->dem.depth from the listed contacts at the present positions: when lists are made,
+/* Updates dem->depth from the listed contacts at the present positions: when lists are made,
  * and in measured steps some steps later. Contacts whose sides cannot move are left out. */
 gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);

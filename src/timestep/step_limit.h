@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "boundary/surface.h"
 #include "frame/parts.h"
+#include "limit/equilibrium.h"
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "zones/zones.h"

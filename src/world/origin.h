@@ -16,11 +16,11 @@
  * nearby points is exact. `mesh`: the elements' file as read; NULL: it is read if need be. */
 gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_error *error);
 
-/* Reads the specimen's and the elements' files, chooses the origin of world->given and makes
- * world->scene from it. The caller frees *mesh: the elements' file, relative to the origin. */
+/* Reads the specimen's and the elements' files, chooses the origin of world->ctx.given and makes
+ * world->ctx.scene from it. The caller frees *mesh: the elements' file, relative to the origin. */
 gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error);
 
-/* world->scene from world->given, which says its origin. */
+/* world->ctx.scene from world->ctx.given, which says its origin. */
 gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
 
 /* Refuses a specimen of which, even so, places are too coarse: the spacing of doubles there above

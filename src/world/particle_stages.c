@@ -6,7 +6,6 @@
 #include "particles/bonds.h"
 #include "particles/dem.h"
 #include "particles/law.h"
-#include "particles/lists.h"
 #include "particles/parameters.h"
 #include "world/particle_step.h"
 #include "world/world.h"

@@ -5,7 +5,6 @@
 #include "boundary/boundary.h"
 #include "frame/balance.h"
 #include "frame/ledger.h"
-#include "frame/periodic_box.h"
 #include "frame/step_change.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"

@@ -6,7 +6,6 @@
 #include "inflow/removal.h"
 #include "inflow/sources.h"
 #include "particles/dem.h"
-#include "particles/flow.h"
 #include "timestep/indentation.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"

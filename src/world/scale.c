@@ -10,7 +10,6 @@
 #include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
 
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "drive/box.h"
 #include "frame/step_context.h"
 #include "laboratory/ends.h"
 #include "membrane/membrane.h"
@@ -13,7 +12,6 @@
 #include "scene/scene.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/world.h"
 
 #include <math.h>
 

@@ -3,7 +3,6 @@
 #define GN_WORLD_SPACE_H
 
 #include "frame/parts.h"
-#include "world/world.h"
 
 #include <stdbool.h>
 

@@ -9,7 +9,6 @@
 #include "kernels/contact.h"
 #include "measure/energy.h"
 #include "particles/dem.h"
-#include "particles/sets.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"

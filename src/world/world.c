@@ -1,6 +1,5 @@
 #include "world/world.h"
 
-#include "base/ball.h"
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -9,7 +8,6 @@
 #include "base/timer.h"
 #include "boundary/boundary.h"
 #include "drive/box.h"
-#include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "inflow/sources.h"
 #include "io/packing.h"
@@ -20,7 +18,6 @@
 #include "measure/measure.h"
 #include "membrane/membrane.h"
 #include "mesh/mesh.h"
-#include "particles/active_pairs.h"
 #include "particles/dem.h"
 #include "particles/flow.h"
 #include "particles/specimen.h"

@@ -5,17 +5,13 @@
 
 #include "base/error.h"
 #include "boundary/boundary.h"
-#include "drive/box.h"
 #include "frame/ledger.h"
 #include "frame/parts.h"
 #include "frame/phases.h"
 #include "frame/step_context.h"
-#include "kernels/contact.h"
-#include "kernels/motion.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "laboratory/strain_gauge.h"
-#include "measure/measure.h"
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "solids/elements.h"
@@ -72,7 +68,7 @@ void gn_world_free(gn_world *world);
 /* Frees the world that *world points to, and its block (GN_FREED_BY); *world may be NULL. */
 void gn_world_delete(gn_world **world);
 
-/* Effects, threads and kernels from world->scene; gn_world_create and resume call it. */
+/* Effects, threads and kernels from world->ctx.scene; gn_world_create and resume call it. */
 gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box,
                                gneiss_error *error);
 
@@ -114,8 +110,8 @@ uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       const gn_solids *solids);
 
-/* The scene of world->stage, relative to the origin, from world->given; room for what the stages
- * come to (stages.c). */
+/* The scene of world->stages.now, relative to the origin, from world->ctx.given; room for what the
+ * stages come to (stages.c). */
 gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
 
 gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gneiss_error *error);

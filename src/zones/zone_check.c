@@ -13,9 +13,9 @@
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 

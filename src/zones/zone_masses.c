@@ -8,9 +8,9 @@
 #include "particles/dem.h"
 #include "sched/hold.h"
 #include "soa/records.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

@@ -20,9 +20,9 @@
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 

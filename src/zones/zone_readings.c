@@ -11,9 +11,9 @@
 #include "particles/dormant.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 

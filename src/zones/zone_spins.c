@@ -22,12 +22,11 @@
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
-#include "scene/scene.h"
 #include "sched/hold.h"
 #include "soa/records.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 

@@ -13,7 +13,6 @@
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/law.h"
-#include "measure/energy.h"
 #include "particles/dem.h"
 #include "particles/sets.h"
 #include "scene/couple_def.h"
@@ -24,10 +23,9 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "world/features.h"
 #include "world/world.h"
-#include "zones/zone_parts.h"
 #include "zones/zone_state.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

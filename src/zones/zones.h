@@ -143,4 +143,8 @@ void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_sol
 /* Tells whether the mass of a zone's particles differs from the share that the elements leave. */
 bool gn_zone_is_off(const gn_zone_figures *figures);
 
+/* Moduli and densities of particles with these sums, N m, kg and m3, beside the elements'; on entry
+ * those of the elements are sums over the particles. */
+void gn_zone_compare(gn_zone_material *material, double stiffness, double mass, double volume);
+
 #endif

@@ -1,6 +1,6 @@
 /* Declarations that the files of zones share. */
-#ifndef GN_ZONES_ZONE_PARTS_H
-#define GN_ZONES_ZONE_PARTS_H
+#ifndef GN_ZONES_ZONES_PRIVATE_H
+#define GN_ZONES_ZONES_PRIVATE_H
 
 #include "base/error.h"
 #include "couple/ties.h"
@@ -19,10 +19,6 @@
  * (zone_check.c). */
 gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              const gn_ties *ties, gneiss_error *error);
-
-/* Moduli and densities of particles with these sums, N m, kg and m3, beside the elements'; on entry
- * those of the elements are sums over the particles (zone_check.c). */
-void gn_zone_compare(gn_zone_material *material, double stiffness, double mass, double volume);
 
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
 void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
