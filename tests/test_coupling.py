@@ -100,6 +100,42 @@ def plan_does_not_look_behind_the_end_of_the_last_stage(folder):
     assert re.search(r"\nstages .*\n  pull +\d+ steps, .*; until", said), said
 
 
+@fact
+def plan_and_run_convert_at_the_same_time_and_with_the_same_step(folder):
+    """The first conversion, the step after it, and the step after many more, of free and of slaved spins."""
+    scene, out = os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), os.path.join(folder, "out")
+
+    def step_at(spins, end):
+        expect(gneiss("run", scene, "--out", out, "--force", "--threads", 1, "--set", f"time.end={end} ms", "--set", "output.snapshots=0",
+                      "--set", f"couple.spins={spins}"), 0)
+        return summary(out)["dt"]
+
+    for spins in ("free", "slaved"):
+        said = expect(gneiss("plan", scene, "--threads", 1, "--set", "time.end=8 ms", "--set", f"couple.spins={spins}"), 0, r"").stdout
+        first, then, later = (float(re.search(form, said).group(1)) for form in (
+            r"first +at (\S+) s", r"dt +(\S+) s then", r"\n +(?:\S+ to )?(\S+) s after further conversions"))
+        assert abs(step_at(spins, 2.6) / then - 1) < 1e-3, said
+        rows = history(out)
+        begun = int((rows["elements"] < rows["elements"][0]).argmax())
+        assert rows["time"][begun - 1] * 0.99 < first < rows["time"][begun] * 1.01, (first, rows["time"][begun])
+        assert abs(step_at(spins, 8) / later - 1) < 0.2, said
+
+
+@fact
+def plan_says_that_nothing_loads_the_elements(folder):
+    first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", "0") + "time: {end: 2 ms}\n"))
+    assert first is None and "to 0.002 s: nothing loads the elements\n" in said and "dt " not in said, said
+
+
+@fact
+def plan_converts_what_is_loaded_most_where_no_limit_is_reached(folder):
+    """Loads swing: the largest at the end of the trial counts, not that of an earlier instant."""
+    scene = DRAWN.replace("stress: 1e6", "stress: 1e9").replace("min: [20 mm, -1], max: [100 mm, 1]", "min: [-1, -1], max: [1, 1]")
+    first, said = first_of(write_scene(folder, scene.replace("0.5 mm/s", "0.02 m/s") + "time: {end: 3 ms}\n"))
+    assert first is None, said
+    assert "the first would end the run" in said or int(re.search(r"once (\d+) of them are left", said).group(1)) < 960, said
+
+
 # Waves at 1754 m/s go along it in 68 us; at 0.2 m/s the first of them brings 2.7 MPa.
 @fact
 def plan_says_where_waves_come_first(folder):

@@ -5,6 +5,7 @@ from program import *  # noqa: F403
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 COUNT = os.path.join(ROOT, "tools", "count_tests.py")
+LAYERS = os.path.join(ROOT, "tools", "layers.py")
 LINKS = os.path.join(ROOT, "tools", "links.py")
 WORDS = os.path.join(ROOT, "tools", "words.py")
 
@@ -149,6 +150,42 @@ def links_and_pictures_that_are_not_there_are_named(folder):
             f"{docs}/page.md:2: gone.md is not there\n{docs}/page.md:3: pictures/f.png is not there\n"
             f"{docs}/pictures/g.png: no page shows it\n")
     assert (done.returncode, done.stdout) == (1, reported), done.stdout + done.stderr
+
+
+@fact
+def what_breaks_the_order_of_the_folders_is_named(folder):
+    for path in ("src", "docs/design.md", "tools/layers_upward.txt", "tools/layers_writes.txt"):
+        os.makedirs(os.path.dirname(os.path.join(folder, path)) or folder, exist_ok=True)
+        (shutil.copytree if path == "src" else shutil.copy)(os.path.join(ROOT, path), os.path.join(folder, path))
+
+    def reported():
+        done = subprocess.run([sys.executable, LAYERS, folder], capture_output=True, text=True)
+        assert done.returncode == bool(done.stdout), done.stdout + done.stderr
+        return done.stdout
+
+    assert reported() == "", reported()
+    long = "void gn_long(void);\nvoid gn_long(void) {\n" + "    ;\n" * 60 + "}\n"
+    for path, text, words in (
+            ("src/soa/field.c", '#include "world/world.h"\n', "soa includes world/world.h, which its row does not name"),
+            ("src/world/step.c", '#include "boundary/boundary_private.h"\n', "world includes boundary/boundary_private.h"),
+            ("src/soa/field.h", "void gn_world_free(gn_world *world);\n", "declares gn_world_free, which src/world/world.c defines"),
+            ("src/world/step.c", "static void f(gn_dem *dem) { dem->loose[dem->particles.id[0]] = 1; }\n", "world dem: expected 22 writes"),
+            ("src/soa/field.c", long, "a function of 62 lines, expected at most 60"),
+            ("src/new/new.c", "\n", "src/new has no row"),
+            ("tools/layers_upward.txt", "soa world/world.h\n", "no file needs 'soa world/world.h'")):
+        path = os.path.join(folder, path)
+        before = open(path).read() if os.path.exists(path) else None
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "a") as file:
+            file.write(text)
+        said = reported()
+        assert words in said and said.count("\n") == 1, said
+        if before is None:
+            shutil.rmtree(os.path.dirname(path))
+        else:
+            with open(path, "w") as file:
+                file.write(before)
+    assert reported() == "", reported()
 
 
 @fact

@@ -1,4 +1,4 @@
-"""Holds the includes of src, bench and validate against the table of docs/design.md: `./do check layers`.
+"""Holds the includes of src, bench and validate against the table of docs/design.md: `./do check layers`; layers.py [ROOT].
 
 A folder may include itself, base, and what its row names; a row names only folders above it, so that there is no circle.
 A name with a slash is one header; `A to B` stands for all rows from A to B. No folder includes a <folder>_private.h of another.
@@ -13,7 +13,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
 TABLE = ROOT / "docs" / "design.md"
 UPWARD = ROOT / "tools" / "layers_upward.txt"
 WRITES = ROOT / "tools" / "layers_writes.txt"
@@ -23,7 +23,7 @@ INCLUDE = re.compile(r'\s*#\s*include\s+[<"]([^">]+)[">]')
 COMMENT = re.compile(r"/\*.*?\*/", re.S)
 FUNCTION = re.compile(r"^(?!static|typedef|extern)[A-Za-z_][\w \*]*?[ \*](gn_\w+)\((?:[^(){};]|\([^()]*\))*\)\s*([;{])", re.M)
 WRITE = re.compile(r"(?:\b(?P<own>dem|boundary|solids|zones)->|\b(?:w|world)(?:->|\.)(?P<of>dem|boundary|solids|zones)\.)"
-                   r"[\w.]+(?:->\w+|\[[^\]]*\]|\.\w+)*\s*(?:[-+*/|&^]=|=(?!=)|\+\+|--)")
+                   r"[\w.]+(?:->\w+|\[(?:[^\[\]]|\[[^\]]*\])*\]|\.\w+)*\s*(?:[-+*/|&^]=|=(?!=)|\+\+|--)")
 
 
 def uses_of(cell, above):

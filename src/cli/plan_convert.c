@@ -16,16 +16,16 @@
 
 /* Result of a trial run up to the first conversion, and of conversions around it. */
 typedef struct trial {
-    gn_step_limit all; /* of all particles without elements */
-    double collision;  /* s, a step that resolves collisions of all particles */
-    double alone;      /* s, step of elements alone at the start */
-    double end;        /* s, the latest end of the run */
-    double time;       /* s, at which the trial ended */
-    double steps;      /* until then */
-    double seconds[2]; /* s per step, with elements alone and after conversions */
-    bool begun;        /* elements were converted, or conversion would have ended the run */
-    gn_most_loaded most;
-    const char *stage;   /* in which the trial ended; NULL: no stages */
+    gn_step_limit all;        /* of all particles without elements */
+    double collision;         /* s, a step that resolves collisions of all particles */
+    double alone;             /* s, step of elements alone at the start */
+    double end;               /* s, the latest end of the run */
+    double time;              /* s, at which the trial ended */
+    double steps;             /* until then */
+    double seconds[2];        /* s per step, with elements alone and after conversions */
+    bool begun;               /* elements were converted, or conversion would have ended the run */
+    gn_most_loaded most, now; /* during the trial, and at its end */
+    const char *stage;        /* in which the trial ended; NULL: no stages */
     bool guessed;        /* a stage that waits for equilibrium was left after an assumed time */
     double first, later; /* s, the step after the first conversion, and after further ones */
     const char *side[2]; /* what sets the first, and the shortest later step */
@@ -97,7 +97,8 @@ static gneiss_status follow_stages(gn_world *world, trial *t, double settled, gn
 /* Runs up to the first conversion, or as long as the budget of element steps lasts. */
 static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error) {
     enum { WARM_UP = 20 };
-    const double budget = 2e8 / (double)gn_elements_left_count(&world->solids);
+    /* A step has a fixed cost of some two hundred elements. */
+    const double budget = 2e8 / (200.0 + (double)gn_elements_left_count(&world->solids));
     const double settled = 20.0 * wave_travel(world);
     double start = gn_now(), untimed = 0.0; /* steps before the start of the clock */
     while (!t->begun && t->steps < budget &&
@@ -116,8 +117,15 @@ static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error
     t->seconds[0] = (gn_now() - start) / fmax(t->steps - untimed, 1.0);
     t->time = world->ctx.time;
     if (world->ctx.scene.stage_count) t->stage = world->ctx.scene.stages[world->stages.now].name;
+    GN_TRY(gn_conversion_most_loaded(&world->ctx, &world->solids, &(gn_most_loaded){0}, &t->now,
+                                     error));
     return gn_conversion_most_loaded(&world->ctx, &world->solids, &world->most_loaded, &t->most,
                                      error);
+}
+
+/* Rounding alone does not load a body. */
+static bool is_loaded(const trial *t) {
+    return t->begun || t->most.share > 1e-6;
 }
 
 /* --- the step after conversions --- */
@@ -186,8 +194,8 @@ static void find_least(const gn_world *world, trial *t) {
 static gneiss_status try_converting(gn_world *world, trial *t, gneiss_error *error) {
     GN_TRY(run_to_first(world, t, error));
     t->end = latest_end(world);
-    if (!(t->most.share > 0.0) || *t->halt) return GNEISS_OK;
-    const double load = t->begun ? 1.0 : t->most.share;
+    if (!is_loaded(t) || *t->halt) return GNEISS_OK;
+    const double load = t->begun ? 1.0 : t->now.share;
     if (!t->begun) GN_TRY(try_front(world, load, t->halt, sizeof t->halt, error));
     if (*t->halt) return GNEISS_OK;
     t->part = 1.0;
@@ -240,11 +248,14 @@ static void print_dormant(const gn_world *world, const trial *t) {
 static void print_first(const trial *t) {
     if (t->begun)
         printf("  first            at %.3g s", t->time);
+    else if (!is_loaded(t))
+        printf("  first            none in %.0f steps, to %.3g s: nothing loads the elements",
+               t->steps, t->time);
     else
         printf("  first            none in %.0f steps, to %.3g s: %.3g of a limit at most",
                t->steps, t->time, t->most.share);
     if (t->stage) printf(", in stage '%s'", t->stage);
-    printf("%s\n", t->begun || !(t->most.share > 0.0)
+    printf("%s\n", t->begun || !is_loaded(t)
                        ? ""
                        : "; the step below is that after a conversion of the most loaded elements");
     if (t->guessed)
@@ -260,7 +271,7 @@ static void print_dt(const gn_world *world, const trial *t) {
     if (world->ctx.scene.couple.spins == GN_COUPLE_SLAVED)
         printf("                   roughly: the effect of slaved spins depends on single elements "
                "of fronts; runs had 0.4 to 2 times that\n");
-    if (*t->stop && t->begun)
+    if (*t->stop)
         printf("  warning: at about %.3g times that load conversion would end the run (roughly: "
                "where elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
                1.0 / t->part, t->stop);
