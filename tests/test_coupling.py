@@ -85,6 +85,8 @@ def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     first, said = first_of(write_scene(folder, DRAWN + stages % "unbalanced: 0.01"))
     assert "one that waits for equilibrium was assumed to last twenty transit times" in said, said
     assert abs(first - 10e-3) < 0.2 * 10e-3 and "in stage 'pull'" in said, said
+    first, said = first_of(write_scene(folder, DRAWN + "test: {kind: tension, axis: x, lower: held, upper: drawn}\n" + stages % "strain: 1e-6"))
+    assert first is None and "'rest' was assumed to last to the end of the run" in said, said
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms, unbalanced: 0.01"))
     assert abs(first - 15e-3) < 0.02 * 10e-3 and "was assumed" not in said, said
 
@@ -165,6 +167,11 @@ def check_warns_of_walls_that_elements_go_through(folder):
         scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
         said = expect(gneiss("check", scene), 0, r"").stdout
         assert ("elements have no contact with walls" in said) == bool(word) and (not word or re.search(word, said)), said
+    # The first stage ends before they come to the wall; another one may move otherwise.
+    stages = "time: {end: 3 s}\nstages: [{name: pull, end: {time: %s}}, {name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}}]\n"
+    for time, warned in (("1 s", False), ("2.5 s", True)):
+        said = expect(gneiss("check", write_scene(folder, DRAWN + stages % time + wall % "121 mm")), 0, r"").stdout
+        assert ("'stop' goes through elements from t = 2" in said) == warned, said
     # In a fixed zone the end of the elements stands on the wall, particles do not.
     zone = BAR + "walls: [{name: base, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e9}]\n"
     said = expect(gneiss("check", write_scene(folder, zone)), 0, r"").stdout

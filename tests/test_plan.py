@@ -2,6 +2,8 @@
 import csv
 import glob
 
+import shlex
+
 from program import *  # noqa: F403
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -133,6 +135,32 @@ def the_written_scene_finds_its_files_from_another_folder(folder):
     os.mkdir(other)
     plan(scene, "--error", "9%", "--write", os.path.join(other, "fast.yaml"))
     expect(gneiss("check", os.path.join(other, "fast.yaml"), cwd="/"), 0)
+
+
+@fact
+def the_written_scene_is_the_scene_with_the_listed_settings(folder):
+    """Its lines are commands of a shell; values may have quotes and line breaks."""
+    scene, out = rock(folder), os.path.join(folder, "fast.yaml")
+    plan(scene, "--error", "9%", "--set", "title=it's\nhere", "--write", out)
+    text = open(out).read()
+    assert "#   --set 'title=it'\\''s\n# here'\n" in text, text[:400]
+    listed = [line[4:] for line in text.splitlines() if line.startswith("#   --set") and "title" not in line]
+    settings = shlex.split(" ".join(listed))
+    hashes = []
+    for number, arguments in enumerate(((out,), (scene, *settings))):
+        folder_of = os.path.join(folder, str(number))
+        expect(gneiss("run", *arguments, "--out", folder_of, "--threads", 1, "--set", "time.end=20 us", "--set", "time.stop=none"), 0)
+        hashes.append(summary(folder_of)["state_hash"])
+    assert hashes[0] == hashes[1], hashes
+
+
+@fact
+def the_scene_itself_is_not_written_over(folder):
+    scene = rock(folder)
+    before = open(scene).read()
+    other = os.path.join(folder, ".", os.path.basename(scene))
+    expect(gneiss("plan", scene, "--error", "9%", "--write", other, "--force"), 2, "expected another file than the scene")
+    assert open(scene).read() == before
 
 
 @fact

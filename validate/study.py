@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.append(str(ROOT / "tools"))
 from wrap import prose  # noqa: E402
 RUNS = Path(os.environ.get("GNEISS_STUDIES", ROOT / "runs" / "studies"))
 PROGRAM = os.environ.get("GNEISS", str(ROOT / "build" / "gneiss"))

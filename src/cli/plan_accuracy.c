@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Reads "5%", "5 %" or "0.05". */
@@ -233,6 +234,8 @@ static void put_comment(FILE *out, const char *text) {
     for (; *text; text++)
         if (*text == '\n')
             fputs("\n# ", out);
+        else if (*text == '\'')
+            fputs("'\\''", out); /* as a shell reads it between quotes */
         else
             fputc((unsigned char)*text < ' ' ? '?' : *text, out);
 }
@@ -246,7 +249,8 @@ static gneiss_status scene_text(const gn_options *options, const gn_settings *se
     FILE *out;
     if (!resolved) return gn_no_memory(error, "the text of the scene");
     GN_TRY(gn_text_open(text, &size, &out, "the text of the scene", error));
-    fprintf(out, "# %s with\n", gn_printable(options->target, shown, sizeof shown));
+    fprintf(out, "# %s%s\n", gn_printable(options->target, shown, sizeof shown),
+            settings->count ? " with" : "");
     for (size_t k = 0; k < settings->count; k++) {
         fputs("#   --set '", out);
         put_comment(out, settings->setting[k].key);
@@ -258,6 +262,12 @@ static gneiss_status scene_text(const gn_options *options, const gn_settings *se
     return gn_text_close(out, "the text of the scene", error);
 }
 
+static bool is_same_file(const char *one, const char *other) {
+    struct stat a, b;
+    return stat(one, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev &&
+           a.st_ino == b.st_ino;
+}
+
 static gneiss_status write_scene(const gn_options *options, const gn_settings *settings,
                                  gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
@@ -266,6 +276,10 @@ static gneiss_status write_scene(const gn_options *options, const gn_settings *s
     if (!options->force && access(options->write, F_OK) == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.300s: expected no file, found one: --force replaces it", options->write);
+    if (is_same_file(options->write, options->target))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected another file than the scene, whose comments would be lost",
+                       options->write);
     GN_TRY(gn_new(&scene, 1, "a scene", error));
     GN_TRY(gn_scene_load(options->target, settings->setting, settings->count, scene, error));
     GN_TRY(scene_text(options, settings, scene, &text, error));

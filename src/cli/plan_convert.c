@@ -27,6 +27,7 @@ typedef struct trial {
     gn_most_loaded most, now; /* during the trial, and at its end */
     const char *stage;        /* in which the trial ended; NULL: no stages */
     bool guessed;        /* a stage that waits for equilibrium was left after an assumed time */
+    const char *open;    /* the first stage whose only end cannot be predicted; NULL: none */
     double first, later; /* s, the step after the first conversion, and after further ones */
     const char *side[2]; /* what sets the first, and the shortest later step */
     double least;        /* s, the shortest later step, with any particles active */
@@ -87,6 +88,7 @@ static gneiss_status follow_stages(gn_world *world, trial *t, double settled, gn
         const bool waits =
             (stage->unbalanced > 0.0 || stage->held > 0.0) && end >= world->ctx.scene.end;
         if (waits) end = world->stages.state[now].time + settled;
+        if (!waits && end >= world->ctx.scene.end && !t->open) t->open = stage->name;
         if (world->ctx.time < end - 0.5 * world->ctx.dt) return GNEISS_OK;
         t->guessed = t->guessed || waits;
         GN_TRY(gn_world_enter(world, now + 1, error));
@@ -258,6 +260,11 @@ static void print_first(const trial *t) {
     printf("%s\n", t->begun || !is_loaded(t)
                        ? ""
                        : "; the step below is that after a conversion of the most loaded elements");
+    if (t->open)
+        printf(
+            "  stages           '%s' was assumed to last to the end of the run: strain and stress "
+            "of the test end it otherwise\n",
+            t->open);
     if (t->guessed)
         printf("  stages           one that waits for equilibrium was assumed to last twenty "
                "transit times of waves\n");
@@ -270,10 +277,10 @@ static void print_dt(const gn_world *world, const trial *t) {
     printf(" s after further conversions, set by the %s\n", t->side[1]);
     if (world->ctx.scene.couple.spins == GN_COUPLE_SLAVED)
         printf("                   roughly: the effect of slaved spins depends on single elements "
-               "of fronts; runs had 0.4 to 2 times that\n");
+               "of fronts\n");
     if (*t->stop)
-        printf("  warning: at about %.3g times that load conversion would end the run (roughly: "
-               "where elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
+        printf("  warning: at about %.3g times that load conversion would end the run (roughly, "
+               "where elements are smaller than particles): %s\n",
                1.0 / t->part, t->stop);
 }
 
@@ -293,13 +300,14 @@ static void print_cost(const gn_world *world, const trial *t) {
     printf("%s\n", has_open_end(&world->ctx.scene) ? " (a stop condition may come first)" : "");
     printf("  per step         %.1f us with %d thread%s", t->seconds[0] * 1e6, world->ctx.threads,
            world->ctx.threads > 1 ? "s" : "");
-    if (t->seconds[1] > 0.0)
+    const bool converts = t->seconds[1] > 0.0 && (t->begun || c.steps[1] > t->steps);
+    if (converts)
         printf(" with elements alone, %.1f us once %zu of them are left", t->seconds[1] * 1e6,
                t->elements);
     printf("\n  time             %s", gn_format_seconds(c.seconds[0], text, sizeof text));
     if (c.steps[0] < equal_ratio * c.steps[1])
         printf(" to %s", gn_format_seconds(c.seconds[1], text, sizeof text));
-    printf("%s\n", t->seconds[1] > 0.0 ? ", plus the cost of further conversions" : "");
+    printf("%s\n", converts ? ", plus the cost of further conversions" : "");
 }
 
 gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds,

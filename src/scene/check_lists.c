@@ -479,7 +479,8 @@ const char *gn_check_stop(const gn_scene *scene) {
 /* Stop conditions are evaluated in rows of the history. */
 static gneiss_status check_stops(const check *section, const gn_scene *scene) {
     const char *stop = gn_check_stop(scene);
-    if (!stop || scene->history_rows > 0) return GNEISS_OK;
+    if (!stop || scene->history_rows > 0 || !gn_check_is_valid(section, "output.history_rows"))
+        return GNEISS_OK;
     return gn_check_fail(section, stop,
                          "expected output.history_rows above 0, as it is evaluated in rows of the "
                          "history, found 0: it would never stop the run");

@@ -6,6 +6,7 @@
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "scene/scene.h"
+#include "scene/stages.h"
 #include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
@@ -116,17 +117,19 @@ static gn_wall_passed predict(const gn_step_context *ctx, const gn_solids *solid
                               const uint8_t *used, const uint8_t *driven, size_t wall) {
     enum { TIMES = 8 };
     gn_wall_passed found = {0};
-    double before = 0.0;
+    double before = 0.0, end = ctx->scene.end;
+    /* Later stages may have other motions. */
+    if (ctx->given.stage_count && ctx->given.stages[0].time >= 0.0)
+        end = fmin(end, ctx->given.stages[0].time);
     for (int k = 0; k <= TIMES; k++) {
-        const double time = ctx->scene.end * k / TIMES;
+        const double time = end * k / TIMES;
         const plane p = plane_at(ctx, solids, wall, time);
         double least;
         move_driven(solids->elements[0], time);
         const gn_wall_passed now = look(gn_coupled_solid(solids), k ? driven : used, &p, &least);
         if (k == 0) found.touching = now.touching;
         if (k && now.behind && !found.behind)
-            found.time =
-                time - ctx->scene.end / TIMES * least / fmin(least - fmax(before, 0.0), -p.near);
+            found.time = time - end / TIMES * least / fmin(least - fmax(before, 0.0), -p.near);
         found.behind = now.behind > found.behind ? now.behind : found.behind;
         found.deepest = fmax(found.deepest, now.deepest);
         before = least;
