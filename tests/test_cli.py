@@ -870,6 +870,14 @@ def the_resolved_scene_in_the_results_gives_the_same_run(folder):
 
 
 @fact
+def a_number_of_rows_that_is_none_is_named_before_stops_that_need_rows(folder):
+    for rows in ("-1", "many"):
+        expect(gneiss("check", UCS, "--set", "time.stop.peak_drop=0.5", "--set", f"output.history_rows={rows}"), 2,
+               "output.history_rows: expected a whole number in", f"found '{rows}'")
+    expect(gneiss("check", UCS, "--set", "time.stop.peak_drop=0.5", "--set", "output.history_rows=0"), 2, "it would never stop the run")
+
+
+@fact
 def no_rows_and_no_snapshots_leave_the_first_row_and_the_last_state(folder):
     run(LATTICE, folder, "--set", "output.history_rows=0", "--set", "output.snapshots=0")
     assert list(history(folder)["step"]) == [0.0]

@@ -85,7 +85,7 @@ def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     first, said = first_of(write_scene(folder, DRAWN + stages % "unbalanced: 0.01"))
     assert "one that waits for equilibrium was assumed to last twenty transit times" in said, said
     assert abs(first - 10e-3) < 0.2 * 10e-3 and "in stage 'pull'" in said, said
-    first, said = first_of(write_scene(folder, DRAWN + "test: {kind: tension, axis: x, lower: held, upper: drawn}\n" + stages % "strain: 1e-6"))
+    first, said = first_of(write_scene(folder, DRAWN + "test: {kind: tension, axis: x, lower: held, upper: drawn}\n" + stages.replace("vx: 0}", "vx: 1e-6 mm/s}") % "strain: 1e-6"))
     assert first is None and "'rest' was assumed to last to the end of the run" in said, said
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms, unbalanced: 0.01"))
     assert abs(first - 15e-3) < 0.02 * 10e-3 and "was assumed" not in said, said
