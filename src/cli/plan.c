@@ -534,9 +534,12 @@ static void print_section(const gn_world *world) {
 
 static void print_volume(const gn_world *world) {
     bool space = world->ctx.scene.dimension == 3;
-    printf("  volume           %.6g m3%s, of %s; mass %.6g kg\n", world->ctx.volume,
-           space ? "" : " (1 m thick)", gn_volume_source_text(&world->ctx, gn_volume_source_of(&world->ctx, &world->dem, &world->boundary, &world->solids)),
-           gn_world_mass(&world->dem, &world->solids));
+    printf(
+        "  volume           %.6g m3%s, of %s; mass %.6g kg\n", world->ctx.volume,
+        space ? "" : " (1 m thick)",
+        gn_volume_source_text(&world->ctx, gn_volume_source_of(&world->ctx, &world->dem,
+                                                               &world->boundary, &world->solids)),
+        gn_world_mass(&world->dem, &world->solids));
     if (!gn_scene_tested(&world->ctx.scene)) return;
     const char *source = gn_test_area_source(&world->ctx);
     printf("  test             length %.6g m, area %.6g %s%s%s\n", world->ctx.test_length,

@@ -40,11 +40,11 @@ struct gn_step_context {
     double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
     gn_machine machine;             /* control of the ends of the test */
     bool measure;                   /* the instant of the step is read */
-    bool sums;        /* sums over contacts are asked for, whether or not it is read */
-    double period[3]; /* m: present sides of a periodic box; 0: not periodic */
-    double volume;    /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
-    double lower[3], upper[3];      /* m: extent of the specimen at the start, radii included */
-    double test_length, test_area;  /* m, m2 (2D: m x 1 m) */
+    bool sums;                 /* sums over contacts are asked for, whether or not it is read */
+    double period[3];          /* m: present sides of a periodic box; 0: not periodic */
+    double volume;             /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
+    double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
+    double test_length, test_area; /* m, m2 (2D: m x 1 m) */
 };
 
 /* Tells whether elements turn into particles in the scene. */

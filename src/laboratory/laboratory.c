@@ -548,7 +548,7 @@ double gn_section_by_mean(const gn_step_context *ctx, const gn_dem *dem, const g
 }
 
 gn_volume_source gn_volume_source_of(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_boundary *boundary, const gn_solids *solids) {
+                                     const gn_boundary *boundary, const gn_solids *solids) {
     if (!ctx->scene.has_specimen) return GN_VOLUME_OF_ELEMENTS;
     if (ctx->effects & GN_FX_PERIODIC) return GN_VOLUME_OF_BOX;
     if (!ctx->scene.specimen_given) return GN_VOLUME_OF_SOURCES;

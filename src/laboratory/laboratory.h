@@ -55,7 +55,8 @@ struct gn_bar_section {
 };
 
 /* Finds the section of a prism whose modulus is read, at the start; after all parts are made. */
-gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary, const gn_solids *solids);
+gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids);
 
 /* Young's modulus over the slope of the stress of the test over its strain, and over the mean
  * strain of the specimen. 1: the section does not vary; NaN: no modulus follows from that slope. */

@@ -284,7 +284,9 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
         {"steps", .whole = &steps},
         {"dt", .number = &w->ctx.dt},
         {"volume", .number = &w->ctx.volume},
-        {"volume_of", .text = gn_volume_source_text(&w->ctx, gn_volume_source_of(&w->ctx, &w->dem, &w->boundary, &w->solids))},
+        {"volume_of",
+         .text = gn_volume_source_text(
+             &w->ctx, gn_volume_source_of(&w->ctx, &w->dem, &w->boundary, &w->solids))},
         {"seconds", .number = &progress.seconds},
         {"cpu_seconds", .number = &progress.cpu_seconds},
         {"origin", .number = w->ctx.scene.origin, .count = 3},
@@ -582,7 +584,9 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     summary_relaxation(w, j);
     gn_output_flow(run, j);
     gn_json_number(j, "volume", w->ctx.volume);
-    gn_json_text(j, "volume_of", gn_volume_source_text(&w->ctx, gn_volume_source_of(&w->ctx, &w->dem, &w->boundary, &w->solids)));
+    gn_json_text(j, "volume_of",
+                 gn_volume_source_text(
+                     &w->ctx, gn_volume_source_of(&w->ctx, &w->dem, &w->boundary, &w->solids)));
     gn_json_number(j, "energy_residual",
                    w->ctx.effects & GN_FX_ENERGY ? gn_energy_residual(&w->ledger.reading) : NAN);
     if (status == GNEISS_OK) status = summary_warnings(run, j, error);
