@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 /* HDF5 1.10 loses a few hundred bytes for each object header whose checksum is wrong. (test_io,
@@ -109,6 +110,21 @@ static void what_is_written_is_read(void **state) {
     const char *wrong = read_sample(f->path, &status, &error);
     if (wrong) fail_msg("%s %s", wrong, error.message);
     assert_int_equal(entries(f->dir, false), 1);
+}
+
+static void the_same_data_give_the_same_file_a_second_later(void **state) {
+    const fixture *f = *state;
+    write_sample(f->path);
+    size_t first_size, second_size;
+    unsigned char *first = slurp(f->path, &first_size);
+    const time_t start = time(NULL);
+    while (time(NULL) == start) usleep(20000);
+    write_sample(f->path);
+    unsigned char *second = slurp(f->path, &second_size);
+    assert_int_equal(first_size, second_size);
+    assert_memory_equal(first, second, first_size);
+    free(first);
+    free(second);
 }
 
 static void rows_with_a_stride_are_packed_and_unpacked(void **state) {
@@ -477,6 +493,7 @@ int main(void) {
 #define WITH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
     const struct CMUnitTest tests[] = {
         WITH(what_is_written_is_read),
+        WITH(the_same_data_give_the_same_file_a_second_later),
         WITH(rows_with_a_stride_are_packed_and_unpacked),
         WITH(long_texts_are_kept_and_checked),
         WITH(mismatches_are_named),

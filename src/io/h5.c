@@ -106,6 +106,19 @@ static hid_t image_access(gn_h5_image *image) {
     return -1;
 }
 
+hid_t gn_h5_untimed(hid_t class) {
+    hid_t list = H5Pcreate(class);
+    if (list >= 0) (void)H5Pset_obj_track_times(list, 0);
+    return list;
+}
+
+static void create_image(gn_h5 *file, const char *name) {
+    hid_t access = image_access(&file->image), creation = gn_h5_untimed(H5P_FILE_CREATE);
+    if (access >= 0) file->id = H5Fcreate(name, H5F_ACC_TRUNC, creation, access);
+    if (access >= 0) H5Pclose(access);
+    if (creation >= 0) H5Pclose(creation);
+}
+
 void gn_h5_omit_digests(gn_h5 *file) {
     file->digested = false;
 }
@@ -136,13 +149,11 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error) {
     gneiss_status status = gn_atomic_create(&file->target, path, error);
     if (status == GNEISS_OK) {
         file->writing = file->digested = true;
-        hid_t access = image_access(&file->image);
         /* HDF5 would first read an existing file of that name; a file inside of a file cannot
          * exist. */
         char *name = gn_text_format("%s/image", file->target.temporary);
-        if (access >= 0 && name) file->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+        if (name) create_image(file, name);
         free(name);
-        if (access >= 0) H5Pclose(access);
         if (file->id < 0)
             status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be begun in memory");
     }
@@ -158,13 +169,11 @@ void gn_h5_load(void) {
     const double values[256] = {0};
     gn_h5_quiet();
     gn_h5 *file = new_handle("/dev/null/image", NULL);
-    hid_t access = file ? image_access(&file->image) : -1;
-    if (access >= 0) {
+    if (file) {
         file->writing = file->digested = true;
-        file->id = H5Fcreate(file->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-        H5Pclose(access);
+        create_image(file, file->path);
     }
-    if (access >= 0 && file->id >= 0 &&
+    if (file && file->id >= 0 &&
         gn_h5_put(file, "group/set", GN_F64, 256, 1, 0, values, "m", "text", NULL) == GNEISS_OK &&
         gn_h5_seal(file, NULL) == GNEISS_OK)
         (void)H5Fflush(file->id, H5F_SCOPE_GLOBAL);

@@ -43,6 +43,10 @@ bool gn_h5_shape_bytes(gn_type type, gn_h5_shape shape, size_t *row, size_t *all
 void gn_h5_move_rows(void *to, size_t to_stride, const void *from, size_t from_stride, size_t row,
                      size_t rows);
 
+/* Returns a property list of a file, group or data set that stores no times: HDF5 would store the
+ * second in which each object was made, so that equal data gave unequal files. */
+hid_t gn_h5_untimed(hid_t class);
+
 /* Suppresses HDF5's error output, a setting per thread; every function of this layer calls it. */
 void gn_h5_quiet(void);
 

@@ -69,9 +69,8 @@ static hsize_t at_most(hsize_t value, hsize_t limit) {
 }
 
 static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
-    hid_t list = H5Pcreate(H5P_DATASET_CREATE);
+    hid_t list = gn_h5_untimed(H5P_DATASET_CREATE);
     if (list < 0 || bytes == 0) return list;
-    (void)H5Pset_obj_track_times(list, 0); /* the same data give the same file */
     if (bytes <= COMPACT_LIMIT) {
         (void)H5Pset_layout(list, H5D_COMPACT);
         return list;
@@ -86,11 +85,21 @@ static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
     return -1;
 }
 
-/* Returns a property list that creates groups on the way to `name`. */
-static hid_t link_list(void) {
-    hid_t list = H5Pcreate(H5P_LINK_CREATE);
-    if (list >= 0) (void)H5Pset_create_intermediate_group(list, 1);
-    return list;
+/* Makes the groups on the way to `name` that are missing. HDF5 would make them by itself
+ * (H5Pset_create_intermediate_group), but with the times of their making. */
+static void make_groups(gn_h5 *file, const char *name) {
+    char part[512];
+    for (size_t k = 1; k < sizeof part && name[k - 1] && name[k]; k++) {
+        if (name[k] != '/') continue;
+        memcpy(part, name, k);
+        part[k] = '\0';
+        if (H5Lexists(file->id, part, H5P_DEFAULT) > 0) continue;
+        hid_t creation = gn_h5_untimed(H5P_GROUP_CREATE);
+        hid_t group = H5Gcreate2(file->id, part, H5P_DEFAULT, creation, H5P_DEFAULT);
+        if (creation >= 0) H5Pclose(creation);
+        if (group < 0) return; /* the object itself will fail */
+        H5Gclose(group);
+    }
 }
 
 static gneiss_status put_attribute(gn_h5 *file, hid_t object, const char *name, hid_t stored,
@@ -173,9 +182,10 @@ static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_
                                 gneiss_error *error) {
     GN_TRY(gn_h5_check_finite(file, name, type, shape, bytes, data, error));
     hid_t space = H5Screate_simple(shape.rank, shape.size, NULL);
-    hid_t creation = creation_list(type, shape, bytes), links = link_list();
-    hid_t set =
-        H5Dcreate2(file->id, name, gn_h5_file_type(type), space, links, creation, H5P_DEFAULT);
+    hid_t creation = creation_list(type, shape, bytes);
+    make_groups(file, name);
+    hid_t set = H5Dcreate2(file->id, name, gn_h5_file_type(type), space, H5P_DEFAULT, creation,
+                           H5P_DEFAULT);
     gneiss_status status = GNEISS_OK;
     if (set < 0 || (bytes > 0 && H5Dwrite(set, gn_h5_memory_type(type), H5S_ALL, H5S_ALL,
                                           H5P_DEFAULT, data) < 0)) {
@@ -188,7 +198,6 @@ static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_
     if (status == GNEISS_OK && text)
         status = put_text_attribute(file, set, "description", text, error);
     if (set >= 0) H5Dclose(set);
-    if (links >= 0) H5Pclose(links);
     if (creation >= 0) H5Pclose(creation);
     if (space >= 0) H5Sclose(space);
     return status;
@@ -226,11 +235,11 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
     gn_h5_quiet();
     GN_TRY(check_writing(file, name, error));
     bool compact = strlen(text) <= TEXT_COMPACT_LIMIT;
-    hid_t type = text_type(text), space = H5Screate(H5S_SCALAR), links = link_list();
-    hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
-    (void)H5Pset_obj_track_times(creation, 0);
+    hid_t type = text_type(text), space = H5Screate(H5S_SCALAR);
+    hid_t creation = gn_h5_untimed(H5P_DATASET_CREATE);
     if (compact) (void)H5Pset_layout(creation, H5D_COMPACT);
-    hid_t set = H5Dcreate2(file->id, name, type, space, links, creation, H5P_DEFAULT);
+    make_groups(file, name);
+    hid_t set = H5Dcreate2(file->id, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT);
     gneiss_status status = GNEISS_OK;
     if (set < 0 || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0) {
         file->failed = true;
@@ -241,7 +250,6 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
         status = gn_h5_put_digest(file, name, set, text, length ? length : 1, error);
     if (set >= 0) H5Dclose(set);
     if (creation >= 0) H5Pclose(creation);
-    if (links >= 0) H5Pclose(links);
     if (space >= 0) H5Sclose(space);
     if (type >= 0) H5Tclose(type);
     return status;
@@ -272,9 +280,10 @@ bool gn_h5_has(const gn_h5 *file, const char *name) {
 static hid_t open_or_make(gn_h5 *file, const char *object) {
     if (strcmp(object, "/") == 0 || gn_h5_has(file, object))
         return H5Oopen(file->id, object, H5P_DEFAULT);
-    hid_t links = link_list();
-    hid_t group = H5Gcreate2(file->id, object, links, H5P_DEFAULT, H5P_DEFAULT);
-    if (links >= 0) H5Pclose(links);
+    make_groups(file, object);
+    hid_t creation = gn_h5_untimed(H5P_GROUP_CREATE);
+    hid_t group = H5Gcreate2(file->id, object, H5P_DEFAULT, creation, H5P_DEFAULT);
+    if (creation >= 0) H5Pclose(creation);
     return group;
 }
 
