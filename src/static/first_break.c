@@ -45,6 +45,8 @@ enum {
  * more. */
 static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_start = 1e-5;
 static const double balanced_worst = 300.0;
+/* That of states from which elastic constants are read. */
+static const double balanced_loading = 1e-6;
 /* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
  * most to these fractions of its load. */
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
@@ -86,6 +88,8 @@ refuse(const gn_world *world, gneiss_error *error, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    if (world->ctx.scene.start != GN_START_FIRST_BREAK)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s", text);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s",
                    gn_scene_at(&world->ctx.scene, world->ctx.scene.start_where, "time.start").text,
                    text);
@@ -401,6 +405,77 @@ static gneiss_status find(search *run, gneiss_error *error) {
     return leave(run, error);
 }
 
+/* --- loading without failure --- */
+
+static double displacement(const gn_motion *motion, double time) {
+    double most = 0.0;
+    for (int a = 0; a < 3; a++)
+        most = fmax(most, fabs(gn_table_between(&motion->velocity[a], 0.0, time)));
+    return most;
+}
+
+/* Returns the largest prescribed displacement of a wall or a set up to a time, m. */
+static double prescribed_path(const gn_scene *scene, double time) {
+    double most = 0.0;
+    for (size_t k = 0; k < scene->wall_count; k++)
+        most = fmax(most, displacement(&scene->walls[k].motion, time));
+    for (size_t k = 0; k < scene->set_count; k++)
+        most = fmax(most, displacement(&scene->sets[k].motion, time));
+    return most;
+}
+
+/* Finds the time at which the prescribed displacement is `path`, s. */
+static gneiss_status time_of_path(const search *run, double path, double *time,
+                                  gneiss_error *error) {
+    const gn_step_context *ctx = &run->w->ctx;
+    double low = ctx->time, high = ctx->scene.end;
+    if (!(prescribed_path(&ctx->scene, high) >= path))
+        return refuse(run->w, error,
+                      "expected walls or sets that move by %.3g m before time.end, found %.3g m",
+                      path, prescribed_path(&ctx->scene, high));
+    while (high - low > 1e-15 * high) {
+        const double middle = 0.5 * (low + high);
+        if (middle <= low || middle >= high) break;
+        *(prescribed_path(&ctx->scene, middle) >= path ? &high : &low) = middle;
+    }
+    *time = high;
+    return GNEISS_OK;
+}
+
+static gneiss_status load_up(search *run, double path, int count, gneiss_error *error) {
+    double time = 0.0;
+    GN_TRY(allocate(run, error));
+    GN_TRY(gn_trial_begin(run->w, &run->trial, error));
+    run->speed = fastest(&run->w->ctx, &run->w->dem);
+    GN_TRY(take_up_loads(run, error));
+    GN_TRY(tell(run, error));
+    for (int k = 1; k <= count; k++) {
+        GN_TRY(time_of_path(run, path * k / count, &time, error));
+        GN_TRY(increment(run, time - run->w->ctx.time, balanced_loading, error));
+        run->found->unbalanced = run->trial.mean_load / run->trial.mean_force;
+        GN_TRY(tell(run, error));
+    }
+    return GNEISS_OK;
+}
+
+static void free_search(search *run) {
+    gn_trial_free(&run->trial);
+    gn_free(run->path);
+    gn_free(run->rate);
+    gn_free(run->before);
+    gn_free(run->now);
+}
+
+gneiss_status gn_static_loading(gn_world *world, double path, int count,
+                                const gn_first_break_watch *watch, gn_first_break *found,
+                                gneiss_error *error) {
+    *found = (gn_first_break){.time = INFINITY};
+    search s = {.w = world, .watch = watch, .found = found};
+    gneiss_status status = load_up(&s, path, count, error);
+    free_search(&s);
+    return status;
+}
+
 gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *watch,
                                    gn_first_break *found, gneiss_error *error) {
     *found = (gn_first_break){0};
@@ -408,10 +483,6 @@ gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *
         return refuse(world, error, "first_break: expected bonds, found none in this specimen");
     search s = {.w = world, .watch = watch, .found = found};
     gneiss_status status = find(&s, error);
-    gn_trial_free(&s.trial);
-    gn_free(s.path);
-    gn_free(s.rate);
-    gn_free(s.before);
-    gn_free(s.now);
+    free_search(&s);
     return status;
 }
