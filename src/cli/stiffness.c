@@ -57,27 +57,6 @@ static gneiss_status read_strain(const gn_options *options, double *strain, gnei
                    options->strain);
 }
 
-/* The last stage of a scene loads the specimen. The pressure of a membrane stays constant, so that
- * it has no part in an increment. */
-static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
-    GN_FREED_BY(gn_scene_delete) gn_scene *whole = NULL;
-    GN_TRY(gn_new(&whole, 1, "a scene", error));
-    GN_TRY(gn_new(scene, 1, "a scene", error));
-    GN_TRY(
-        gn_scene_load(options->target, options->overrides, options->override_count, whole, error));
-    gn_print_notes(&whole->notes);
-    if (whole->stage_count) {
-        GN_TRY(gn_scene_stage(whole, whole->stage_count - 1, *scene, error));
-    } else {
-        **scene = *whole;
-        memset(whole, 0, sizeof *whole);
-    }
-    (*scene)->allow_gmsh = options->allow_gmsh;
-    (*scene)->has_membrane = false;
-    (*scene)->history_rows = STATES;
-    return GNEISS_OK;
-}
-
 static gneiss_status check_scene(const gn_options *options, const gn_scene *scene,
                                  gneiss_error *error) {
     const char *found = scene->has_elements                                    ? "finite elements"
@@ -85,8 +64,40 @@ static gneiss_status check_scene(const gn_options *options, const gn_scene *scen
                                                                                : NULL;
     if (!found) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%.1000s: stiffness: expected bonded particles alone, found %s", options->target,
-                   found);
+                   "%.1000s: stiffness: expected bonded particles alone at the start, found %s",
+                   options->target, found);
+}
+
+static void drop_stages(gn_scene *scene) {
+    for (size_t k = 0; k < scene->stage_count; k++) gn_free(scene->stages[k].changes);
+    gn_free(scene->stages);
+    scene->stages = NULL;
+    scene->stage_count = scene->bonds_stage = scene->membrane_stage = 0;
+}
+
+/* Makes the scene one without stages, as its last stage loads the specimen, with the specimen that
+ * it has at the start. */
+static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
+    GN_FREED_BY(gn_scene_delete) gn_scene *whole = NULL;
+    GN_TRY(gn_new(&whole, 1, "a scene", error));
+    GN_TRY(gn_new(scene, 1, "a scene", error));
+    GN_TRY(
+        gn_scene_load(options->target, options->overrides, options->override_count, whole, error));
+    gn_print_notes(&whole->notes);
+    GN_TRY(check_scene(options, whole, error));
+    if (!whole->stage_count) {
+        **scene = *whole;
+        memset(whole, 0, sizeof *whole);
+    } else {
+        GN_TRY(gn_scene_stage(whole, whole->stage_count - 1, *scene, error));
+        drop_stages(*scene);
+    }
+    (*scene)->allow_gmsh = options->allow_gmsh;
+    GN_TRY(gn_pack_ahead(options, *scene, error));
+    /* The pressure of a membrane is constant and has no part in an increment. */
+    (*scene)->has_membrane = false;
+    (*scene)->history_rows = STATES;
+    return GNEISS_OK;
 }
 
 /* --- the test --- */
@@ -107,9 +118,12 @@ static const char *test_refusal(const gn_scene *scene) {
 static gneiss_status load_test(gn_run *run, outcome *found, gneiss_error *error) {
     const gn_world *w = &run->world;
     const gn_tested_shape shape = gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids);
+    const gn_test *t = &w->ctx.scene.test;
+    const bool both = gn_scene_end_drives(&w->ctx.scene, &t->lower) &&
+                      gn_scene_end_drives(&w->ctx.scene, &t->upper);
     gn_first_break path;
     gneiss_status status =
-        gn_static_loading(&run->world, found->strain * shape.length, STATES,
+        gn_static_loading(&run->world, found->strain * shape.length / (both ? 2.0 : 1.0), STATES,
                           &(gn_first_break_watch){note_state, run}, &path, error);
     found->solutions += path.solutions;
     found->iterations += path.iterations;
@@ -337,8 +351,6 @@ gneiss_status gn_command_stiffness(const gn_options *options, gneiss_error *erro
     found->start = gn_now();
     GN_TRY(read_strain(options, &found->strain, error));
     GN_TRY(load_scene(options, &scene, error));
-    GN_TRY(check_scene(options, scene, error));
-    GN_TRY(gn_pack_ahead(options, scene, error));
     GN_TRY(gn_run_create(scene, run, error));
     gneiss_status status = solve(run, found, error);
     if (status == GNEISS_OK && options->json)

@@ -47,6 +47,8 @@ static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_
 static const double balanced_worst = 300.0;
 /* That of states from which elastic constants are read. */
 static const double balanced_loading = 1e-6;
+/* Time of their loading over time.end. */
+static const double slowness = 1e6;
 /* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
  * most to these fractions of its load. */
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
@@ -442,16 +444,52 @@ static gneiss_status time_of_path(const search *run, double path, double *time,
     return GNEISS_OK;
 }
 
-static gneiss_status load_up(search *run, double path, int count, gneiss_error *error) {
+/* Makes a motion up to `time` one at constant velocity that takes until `end`. */
+static void spread_motion(gn_motion *motion, double time, double end) {
+    for (int k = 0; k < N; k++) {
+        gn_table *table = k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
+        if (!table->count) continue;
+        table->value[0] = gn_table_between(table, 0.0, time) / end;
+        table->count = 1;
+    }
+}
+
+/* Replaces the prescribed motions by steady ones with the same displacements, so slow that dashpots
+ * and drag have no part. */
+static gneiss_status slow_down(search *run, double path, gneiss_error *error) {
+    gn_scene *scene = &run->w->ctx.scene;
+    const double end = slowness * scene->end;
     double time = 0.0;
+    GN_TRY(time_of_path(run, path, &time, error));
+    for (size_t k = 0; k < scene->wall_count; k++)
+        spread_motion(&scene->walls[k].motion, time, end);
+    for (size_t k = 0; k < scene->set_count; k++) spread_motion(&scene->sets[k].motion, time, end);
+    scene->end = end;
+    return GNEISS_OK;
+}
+
+/* Goes on to a time, in several increments if contact lists have to be rebuilt on the way. */
+static gneiss_status go_to(search *run, double time, double path, gneiss_error *error) {
+    const double near = 1e-9;
+    for (int k = 0; k < INCREMENTS_MOST; k++) {
+        GN_TRY(increment(run, time - run->w->ctx.time, balanced_loading, error));
+        if (run->w->ctx.time >= time * (1.0 - near)) return GNEISS_OK;
+    }
+    return refuse(run->w, error,
+                  "expected bonds that hold up to a displacement of %.3g m, found that they break "
+                  "at %.3g m",
+                  path, prescribed_path(&run->w->ctx.scene, run->w->ctx.time));
+}
+
+static gneiss_status load_up(search *run, double path, int count, gneiss_error *error) {
     GN_TRY(allocate(run, error));
+    GN_TRY(slow_down(run, path, error));
     GN_TRY(gn_trial_begin(run->w, &run->trial, error));
     run->speed = fastest(&run->w->ctx, &run->w->dem);
     GN_TRY(take_up_loads(run, error));
     GN_TRY(tell(run, error));
     for (int k = 1; k <= count; k++) {
-        GN_TRY(time_of_path(run, path * k / count, &time, error));
-        GN_TRY(increment(run, time - run->w->ctx.time, balanced_loading, error));
+        GN_TRY(go_to(run, run->w->ctx.scene.end * k / count, path, error));
         run->found->unbalanced = run->trial.mean_load / run->trial.mean_force;
         GN_TRY(tell(run, error));
     }

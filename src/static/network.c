@@ -14,10 +14,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = GN_COMPONENTS, SOLUTIONS_MOST = 40 };
+enum { N = GN_COMPONENTS, SOLUTIONS_MOST = 60, ROUNDING = 2 };
 
 /* Each linear solution is found to this fraction of its load; the load that is left in double
- * precision, relative to the forces of bonds, ends the repetition or, above the second, is an
+ * precision, relative to the forces of bonds, ends the iteration or, above the second, is an
  * error. */
 static const double solved = 1e-4, balanced = 1e-11, balanced_most = 1e-6;
 
@@ -26,9 +26,11 @@ typedef struct network {
     gn_assembly assembly;
     gn_spectrum spectrum;
     gn_springs y;
-    uint8_t *fixed;                /* [particles] components of boundary particles */
-    gn_stiff_bond *bond;           /* [springs] */
-    double *u, *correction, *load; /* [particles][6] */
+    uint8_t *fixed;      /* [particles] components of boundary particles */
+    gn_stiff_bond *bond; /* [springs] */
+    /* [particles][6]: displacements beside the strain, loads, the solution of them, the direction
+     * of search and the loads by it */
+    double *u, *load, *solution, *search, *pull;
     gn_preconditioner made;
 } network;
 
@@ -38,18 +40,19 @@ static void free_network(network *x) {
     gn_free(x->fixed);
     gn_free(x->bond);
     gn_free(x->u);
-    gn_free(x->correction);
     gn_free(x->load);
+    gn_free(x->solution);
+    gn_free(x->search);
+    gn_free(x->pull);
 }
 
 /* --- the springs --- */
 
 static gneiss_status allocate(network *x, gneiss_error *error) {
     const size_t n = x->assembly.particles->soa.count;
-    GN_TRY(gn_new(&x->fixed, n + 1, "a network of bonds", error));
-    GN_TRY(gn_new(&x->u, N * n + 1, "a network of bonds", error));
-    GN_TRY(gn_new(&x->correction, N * n + 1, "a network of bonds", error));
-    return gn_new(&x->load, N * n + 1, "a network of bonds", error);
+    double **const array[] = {&x->u, &x->load, &x->solution, &x->search, &x->pull};
+    for (int k = 0; k < 5; k++) GN_TRY(gn_new(array[k], N * n + 1, "a network of bonds", error));
+    return gn_new(&x->fixed, n + 1, "a network of bonds", error);
 }
 
 static gneiss_status build(network *x, gneiss_error *error) {
@@ -167,12 +170,13 @@ static gneiss_status hold_boundary(network *x, gn_network *found, gneiss_error *
 /* --- equilibrium --- */
 
 /* Computes the force of a spring on its first particle, and the moment by its bending, for a
- * uniform strain of its branch and the displacements u beside it. */
-static void spring_force(const network *x, size_t s, int row, double q[3], double m[3]) {
+ * uniform strain of its branch (row < 0: none) and the displacements u beside it. */
+static void spring_force(const network *x, size_t s, int row, const double *u, double q[3],
+                         double m[3]) {
     const gn_spring *p = &x->y.spring[s];
-    const double *a = x->u + N * (size_t)p->i, *b = x->u + N * (size_t)p->j;
-    double e[3], w[3], turn[3], across[3];
-    gn_voigt_stretch(x->assembly.dimension, row, x->bond[s].l, e);
+    const double *a = u + N * (size_t)p->i, *b = u + N * (size_t)p->j;
+    double e[3] = {0.0}, w[3], turn[3], across[3];
+    if (row >= 0) gn_voigt_stretch(x->assembly.dimension, row, x->bond[s].l, e);
     for (int k = 0; k < 3; k++) {
         e[k] += b[k] - a[k];
         w[k] = p->arm_i * a[3 + k] + p->arm_j * b[3 + k];
@@ -188,16 +192,16 @@ static void spring_force(const network *x, size_t s, int row, double q[3], doubl
     }
 }
 
-/* Computes the unbalanced loads of all free components; returns their root mean square over that
- * of the forces of bonds. */
-static double unbalanced(network *x, int row) {
+/* Computes the unbalanced loads of all free components; returns their root mean square, N, and
+ * gives that of the forces of bonds. */
+static double unbalanced(const network *x, int row, const double *u, double *load, double *force) {
     const gn_particles *particles = x->assembly.particles;
     double forces = 0.0, loads = 0.0;
-    memset(x->load, 0, N * x->y.particles * sizeof *x->load);
+    memset(load, 0, N * x->y.particles * sizeof *load);
     for (size_t s = 0; s < x->y.springs; s++) {
         const gn_spring *p = &x->y.spring[s];
-        double *i = x->load + N * (size_t)p->i, *j = x->load + N * (size_t)p->j, q[3], m[3], c[3];
-        spring_force(x, s, row, q, m);
+        double *i = load + N * (size_t)p->i, *j = load + N * (size_t)p->j, q[3], m[3], c[3];
+        spring_force(x, s, row, u, q, m);
         gn_cross3(p->n, q, c);
         for (int k = 0; k < 3; k++) {
             i[k] += q[k];
@@ -210,36 +214,61 @@ static double unbalanced(network *x, int row) {
     for (size_t at = 0; at < N * x->y.particles; at++) {
         const size_t p = at / N, k = at % N;
         const bool turns = particles->spin && (x->y.space || k == 5);
-        if ((k < 3 && x->fixed[p]) || (k >= 3 && !turns)) x->load[at] = 0.0;
+        if ((k < 3 && x->fixed[p]) || (k >= 3 && !turns)) load[at] = 0.0;
         const double arm = k < 3 ? 1.0 : particles->pos[4 * p + 3];
-        loads += x->load[at] * x->load[at] / (arm * arm);
+        loads += load[at] * load[at] / (arm * arm);
     }
-    return forces > 0.0 ? sqrt(loads / (double)x->y.particles / (forces / (double)x->y.springs))
-                        : 0.0;
+    *force = sqrt(forces / (double)x->y.springs);
+    return sqrt(loads / (double)x->y.particles);
+}
+
+static double dot(const network *x, const double *a, const double *b) {
+    double sum = 0.0;
+    for (size_t at = 0; at < N * x->y.particles; at++) sum += a[at] * b[at];
+    return sum;
+}
+
+/* Solves for the loads and moves along the solution, made conjugate to the direction before. */
+static gneiss_status correct(network *x, gn_network *found, gneiss_error *error) {
+    gn_equilibrium linear;
+    double unused, before = -dot(x, x->search, x->pull);
+    GN_TRY(gn_equilibrium_solve(&x->spectrum, (gn_viscosity){0}, x->load, solved, &x->made,
+                                x->solution, &linear, error));
+    found->solutions++;
+    found->iterations += linear.iterations;
+    const double part = before > 0.0 ? dot(x, x->solution, x->pull) / before : 0.0;
+    for (size_t at = 0; at < N * x->y.particles; at++)
+        x->search[at] = x->solution[at] + part * x->search[at];
+    (void)unbalanced(x, -1, x->search, x->pull, &unused);
+    const double curvature = -dot(x, x->search, x->pull);
+    const double step = curvature > 0.0 ? dot(x, x->search, x->load) / curvature : 0.0;
+    for (size_t at = 0; at < N * x->y.particles; at++) x->u[at] += step * x->search[at];
+    return GNEISS_OK;
 }
 
 /* Finds the displacements beside a uniform strain. The linear solutions are of a system in single
- * precision with a small resistance to every motion; each repetition corrects their effect. */
+ * precision with a small resistance to every motion; they precondition conjugate gradients in
+ * double precision, which need one or two of them for most packings. */
 static gneiss_status relax(network *x, int row, gn_network *found, gneiss_error *error) {
-    memset(x->u, 0, N * x->y.particles * sizeof *x->u);
-    double left = unbalanced(x, row), before = INFINITY;
-    for (int k = 0; k < SOLUTIONS_MOST && left > balanced; k++) {
-        gn_equilibrium linear;
-        if (left > 0.5 * before) break; /* rounding */
-        GN_TRY(gn_equilibrium_solve(&x->spectrum, (gn_viscosity){0}, x->load, solved, &x->made,
-                                    x->correction, &linear, error));
-        found->solutions++;
-        found->iterations += linear.iterations;
-        for (size_t at = 0; at < N * x->y.particles; at++) x->u[at] += x->correction[at];
-        before = left;
-        left = unbalanced(x, row);
+    const size_t bytes = N * x->y.particles * sizeof *x->u;
+    double scale, force, left, least = INFINITY;
+    memset(x->u, 0, bytes);
+    memset(x->search, 0, bytes);
+    memset(x->pull, 0, bytes);
+    left = unbalanced(x, row, x->u, x->load, &scale);
+    for (int k = 0, since = 0; k < SOLUTIONS_MOST && left > balanced * scale; k++) {
+        since = left < 0.5 * least ? 0 : since + 1;
+        least = fmin(least, left);
+        if (since == ROUNDING && least <= balanced_most * scale) break;
+        GN_TRY(correct(x, found, error));
+        left = unbalanced(x, row, x->u, x->load, &force);
     }
-    found->residual = fmax(found->residual, left);
-    if (left <= balanced_most) return GNEISS_OK;
+    if (scale > 0.0) found->residual = fmax(found->residual, left / scale);
+    if (left <= balanced_most * scale) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_UNSTABLE,
                    "stiffness: expected an equilibrium of the bonds, found loads of %.2g of their "
-                   "forces after %d solutions",
-                   left, SOLUTIONS_MOST);
+                   "forces after %d solutions (almost a mechanism)",
+                   left / scale, SOLUTIONS_MOST);
 }
 
 /* Computes the mean stresses of the present state as a row of the stiffness: works of the forces on
@@ -248,7 +277,7 @@ static void add_stresses(const network *x, int row, double volume, double *c) {
     const int n = gn_voigt_size(x->assembly.dimension);
     for (size_t s = 0; s < x->y.springs; s++) {
         double q[3], m[3], e[3];
-        spring_force(x, s, row, q, m);
+        spring_force(x, s, row, x->u, q, m);
         for (int a = 0; a < n; a++) {
             gn_voigt_stretch(x->assembly.dimension, a, x->bond[s].l, e);
             /* symmetric but for what is left of loads */

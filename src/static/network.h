@@ -21,7 +21,8 @@ typedef struct gn_network {
     bool has_stressed;
     gn_elastic network; /* in equilibrium */
     int64_t solutions, iterations;
-    double residual; /* largest unbalanced load over the forces of bonds, root mean squares */
+    double residual; /* unbalanced loads over the forces of bonds in uniform strain, the largest
+                        root mean square of any strain */
 } gn_network;
 
 /* Finds the stiffness of the bonds of a world. For each strain (six, 2D: three) boundary particles
