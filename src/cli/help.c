@@ -107,6 +107,7 @@ static const struct {
      "only results: readings and warnings, no progress and no profile"},
     {"run pack sweep resume", "--log json",
      "progress and summary as JSON lines on standard output"},
+    {"plan", "--log json", "plan --error: the result as one JSON line on standard output"},
     {"keys", "--markdown", "keys: as Markdown"},
     {"", "--help (-h), --version", ""},
 };

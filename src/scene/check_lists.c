@@ -482,14 +482,15 @@ const char *gn_check_stop(const gn_scene *scene) {
                                         : NULL;
 }
 
-/* Stop conditions are evaluated in rows of the history. */
+/* Stop conditions are evaluated in rows of the history; a single row is that of the start. */
 static gneiss_status check_stops(const check *section, const gn_scene *scene) {
     const char *stop = gn_check_stop(scene);
-    if (!stop || scene->history_rows > 0 || !gn_check_is_valid(section, "output.history_rows"))
+    if (!stop || scene->history_rows > 1 || !gn_check_is_valid(section, "output.history_rows"))
         return GNEISS_OK;
     return gn_check_fail(section, stop,
-                         "expected output.history_rows above 0, as it is evaluated in rows of the "
-                         "history, found 0: it would never stop the run");
+                         "expected output.history_rows above 1, as it is evaluated in rows of the "
+                         "history, found %lld: it would never stop the run",
+                         (long long)scene->history_rows);
 }
 
 gneiss_status gn_check_time(const check *section, const gn_scene *scene) {
