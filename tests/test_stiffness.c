@@ -3,6 +3,8 @@
 #include "world_helpers.h"
 
 #include "base/eigen.h"
+#include "kernels/law.h"
+#include "static/first_break.h"
 #include "static/network.h"
 
 static const double kn = 3e6;
@@ -24,8 +26,8 @@ static const char hexagonal[] = "{lattice: {kind: hexagonal, radius: 1 mm, cells
                   fcc[] = "{lattice: {kind: fcc, radius: 1 mm, cells: [4, 4, 4]}}",
                   fcc_box[] = "periodic: {min: [0, 0, 0], max: [0.011313708498984760, "
                               "0.011313708498984760, 0.011313708498984760]}\n",
-                  discs[] = "{rectangle: {width: 40 mm, height: 40 mm}, particles: 800}",
-                  spheres[] = "{box: {size: [20 mm, 20 mm, 20 mm]}, particles: 1500}",
+                  discs[] = "{rectangle: {width: 40 mm, height: 40 mm}, particles: 500}",
+                  spheres[] = "{box: {size: [20 mm, 20 mm, 20 mm]}, particles: 700}",
                   one_thread[] = "bonds: {interaction_range: 0.05}\nrun: {threads: 1}\n";
 
 static gn_network network_of(gn_world *w) {
@@ -185,6 +187,51 @@ static void the_result_is_the_same_for_two_threads_and_scales_with_the_springs(v
     }
 }
 
+/* --- loading --- */
+
+static gneiss_status note(void *context, const gn_first_break *so_far, gneiss_error *error) {
+    (void)so_far;
+    (void)error;
+    ++*(int *)context;
+    return GNEISS_OK;
+}
+
+/* A row of discs, clamped at one end, whose other end is moved across it: bond k transmits the
+ * force F and turns by F L_k over its bending stiffness, with L_k from its middle to the end, so
+ * that the displacement is sum of F/k_t + F L_k^2/k_b. */
+static void a_row_of_bonds_with_moments_bends_as_a_beam(void **state) {
+    (void)state;
+    enum { COUNT = 9, STATES = 4 };
+    text t = {0};
+    add(&t, "{particles: [");
+    for (int k = 0; k < COUNT; k++) add(&t, "[%.17g, 0, 1e-3], ", 2e-3 * k);
+    add(&t, "]}");
+    gn_world *w = bonded(2, t.s, 0.4, kn,
+                         "bonds: {radius_multiplier: 1}\nrun: {threads: 1}\nsets:\n"
+                         "- {name: foot, select: {ids: [0]}, motion: {vx: 0, vy: 0, wz: 0}}\n"
+                         "- {name: head, select: {ids: [8]}, motion: {vy: [[0, 0], [1, 1 mm/s]]}}\n"
+                         "damping: {contact: {fraction: 0.9}}\n");
+    const gn_contacts *list = &w->dem.bonds.contacts;
+    const double along[3] = {1.0, 0.0, 0.0}, path = 1e-6;
+    const double bend = gn_law_of(list->soa.effects)->moments(list, 0, along).bend;
+    double soft = 0.0;
+    for (int k = 0; k < COUNT - 1; k++) {
+        const double arm = 2e-3 * (COUNT - 1 - k) - 1e-3;
+        soft += 1.0 / (0.4 * kn) + arm * arm / bend;
+    }
+    gn_first_break found;
+    gneiss_error error = {0};
+    int states = 0;
+    if (gn_static_loading(w, path, STATES, &(gn_first_break_watch){note, &states}, &found,
+                          &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    assert_int_equal(states, STATES + 1);
+    assert_near(pos_of(w, 8)[1], path, 1e-12 * path);
+    const int32_t slot = w->dem.particles.slot[w->dem.index_of_id[8]];
+    assert_close(fabs(w->dem.prescribed.load[6 * slot + 1]), path / soft, 1e-5);
+    world_end(w);
+}
+
 /* --- loose parts, and what has no constants --- */
 
 /* A slab with a gap above it in a periodic box resists nothing but a strain along it; a lone
@@ -241,6 +288,7 @@ int main(void) {
         cmocka_unit_test(constants_are_in_the_order_of_their_energies),
         cmocka_unit_test(isotropic_packings_have_the_closed_forms),
         cmocka_unit_test(the_result_is_the_same_for_two_threads_and_scales_with_the_springs),
+        cmocka_unit_test(a_row_of_bonds_with_moments_bends_as_a_beam),
         cmocka_unit_test(loose_parts_resist_nothing),
         cmocka_unit_test(packings_without_constants_are_refused),
     };

@@ -20,7 +20,7 @@
 
 /* Strain of a test unless --strain gives one: far below failure, far above rounding. */
 static const double default_strain = 1e-5;
-enum { STATES = 10 }; /* readings use those up to half of the largest stress */
+enum { STATES = 20 }; /* readings use those up to half of the largest stress */
 
 /* Readings of a test that are elastic constants. */
 #define CONSTANTS(X)                                                                               \

@@ -284,13 +284,20 @@ static bool beyond_lists(const search *run, double span) {
 static gneiss_status increment(search *run, double span, double balanced, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what = BALANCED;
+    bool broke = false;
     for (int k = 0; k < HALVINGS_MOST; k++, span *= 0.5) {
         for (size_t at = 0; at < N * run->trial.count; at++) run->path[at] = span * run->rate[at];
         gn_trial_prescribe(&run->trial, span, run->path);
         GN_TRY(balance(run, span, false, balanced, &what, &linear, error));
+        broke = broke || what == BROKE;
         if (what == BALANCED && !beyond_lists(run, span)) return take(run, span, false, error);
         if (what == STUCK && linear.unsupported >= 0) break;
     }
+    if (broke && linear.unsupported < 0)
+        return refuse(run->w, error,
+                      "expected bonds that hold under the prescribed motion, found that they break "
+                      "however short the increment (t = %g s)",
+                      run->w->ctx.time);
     return no_equilibrium(run, &linear, false, error);
 }
 
@@ -476,9 +483,8 @@ static gneiss_status go_to(search *run, double time, double path, gneiss_error *
         if (run->w->ctx.time >= time * (1.0 - near)) return GNEISS_OK;
     }
     return refuse(run->w, error,
-                  "expected bonds that hold up to a displacement of %.3g m, found that they break "
-                  "at %.3g m",
-                  path, prescribed_path(&run->w->ctx.scene, run->w->ctx.time));
+                  "expected a displacement of %.3g m, found %.3g m after %d increments", path,
+                  prescribed_path(&run->w->ctx.scene, run->w->ctx.time), INCREMENTS_MOST);
 }
 
 static gneiss_status load_up(search *run, double path, int count, gneiss_error *error) {
