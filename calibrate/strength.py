@@ -177,5 +177,5 @@ def start(material, parameters):
     tension = values.get("tensile_strength", values.get("brazilian_strength", values.get("compressive_strength", 0.003 * material.modulus) / 6.0))
     if laws.stiffness_of(material.scene) == "uniform":
         tension *= 2.0 * material.size.radius if laws.dimension_of(material.scene) == 2 else 4.0 * material.size.radius**2
-    friction = material.law.bond_friction if material.law else float(material.scene["materials"][0].get("bond_friction", 0.0))
+    friction = material.law.bond_friction if material.law else laws.units.number(material.scene["materials"][0].get("bond_friction", 0.0), "1")
     return {**parameters, "tension": tension, "chi": START_CHI, "bond_friction": friction}
