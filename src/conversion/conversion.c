@@ -31,30 +31,7 @@ gneiss_status gn_conversion_no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
 }
 
-/* --- ties and kinds --- */
-
-gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
-                                 gneiss_error *error) {
-    const gn_particles *q = &dem->particles;
-    size_t count;
-    int32_t *place = gn_fem_places(gn_coupled_solid(solids), &count);
-    int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
-    gneiss_status status = place && element ? GNEISS_OK : gn_conversion_no_memory(error);
-    for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        const bool awake = dem->prepared.soa.capacity && gn_particle_is_active(q, p);
-        if (gn_dormant_element(dem, p) >= count)
-            status = gn_fail(error, GNEISS_ERROR_INPUT,
-                             "expected particles in the %zu elements of the mesh, found number %zu",
-                             count, gn_dormant_element(dem, p));
-        else
-            element[p] = awake ? place[gn_dormant_element(dem, p)] : -1;
-    }
-    if (status == GNEISS_OK)
-        status = gn_ties_take(gn_coupled_solid(solids), q, element, ties, error);
-    gn_free(place);
-    gn_free(element);
-    return status;
-}
+/* --- kinds --- */
 
 gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
                                   uint8_t *kind, gneiss_error *error) {

@@ -26,10 +26,6 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
 gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
                                            const gn_boundary *boundary, const gn_solids *solids,
                                            gn_conversions *converted, gneiss_error *error);
-/* Finds the ties of the active particles in the remaining elements. */
-gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
-                                 gneiss_error *error);
-
 /* Between two steps: every so many of them looks at the stresses, and converts. */
 gneiss_status gn_conversion_check_limits(gn_world *world, gneiss_error *error);
 /* Returns the element that came nearest to a limit so far, including the present state. */

@@ -136,6 +136,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gneiss_error *error) {
     gn_ties ties;
+    GN_TRY(gn_zones_check_law(ctx, error));
     GN_TRY(check_law(ctx, error));
     GN_TRY(check_width(ctx, solids, error));
     GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &ties, error));

@@ -2,6 +2,7 @@
 #include "world/features.h"
 
 #include "base/memory.h"
+#include "base/timer.h"
 #include "conversion/conversion.h"
 #include "drive/box.h"
 #include "laboratory/ends.h"
@@ -13,6 +14,7 @@
 #include "timestep/indentation.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
+#include "zones/zones.h"
 
 #include <string.h>
 
@@ -264,4 +266,47 @@ const gn_feature gn_feature_box = {
     .used = is_periodic,
     .hook =
         {[GN_HOOK_READING] = ask_for_sums, [GN_HOOK_WORK] = book_box, [GN_HOOK_MOVED] = move_box},
+};
+
+static bool has_zones(const gn_world *w) {
+    return w->zones.coupled != NULL;
+}
+
+GN_HOOK(hold_zones) {
+    return gn_zones_hold(&w->ctx, &w->dem, &w->solids, &w->zones, error);
+}
+
+/* The stress of the elements is that at the places of the instant, before these have their loads.
+ */
+GN_HOOK(read_zones) {
+    if (!w->ctx.measure) return GNEISS_OK;
+    const double begin = gn_now();
+    gneiss_status status = gn_coupled_mean_stress(&w->ctx, &w->dem, &w->solids, &w->zones,
+                                                  w->zones.state.stress, error);
+    w->ctx.seconds[GN_PHASE_measure] += gn_now() - begin;
+    return status;
+}
+
+GN_HOOK(act_on_zones) {
+    gn_zones_act(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger);
+    return GNEISS_OK;
+}
+
+GN_HOOK(follow_elements) {
+    return gn_zones_elements_moved(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, error);
+}
+
+GN_HOOK(add_zones) {
+    gn_zones_add_to_reading(&w->zones, &w->ledger);
+    return GNEISS_OK;
+}
+
+const gn_feature gn_feature_zones = {
+    .name = "zones",
+    .used = has_zones,
+    .hook = {[GN_HOOK_LISTS] = hold_zones,
+             [GN_HOOK_BEFORE_FORCES] = read_zones,
+             [GN_HOOK_ACT] = act_on_zones,
+             [GN_HOOK_ELEMENTS_MOVED] = follow_elements,
+             [GN_HOOK_READ] = add_zones},
 };
