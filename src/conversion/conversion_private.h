@@ -3,12 +3,16 @@
 #define GN_CONVERSION_CONVERSION_PRIVATE_H
 
 #include "base/error.h"
+#include "conversion/conversion.h"
+#include "conversion/records.h"
 #include "couple/ties.h"
 #include "fem/solid.h"
+#include "frame/ledger.h"
 #include "frame/parts.h"
 #include "particles/dormant.h"
 #include "soa/records.h"
-#include "world/world.h"
+#include "solids/elements.h"
+#include "zones/zone_state.h"
 #include "zones/zones.h"
 
 #include <stdbool.h>
@@ -17,7 +21,7 @@
 
 /* State before a conversion, and scratch. */
 typedef struct gn_conversion {
-    gn_world *world;
+    const gn_convertible *model;
     uint8_t *kind;      /* [elements before] gn_front_kind */
     int32_t *place;     /* [elements of the mesh] before; -1: gone already */
     double *part;       /* [particles][2] weights before, 0 if it was dormant */
@@ -37,7 +41,7 @@ typedef struct gn_conversion {
 
 /* The element, by place before, that a particle is in; -1: gone already. */
 static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
-    return c->place[gn_dormant_element(&c->world->dem, p)];
+    return c->place[gn_dormant_element(c->model->dem, p)];
 }
 
 /* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;

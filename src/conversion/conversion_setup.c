@@ -25,7 +25,6 @@
 #include "solids/dormant_places.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
-#include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -410,17 +409,18 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
 
 /* --- all of them active --- */
 
-gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_error *error) {
-    const gn_step_limit before = w->ctx.choice.limit;
-    const double stable = w->ctx.choice.stable;
+gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *limit,
+                                  gneiss_error *error) {
+    const gn_step_limit before = model->ctx->choice.limit;
+    const double stable = model->ctx->choice.stable;
     bool due;
-    gn_dormant_swap(&w->ctx, &w->dem);
-    gneiss_status status = gn_dem_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                        &w->ledger, true, &due, error);
-    gn_dormant_swap(&w->ctx, &w->dem);
-    *limit = w->ctx.choice.limit;
-    w->ctx.choice.limit = before;
-    w->ctx.choice.stable = stable;
+    gn_dormant_swap(model->ctx, model->dem);
+    gneiss_status status = gn_dem_limit(model->ctx, model->dem, model->boundary, model->solids,
+                                        model->zones, model->ledger, true, &due, error);
+    gn_dormant_swap(model->ctx, model->dem);
+    *limit = model->ctx->choice.limit;
+    model->ctx->choice.limit = before;
+    model->ctx->choice.stable = stable;
     return status;
 }
 

@@ -85,7 +85,8 @@ static bool converts(const gn_world *w) {
 }
 
 GN_HOOK(convert) {
-    return gn_conversion_check_limits(w, error);
+    const gn_convertible model = gn_world_convertible(w);
+    return gn_conversion_check_limits(&model, error);
 }
 
 const gn_feature gn_feature_conversion = {

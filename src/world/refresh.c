@@ -28,6 +28,12 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+gn_convertible gn_world_convertible(gn_world *w) {
+    return (gn_convertible){
+        &w->ctx,         &w->dem,    &w->boundary, &w->solids,       &w->zones, &w->converted,
+        &w->most_loaded, &w->ledger, &w->outcome,  gn_world_rebuild, w};
+}
+
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
     GN_TRY(gn_boundary_restore(&w->ctx, &w->dem, &w->boundary, error));

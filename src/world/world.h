@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "boundary/boundary.h"
+#include "conversion/conversion.h"
 #include "conversion/records.h"
 #include "frame/ledger.h"
 #include "frame/parts.h"
@@ -96,6 +97,9 @@ gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
 
 /* After the records of a checkpoint were read: null particles, padding, partial and block sums. */
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
+
+/* Returns the parts of the world as conversion takes them; valid as long as the world. */
+gn_convertible gn_world_convertible(gn_world *world);
 
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
