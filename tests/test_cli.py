@@ -415,8 +415,8 @@ def check_accepts_every_scene_that_comes_with_the_program(folder):
     shipped = os.path.join(SCENES, "../../scenes")
     scenes = [os.path.join(shipped, name) for name in sorted(os.listdir(shipped)) if name.endswith(".yaml")]
     keys = {path: set(re.findall(r"^(\w+):", open(path).read(), re.M)) for path in scenes}
-    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, or the part for `pack`
-    assert len(whole) > 25 and all("scene" in keys[path] or "pack" in path for path in set(scenes) - set(whole))
+    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, targets, or the part for `pack`
+    assert len(whole) > 25 and all({"scene", "targets"} & keys[path] or "pack" in path for path in set(scenes) - set(whole))
     with ThreadPoolExecutor(2) as pool:
         for path, call in zip(whole, pool.map(lambda path: gneiss("check", path), whole)):
             said = [line for line in call.stderr.splitlines() if line.startswith("gneiss:")]  # others tell of progress
@@ -464,6 +464,10 @@ def a_finished_run_says_on_resume_that_no_step_was_taken(folder):
         expect(gneiss("resume", folder, "--quiet", *more), 0, r"finished before \(t = 5e-05 s reached\): no step was taken")
     done = expect(gneiss("resume", folder, "--quiet", "--set", "time.end=0.1 ms"), 0)
     assert "no step" not in done.stderr, done.stderr
+    before = summary(folder)
+    expect(gneiss("resume", folder, "--quiet", "--set", "time.end=0.02 ms"), 2,
+           r"--set time\.end: expected a time after the 0\.0001\d* s that the run has reached, found 2e-05 s")
+    assert summary(folder) == before
 
 
 @fact

@@ -270,7 +270,7 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
 /* Warns of a condition that was not fulfilled in time. */
 static void warn_of_stages(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    if (!run->finished || !gn_run_stages_left(run)) return;
+    if (!run->finished || w->outcome.halt[0] || !gn_run_stages_left(run)) return;
     gn_warn(list, "stages_left",
             "time.end (%g s) was reached in stage '%s' (%zu of %zu), before its end condition: "
             "use a later time.end, or another condition under its end",

@@ -479,8 +479,10 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings
 
 /* Warns that the model ended the run (conversion/conversion.c) before the end of the test. */
 static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warnings *list) {
-    const double drop = gn_scene_peak_drop(&run->world.ctx.scene);
-    if (!run->finished || !run->world.outcome.halt[0] || isnan(r->peak_stress)) return;
+    const gn_world *w = &run->world;
+    const double drop = gn_run_staged(run) ? w->ctx.scene.stages[w->stages.now].peak_drop
+                                           : gn_scene_peak_drop(&w->ctx.scene);
+    if (!run->finished || !w->outcome.halt[0] || isnan(r->peak_stress)) return;
     if (!(r->peak_fall < drop)) return;
     gn_warn(list, "peak_halted",
             "conversion ended the run (conversion_halted) with the stress %.1f %% below the %.4g "
