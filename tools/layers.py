@@ -3,17 +3,21 @@
 A folder may include itself, base, and what its row names; a row names only folders above it, so that there is no circle.
 A name with a slash is one header; `A to B` stands for all rows from A to B. No folder includes a <folder>_private.h of another.
 A function is declared in a header of the folder that defines it, so that calls follow the includes. Fields of the parts (PARTS) are assigned
-in the folder of the part alone. Functions above 60 lines are refused as well.
+in the folder of the part alone. A header that more than 15 files of other folders include is a door, <folder>/<folder>.h, or one of OPEN.
+Functions above 60 lines are refused as well.
 Prints file:line of whatever is not so.
 """
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
 TABLE = ROOT / "docs" / "design.md"
 PARTS = {"dem": "particles", "boundary": "boundary", "solids": "solids", "membrane": "membrane", "zones": "zones"}
 LONGEST = 60
+READERS = 15
+OPEN = ("base", "soa", "frame/parts.h")
 INCLUDE = re.compile(r'\s*#\s*include\s+[<"]([^">]+)[">]')
 COMMENT = re.compile(r"/\*.*?\*/", re.S)
 FUNCTION = re.compile(r"^(?!static|typedef|extern)[A-Za-z_][\w \*]*?[ \*](gn_\w+)\((?:[^(){};]|\([^()]*\))*\)\s*([;{])", re.M)
@@ -101,6 +105,15 @@ def check_writes(path):
         line += function.count("\n")
 
 
+def check_doors(sources):
+    readers = Counter(header for path in sources for header in set(INCLUDE.findall(path.read_text()))
+                      if "/" in header and header.split("/")[0] not in (room_of(path), "gneiss"))
+    for header, count in sorted(readers.items()):
+        folder, name = header.split("/", 1)
+        if count > READERS and name != f"{folder}.h" and not {folder, header} & set(OPEN):
+            yield f"src/{header}: {count} files of other folders include it, expected at most {READERS}, or src/{folder}/{folder}.h that includes it"
+
+
 def check_lengths(path):
     start = None
     for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -123,7 +136,7 @@ def main():
         problems += check_includes(path, table)
         problems += check_lengths(path)
     code = [path for path in sources if path.relative_to(ROOT).parts[0] == "src"]
-    problems += check_declarations(code)
+    problems += [*check_declarations(code), *check_doors(code)]
     for path in code:
         problems += check_writes(path) if path.suffix == ".c" else ()
     print(*problems, sep="\n", end="\n" if problems else "")

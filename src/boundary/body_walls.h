@@ -10,9 +10,8 @@
 
 #include "base/effects.h"
 #include "base/error.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -8,7 +8,7 @@
 #include "particles/dormant.h"
 #include "scene/stages.h"
 #include "solids/dormant_places.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "zones/zone_state.h"
 
 #include <math.h>

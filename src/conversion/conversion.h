@@ -7,11 +7,10 @@
 #define GN_CONVERSION_CONVERSION_H
 
 #include "base/error.h"
-#include "couple/ties.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
 #include "limit/step_limits.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "zones/zones.h"
 
 #include <stdbool.h>

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
-#include "couple/ties.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"

@@ -11,7 +11,7 @@
  * jump is not compensated. Neither is a part that no set can receive with small changes. */
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "zones/zone_state.h"

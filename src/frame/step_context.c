@@ -1,4 +1,4 @@
-#include "frame/step_context.h"
+#include "frame/frame.h"
 
 #include "base/point.h"
 #include "scene/laboratory.h"

@@ -3,7 +3,6 @@
 
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "kernels/law.h"
 #include "soa/particle_state.h"
 
 #include <math.h>

@@ -6,10 +6,9 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "scene/laboratory.h"
-#include "scene/table.h"
 #include "soa/records.h"
 
 #include <math.h>

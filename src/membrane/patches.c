@@ -7,11 +7,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/cells.h"
-#include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <math.h>

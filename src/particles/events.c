@@ -5,9 +5,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <stdlib.h>

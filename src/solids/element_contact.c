@@ -5,15 +5,14 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "boundary/surface.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/element_bodies.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 #include "surfaces/facet.h"
 
 #include <math.h>

@@ -13,13 +13,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/law.h"
+#include "particles/particles.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>

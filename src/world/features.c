@@ -8,11 +8,11 @@
 #include "laboratory/ends.h"
 #include "laboratory/strain_gauge.h"
 #include "membrane/membrane.h"
-#include "particles/dem.h"
 #include "particles/events.h"
+#include "particles/particles.h"
 #include "sched/hold.h"
 #include "timestep/indentation.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/world.h"
 #include "zones/zones.h"
 

@@ -3,13 +3,11 @@
 #define GN_ZONES_ZONES_PRIVATE_H
 
 #include "base/error.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
-#include "solids/elements.h"
+#include "particles/particles.h"
+#include "solids/solids.h"
 #include "zones/zones.h"
 
 #include <stddef.h>

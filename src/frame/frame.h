@@ -1,11 +1,12 @@
 /* The setting in which the parts of a world work: the scene, the clock, the kernels and the extent
  * of the specimen. Parts read it; the world, the step limit, the control and the box change it
  * between the steps. */
-#ifndef GN_FRAME_STEP_CONTEXT_H
-#define GN_FRAME_STEP_CONTEXT_H
+#ifndef GN_FRAME_FRAME_H
+#define GN_FRAME_FRAME_H
 
 #include "base/effects.h"
 #include "base/error.h"
+#include "frame/ledger.h"
 #include "frame/parts.h"
 #include "frame/phases.h"
 #include "frame/step_choice.h"
