@@ -187,6 +187,9 @@ def what_breaks_the_order_of_the_folders_is_named(folder):
             with open(path, "w") as file:
                 file.write(before)
     assert reported() == "", reported()
+    for k in range(16):
+        write_scene(folder, '#include "pack/shape.h"\n', f"src/world/reader_{k}.c")
+    assert "src/pack/shape.h: " in reported() and "expected at most 15, or src/pack/pack.h" in reported(), reported()
 
 
 @fact
