@@ -390,7 +390,8 @@ static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
     return under == over ? over : force / low;
 }
 
-double gn_wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall) {
+/* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
+static double wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall) {
     gn_facing f;
     double area = ctx->scene.walls[wall].servo.area;
     if (!(area > 0.0) && gn_wall_covers_open_axis(&ctx->scene, wall)) return gn_box_section(ctx);
@@ -407,7 +408,7 @@ double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, s
                       double time) {
     const gn_servo *servo = &ctx->scene.walls[wall].servo;
     if (servo->force.count) return gn_table_at(&servo->force, time);
-    return gn_table_at(&servo->stress, time) * gn_wall_area(ctx, boundary, wall);
+    return gn_table_at(&servo->stress, time) * wall_area(ctx, boundary, wall);
 }
 
 /* Servo: the wall moves along its normal by the share `relaxation`, if that is stable, of the path

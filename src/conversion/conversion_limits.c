@@ -161,9 +161,11 @@ static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids
     gn_conversion_centre(b, at, most->place);
 }
 
-gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
-                                            const gn_most_loaded *most_loaded, uint8_t **kind,
-                                            double **excess, gneiss_error *error) {
+/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
+ * both are the caller's whatever happens. */
+static gneiss_status conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
+                                                const gn_most_loaded *most_loaded, uint8_t **kind,
+                                                double **excess, gneiss_error *error) {
     const size_t elements = gn_elements_left_count(solids);
     *kind = gn_alloc(elements + 1);
     *excess = gn_alloc_array(elements + 1, sizeof **excess);
@@ -178,8 +180,8 @@ gneiss_status gn_conversion_convert_above(const gn_convertible *model, double pa
     double *excess;
     bool any = false;
     model->most_loaded->share = 0.0; /* loads below the largest so far count as well */
-    gneiss_status status = gn_conversion_evaluate_limits(model->ctx, model->solids,
-                                                         model->most_loaded, &kind, &excess, error);
+    gneiss_status status = conversion_evaluate_limits(model->ctx, model->solids, model->most_loaded,
+                                                      &kind, &excess, error);
     for (size_t e = 0; status == GNEISS_OK && e < gn_elements_left_count(model->solids); e++)
         if (kind[e] == GN_FRONT_READY && excess[e] > 0.0 && excess[e] >= part) {
             kind[e] = GN_FRONT_LEAVING;
@@ -194,8 +196,8 @@ gneiss_status gn_conversion_convert_above(const gn_convertible *model, double pa
 static gneiss_status look(const gn_convertible *model, gneiss_error *error) {
     uint8_t *kind;
     double *excess;
-    gneiss_status status = gn_conversion_evaluate_limits(model->ctx, model->solids,
-                                                         model->most_loaded, &kind, &excess, error);
+    gneiss_status status = conversion_evaluate_limits(model->ctx, model->solids, model->most_loaded,
+                                                      &kind, &excess, error);
     if (status == GNEISS_OK)
         note_most_loaded(model->ctx, model->solids, excess, model->most_loaded);
     if (status == GNEISS_OK && is_due(model->dem, model->solids, excess))
@@ -211,7 +213,7 @@ gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_sol
     uint8_t *kind;
     double *excess;
     gneiss_status status =
-        gn_conversion_evaluate_limits(ctx, solids, most_loaded, &kind, &excess, error);
+        conversion_evaluate_limits(ctx, solids, most_loaded, &kind, &excess, error);
     *most = *most_loaded;
     if (status == GNEISS_OK) note_most_loaded(ctx, solids, excess, most);
     gn_free(kind);

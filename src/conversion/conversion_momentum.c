@@ -342,7 +342,10 @@ static gn_tally about_own(const gn_tally *t, size_t dimension, double centre[3])
     return gn_tally_about(t, dimension, centre);
 }
 
-double gn_tally_turns(const gn_tally *t, size_t dimension) {
+/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
+ * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
+ * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
+static double tally_turns(const gn_tally *t, size_t dimension) {
     double centre[3];
     const gn_tally own = about_own(t, dimension, centre);
     const double r = sqrt(polar_of(dimension, &own) / t->mass);
@@ -364,5 +367,5 @@ void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, co
     }
     all->inertia += polar_of(d, &is) / polar_of(d, &was) - 1.0;
     all->most = fmax(all->most, sqrt(gn_dot3(all->turned, all->turned)));
-    all->scale = fmax(all->scale, gn_tally_turns(before, d));
+    all->scale = fmax(all->scale, tally_turns(before, d));
 }

@@ -42,12 +42,6 @@ static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
     return c->place[gn_dormant_element(c->model->dem, p)];
 }
 
-/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
- * both are the caller's whatever happens. */
-gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
-                                            const gn_most_loaded *most_loaded, uint8_t **kind,
-                                            double **excess, gneiss_error *error);
-
 /* Checks that released particles are only loaded by the strain of the body (conversion_setup.c),
  * from the bonds of all particles. */
 gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
@@ -152,10 +146,6 @@ bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double 
 /* Velocities (conversion_momentum.c), with these masses scaled. */
 void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled);
 
-/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
- * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
- * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
-double gn_tally_turns(const gn_tally *t, size_t dimension);
 /* Sums up what none of it could keep: angular momentum, centre of mass, inertia; once all of a
  * conversion is done. */
 void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now);

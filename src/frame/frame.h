@@ -76,8 +76,6 @@ double gn_finest_reach(double radius);
 
 /* Share of the limit that non-viscous damping leaves; 1 without it. */
 double gn_world_nonviscous_share(const gn_step_context *ctx);
-/* The share for a scene with these effects. */
-double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);

@@ -121,8 +121,6 @@ size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
  * stages come to (stages.c). */
 gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
 
-gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gneiss_error *error);
-
 /* GNEISS_ERROR_INPUT where the first stage waits for what no pressed contact can bring. */
 gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_stages *stages,
