@@ -1,7 +1,7 @@
 #include "boundary/body_walls.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
@@ -93,10 +93,7 @@ gneiss_status gn_body_walls_prepare(const gn_step_context *ctx, gn_boundary *bou
     const double rounding = 1e-12; /* of the angles around a vertex within a face */
     gn_boundary *b = boundary;
     size_t first = 0;
-    b->vertex_part = gn_alloc_array(b->body_vertex_count + 1, sizeof *b->vertex_part);
-    if (!b->vertex_part)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices",
-                       b->body_vertex_count);
+    GN_TRY(gn_new(&b->vertex_part, b->body_vertex_count + 1, "vertices", error));
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
         const gn_surface *s = &b->surfaces[k];
         double *part = b->vertex_part + first;

@@ -1,6 +1,6 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
@@ -46,8 +46,7 @@ gneiss_status gn_walls_list_normals(const gn_step_context *ctx, gn_boundary *bou
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error) {
     size_t count = ctx->scene.wall_count;
-    boundary->walls = gn_alloc_array(count + 1, sizeof *boundary->walls);
-    if (!boundary->walls) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    GN_TRY(gn_new(&boundary->walls, count + 1, "walls", error));
     for (size_t k = 0; k < count; k++) {
         gn_wall *wall = &boundary->walls[k];
         const gn_wall_def *def = &ctx->scene.walls[k];

@@ -3,7 +3,6 @@
 #include "inflow/removal.h"
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"

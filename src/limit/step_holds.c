@@ -1,7 +1,7 @@
 /* Tests whether a step is stable without computing the limit: for most particles local estimates
  * suffice. */
 #include "base/eigen.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "limit/damped.h"
 #include "limit/springs.h"
 #include "limit/step_limits.h"
@@ -340,10 +340,9 @@ static void spread_mode(local_search *local, const gn_springs *members, const do
 
 static gneiss_status solve_members(local_search *local, const gn_springs *members,
                                    gn_step_limit *limit, gneiss_error *error) {
-    double *x = gn_alloc_array(members->particles * (size_t)members->dofs + 1, sizeof *x);
-    if (!x)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu particles",
-                       members->particles);
+    double *x = NULL;
+    GN_TRY(
+        gn_new(&x, members->particles * (size_t)members->dofs + 1, "a mode of particles", error));
     gneiss_status status = gn_springs_mode(members, local->tolerance, x, limit, error);
     if (status == GNEISS_OK) {
         spread_mode(local, members, x);

@@ -1,6 +1,5 @@
 #include "particles/refresh.h"
 
-#include "base/memory.h"
 #include "base/new.h"
 #include "frame/frame.h"
 #include "neigh/neigh.h"

@@ -1,7 +1,7 @@
 /* Contribution of surfaces to the stability limit. */
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
@@ -61,8 +61,7 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     if (!boundary->surface_count) return GNEISS_OK;
     GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, error));
     GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, error));
-    *springs = gn_alloc_array(rows + 1, sizeof **springs);
-    if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
+    GN_TRY(gn_new(springs, rows + 1, "springs", error));
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     size_t row = 0, many;
     while (gn_surface_contacts_next(ctx, dem, boundary, &row, reach, found, &many)) {

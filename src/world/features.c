@@ -1,7 +1,7 @@
 /* Calls of the features, and the descriptors of those whose functions take parts of a world. */
 #include "world/features.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/timer.h"
 #include "conversion/conversion.h"
 #include "drive/box.h"
@@ -61,8 +61,8 @@ gneiss_status gn_features_follow_lists(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_feature_add(gn_world *w, gn_feature feature, gneiss_error *error) {
     gn_features *f = &w->features;
-    gn_feature *added = gn_alloc_array(f->added_count + 1, sizeof *added);
-    if (!added) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a feature");
+    gn_feature *added = NULL;
+    GN_TRY(gn_new(&added, f->added_count + 1, "a feature", error));
     if (f->added) memcpy(added, f->added, f->added_count * sizeof *added);
     added[f->added_count++] = feature;
     gn_free(f->added);

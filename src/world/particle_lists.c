@@ -1,6 +1,5 @@
 /* When the neighbour lists of the particles are rebuilt, and the order of the work. */
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/new.h"
 #include "boundary/boundary.h"
 #include "conversion/conversion.h"

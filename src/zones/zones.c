@@ -1,6 +1,6 @@
 #include "zones/zones.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "couple/consistent.h"
@@ -192,11 +192,8 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
         GN_TRY(find_active_ties(dem, solids, &q->ties, error));
     else
         GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &q->ties, error));
-    q->place = gn_alloc_array(q->ties.count + 1, sizeof *q->place);
-    q->load = gn_alloc_array(q->ties.count + 1, sizeof *q->load);
-    if (!q->place || !q->load)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
-                       q->ties.count);
+    GN_TRY(gn_new(&q->place, q->ties.count + 1, "particles of zones", error));
+    GN_TRY(gn_new(&q->load, q->ties.count + 1, "particles of zones", error));
     for (size_t k = 0; k < q->ties.count; k++) q->place[k] = q->ties.tie[k].id;
     if (ctx->scene.couple.constraint == GN_COUPLE_CONSISTENT) {
         q->before = gn_alloc_array(q->ties.nodes + 1, 3 * sizeof *q->before);
@@ -207,10 +204,7 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
         GN_TRY(check_damped(ctx, solids, &q->ties, error));
     }
     if (ctx->scene.couple.spins == GN_COUPLE_SLAVED && ctx->effects & GN_FX_ROTATION) {
-        q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
-        if (!q->turn)
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
-                           q->ties.count);
+        GN_TRY(gn_new(&q->turn, q->ties.count + 1, "particles of zones", error));
     }
     if (ctx->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(gn_penalty_create(q, error));
     return q->ties.count || ctx->scene.couple.has_convert
@@ -258,8 +252,7 @@ static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_cou
 static gneiss_status lump(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q,
                           gneiss_error *error) {
     gn_fem_solid *b = gn_coupled_solid(solids);
-    b->carried = gn_alloc_array(b->nodes.soa.count + 1, sizeof *b->carried);
-    if (!b->carried) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for masses of nodes");
+    GN_TRY(gn_new(&b->carried, b->nodes.soa.count + 1, "masses of nodes", error));
     sum_carried(dem, solids, q);
     return GNEISS_OK;
 }
