@@ -5,7 +5,7 @@
 #include "base/timer.h"
 #include "cli/pack.h"
 #include "cli/progress.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "laboratory/laboratory.h"
 #include "run/history_rows.h"
 #include "run/run.h"
