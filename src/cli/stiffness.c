@@ -20,6 +20,8 @@
 
 /* Strain of a test unless --strain gives one: far below failure, far above rounding. */
 static const double default_strain = 1e-5;
+/* Particles of a shape below which one thread is used unless the scene gives a number. */
+static const size_t particles_shared = 50000;
 enum { STATES = 20 }; /* readings use those up to half of the largest stress */
 
 /* Readings of a test that are elastic constants. */
@@ -93,7 +95,13 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
         drop_stages(*scene);
     }
     (*scene)->allow_gmsh = options->allow_gmsh;
-    GN_TRY(gn_pack_ahead(options, *scene, error));
+    gn_options packing = *options; /* nothing but the object goes to standard output */
+    packing.quiet = packing.quiet || options->json;
+    packing.json = false;
+    GN_TRY(gn_pack_ahead(&packing, *scene, error));
+    /* Solutions of few particles are too short to be shared. */
+    if (!(*scene)->threads && (*scene)->specimen.packed_count < particles_shared)
+        (*scene)->threads = 1;
     /* The pressure of a membrane is constant and has no part in an increment. */
     (*scene)->has_membrane = false;
     (*scene)->history_rows = STATES;
