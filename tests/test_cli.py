@@ -38,7 +38,7 @@ def every_command_has_help_of_its_own_with_an_example(folder):
         own = expect(gneiss("help", name), 0).stdout
         assert own != whole and own == expect(gneiss(name, "--help"), 0).stdout, name
         assert re.search(rf"examples?:\n  gneiss {name}", own), own
-    assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("run", "--help").stdout
+    assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("check", "--help").stdout
     swept = gneiss("help", "sweep").stdout
     assert "--force" in swept and "name of the scene or sweep file" in swept, swept
     expect(gneiss("help", "rn"), 2, "unknown command 'rn'; did you mean 'run'")
