@@ -415,8 +415,8 @@ def check_accepts_every_scene_that_comes_with_the_program(folder):
     shipped = os.path.join(SCENES, "../../scenes")
     scenes = [os.path.join(shipped, name) for name in sorted(os.listdir(shipped)) if name.endswith(".yaml")]
     keys = {path: set(re.findall(r"^(\w+):", open(path).read(), re.M)) for path in scenes}
-    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, or the part for `pack`
-    assert len(whole) > 25 and all("scene" in keys[path] or "pack" in path for path in set(scenes) - set(whole))
+    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, targets, or the part for `pack`
+    assert len(whole) > 25 and all({"scene", "targets"} & keys[path] or "pack" in path for path in set(scenes) - set(whole))
     with ThreadPoolExecutor(2) as pool:
         for path, call in zip(whole, pool.map(lambda path: gneiss("check", path), whole)):
             said = [line for line in call.stderr.splitlines() if line.startswith("gneiss:")]  # others tell of progress

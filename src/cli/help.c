@@ -41,6 +41,11 @@ static const gn_command commands[] = {
      "the\ncommand completes the missing runs.\n",
      "gneiss sweep scenes/sweep-strength.yaml --dry-run\n"
      "gneiss sweep scenes/sweep-strength.yaml --jobs 2\n"},
+    {"calibrate", "TARGETS", "find the parameters that give a material the wanted readings", true,
+     false,
+     "The file names a specimen and wanted readings with tolerances (docs/calibrate.md). "
+     "Repeating\nthe command continues an interrupted calibration.\n",
+     "gneiss calibrate scenes/calibrate-sandstone.yaml --out runs/sandstone\n"},
     {"resume", "DIR", "continue from the newest checkpoint in an output folder", true, false,
      "--set takes keys of time, output and run, and ends of stages. A later time.end prolongs a\n"
      "finished run.\n",
@@ -71,23 +76,23 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 static const struct {
     const char *commands, *name, *text;
 } options[] = {
-    {"run check plan pack sweep", "--out DIR",
+    {"run check plan pack sweep calibrate", "--out DIR",
      "output folder (default: runs/ and the name of the scene or sweep file)"},
     {"run check plan stiffness pack sweep resume", "--set KEY=VALUE",
      "override a key of the scene: --set time.end=2ms, --set\nwalls.top.friction=0.2"},
-    {"run check plan stiffness pack sweep resume", "--threads N",
+    {"run check plan stiffness pack sweep calibrate resume", "--threads N",
      "threads (default, and 0: all cores)"},
     {"run check plan stiffness pack sweep", "--seed N", "seed of all random numbers"},
     {"run check plan sweep", "--precision P", "double or mixed"},
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
-    {"run pack plan sweep", "--force",
+    {"run pack plan sweep calibrate", "--force",
      "run: replace also the results of a run of more than a minute; run,\npack: files not written "
      "by gneiss; sweep: compute everything anew"},
     {"run check plan stiffness pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen given as geometry (.geo, .step, ...), which can\nmake it execute "
      "any command: only for trusted files"},
-    {"run sweep", "--seeds N",
+    {"run sweep calibrate", "--seeds N",
      "run, sweep: number of seeds (or a list: 3,7,11); mean and 95 % interval\nof every reading; "
      "run writes to runs/<scene name>-seeds"},
     {"run sweep", "--jobs N",
@@ -107,7 +112,7 @@ static const struct {
      "plan --error: write the scene with the proposed settings (--force replaces\nFILE)"},
     {"stiffness", "--json", "stiffness: one JSON object on standard output"},
     {"stiffness", "--strain E", "stiffness: strain up to which the test is loaded (default 1e-5)"},
-    {"run check plan pack sweep resume", "--quiet",
+    {"run check plan pack sweep calibrate resume", "--quiet",
      "only results: readings and warnings, no progress and no profile"},
     {"run pack sweep resume", "--log json",
      "progress and summary as JSON lines on standard output"},

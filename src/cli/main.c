@@ -10,6 +10,7 @@
 #include "cli/plan_accuracy.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
+#include "cli/script.h"
 #include "cli/signals.h"
 #include "cli/stiffness.h"
 #include "cli/sweep.h"
@@ -34,7 +35,7 @@
 
 enum { SIZE_MOST = 16 << 20 };
 
-typedef enum kind { OTHER, SCENE, SWEEP, PACKING } kind;
+typedef enum kind { OTHER, SCENE, SWEEP, PACKING, TARGETS } kind;
 
 static bool has_any(const gn_node *root, const char *const *keys) {
     for (; *keys; keys++)
@@ -48,6 +49,7 @@ static kind kind_of_root(const gn_node *root) {
                              *const scene[] = {"materials", "law",  "time",   "elements", "walls",
                                                "bodies",    "test", "stages", NULL};
     if (!root || root->kind != GN_NODE_MAP) return OTHER;
+    if (gn_node_child(root, "targets")) return TARGETS;
     const bool swept = gn_node_child(root, "scene") || has_any(root, sweep);
     if (has_any(root, scene)) return swept ? OTHER : SCENE;
     if (gn_node_child(root, "specimen")) return swept ? OTHER : PACKING;
@@ -76,15 +78,17 @@ static bool is_one_of(const char *name, const char *const *list) {
 
 static const char *const takes_scene[] = {"run", "check", "plan", "stiffness", NULL},
                          *const takes_folder[] = {"resume", "report", NULL},
-                         *const takes_file[] = {"run",  "check", "plan", "stiffness",
-                                                "pack", "sweep", NULL};
+                         *const takes_file[] = {"run",  "check", "plan",      "stiffness",
+                                                "pack", "sweep", "calibrate", NULL};
 
 /* NULL: the command accepts such a file, and the problem is another. */
 static const char *found_text(const gn_options *options, kind found) {
-    const bool sweep = strcmp(options->command, "sweep") == 0;
+    const bool sweep = strcmp(options->command, "sweep") == 0,
+               calibrate = strcmp(options->command, "calibrate") == 0;
+    if (found == TARGETS && !calibrate) return "wanted readings of a material: gneiss calibrate";
     if (found == SWEEP && !sweep)
         return "a sweep file, which names a scene and values of its keys: gneiss sweep";
-    if (found == SCENE && (sweep || is_one_of(options->command, takes_folder)))
+    if (found == SCENE && (sweep || calibrate || is_one_of(options->command, takes_folder)))
         return "a scene: gneiss run";
     if (found == PACKING && strcmp(options->command, "pack") != 0)
         return "a specimen alone, without materials and time: gneiss pack";
@@ -92,10 +96,11 @@ static const char *found_text(const gn_options *options, kind found) {
 }
 
 static const char *expected_text(const gn_options *options) {
-    return is_one_of(options->command, takes_scene)    ? "a scene"
-           : is_one_of(options->command, takes_folder) ? "a folder of results"
-           : strcmp(options->command, "sweep") == 0    ? "a sweep file"
-                                                       : "a scene or a specimen";
+    return is_one_of(options->command, takes_scene)     ? "a scene"
+           : is_one_of(options->command, takes_folder)  ? "a folder of results"
+           : strcmp(options->command, "sweep") == 0     ? "a sweep file"
+           : strcmp(options->command, "calibrate") == 0 ? "a file of targets"
+                                                        : "a scene or a specimen";
 }
 
 /* After an input error: if the file or folder belongs to another command, replaces the message by
@@ -107,7 +112,10 @@ static void name_wrong_file(const gn_options *options, gneiss_error *error) {
         gn_fail(error, GNEISS_ERROR_INPUT,
                 "%.1000s: expected a %s file, found a folder: gneiss resume continues a run, "
                 "gneiss report shows it",
-                options->target, strcmp(options->command, "sweep") == 0 ? "sweep" : "scene");
+                options->target,
+                strcmp(options->command, "sweep") == 0       ? "sweep"
+                : strcmp(options->command, "calibrate") == 0 ? "targets"
+                                                             : "scene");
         return;
     }
     if (!S_ISREG(status.st_mode)) return;
@@ -407,37 +415,6 @@ static gneiss_status command_run_all(const gn_options *options, gneiss_error *er
                           : command_run_once_or_more(options, error);
 }
 
-/* The report is a Python script: at the place of installation, in the program's source tree, or
- * moved along with the program. A folder `tools` beside an installed program may be unrelated. */
-static gneiss_status command_report(const gn_options *options, gneiss_error *error) {
-    struct stat target;
-    if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
-                       options->target);
-    const char *script = getenv("GNEISS_REPORT");
-    char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
-    if (!script) {
-        ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-        if (n > 0) self[n] = 0;
-        char *slash = strrchr(self, '/');
-        if (slash) *slash = 0;
-        const char *places[] = {"../share/gneiss/report.py", "../tools/report.py",
-                                "tools/report.py"};
-        for (size_t k = 0; k < 3 && !script; k++) {
-            snprintf(path, sizeof path, "%s/%s", self, places[k]);
-            if (access(path, R_OK) == 0) script = path;
-        }
-    }
-    if (!script)
-        return gn_fail(error, GNEISS_ERROR_IO,
-                       "report.py is neither in ../share/gneiss nor in ../tools nor in tools "
-                       "beside the program (GNEISS_REPORT gives another place)");
-    /* Python finds its modules by its first argument: a bare name would lead to an active virtual
-     * environment. */
-    execl("/usr/bin/python3", "/usr/bin/python3", script, options->target, (char *)NULL);
-    return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
-}
-
 /* Symbols of the linker: the start of the program in memory, and the end of its machine code. */
 extern const char __executable_start[], etext[];
 
@@ -508,7 +485,8 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "check") == 0) return look(options, false, NULL, error);
     if (strcmp(options->command, "plan") == 0) return look(options, true, NULL, error);
     if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
-    if (strcmp(options->command, "report") == 0) return command_report(options, error);
+    if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
+    if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
     if (strcmp(options->command, "info") == 0) {
         command_info();
         return GNEISS_OK;

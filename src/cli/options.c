@@ -58,9 +58,10 @@ static gneiss_status check_sweep_options(const gn_options *options, const gn_com
                        command->name, only_sweep);
     if (only_several && !several)
         return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, command->name, only_several);
-    if (options->seeds && !several)
+    if (options->seeds && !several && strcmp(command->name, "calibrate") != 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss %s: --seeds is for gneiss sweep and gneiss run", command->name);
+                       "gneiss %s: --seeds is for gneiss sweep, gneiss run and gneiss calibrate",
+                       command->name);
     if (options->array && options->collect)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss sweep: expected --array or --collect, found both");
@@ -94,7 +95,7 @@ static gneiss_status check_stiffness_options(const gn_options *options, const gn
 }
 
 static bool reads_scenes(const gn_command *command) {
-    static const char *const without[] = {"report", "keys", "info"};
+    static const char *const without[] = {"calibrate", "report", "keys", "info"};
     for (size_t k = 0; k < sizeof without / sizeof *without; k++)
         if (strcmp(command->name, without[k]) == 0) return false;
     return true;
