@@ -15,7 +15,7 @@ import study
 
 PAGE = "stiffness.md"
 FOLDER = study.RUNS / "stiffness"
-RATIOS = [0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1]
+RATIOS = [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1]
 SIZES = {2: (1500, 4000, 10000), 3: (1500, 4000, 10000)}
 SCENE = {2: """dimension: 2
 specimen: {{rectangle: {{width: 50 mm, height: 100 mm}}, particles: {count}, packing: {{size_ratio: 3}}, material: m}}
@@ -68,13 +68,13 @@ def constants(name, scene, arguments=()):
 
 
 def packing(dimension, count, ratio):
-    """`ratio`: k_t/k_n; 0 is 1e-9."""
+    """The constants of a packing; `ratio`: k_t/k_n."""
     path = FOLDER / f"packing-{dimension}-{count}.yaml"
     path.parent.mkdir(parents=True, exist_ok=True)
     text = (SCENE[dimension] + COMMON).format(count=count, stiffness=KN[dimension], kratio=2)
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
-    return constants(f"{dimension}-{count}-{ratio}", path, ["--set", f"materials.m.kratio={1 / max(ratio, 1e-9)!r}"])
+    return constants(f"{dimension}-{count}-{ratio}", path, ["--set", f"materials.m.kratio={1 / ratio!r}"])
 
 
 def scaled(dimension, found, modulus):

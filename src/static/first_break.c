@@ -433,14 +433,15 @@ static double prescribed_path(const gn_scene *scene, double time) {
     return most;
 }
 
-/* Finds the time at which the prescribed displacement is `path`, s. */
+/* Finds the time at which the prescribed displacement is `path`, s; motions may go on after the end
+ * of the scene. */
 static gneiss_status time_of_path(const search *run, double path, double *time,
                                   gneiss_error *error) {
     const gn_step_context *ctx = &run->w->ctx;
-    double low = ctx->time, high = ctx->scene.end;
+    double low = 0.0, high = ctx->scene.end;
+    for (int k = 0; k < 60 && !(prescribed_path(&ctx->scene, high) >= path); k++) high *= 2.0;
     if (!(prescribed_path(&ctx->scene, high) >= path))
-        return refuse(run->w, error,
-                      "expected walls or sets that move by %.3g m before time.end, found %.3g m",
+        return refuse(run->w, error, "expected walls or sets that move by %.3g m, found %.3g m",
                       path, prescribed_path(&ctx->scene, high));
     while (high - low > 1e-15 * high) {
         const double middle = 0.5 * (low + high);
