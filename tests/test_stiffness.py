@@ -134,6 +134,18 @@ def a_scene_without_a_test_has_the_constants_of_its_packing(folder):
 
 
 @fact
+def platens_that_touch_few_particles_are_followed_for_any_shear_stiffness(folder):
+    scene, young = os.path.join(SHIPPED, "compression.yaml"), []
+    for ratio in (1, 10, 100, 1e9):
+        found = constants(scene, "--set", f"materials.rock.kratio={ratio}", "--set", "walls.top.stiffness=10 GN/m", "--set",
+                          "walls.bottom.stiffness=10 GN/m")
+        assert found["test"], found["test_absent"]
+        young.append(found["test"]["young_modulus"])
+        assert found["test"]["young_modulus_average"] < 1.05 * found["uniform_strain"]["young_modulus"]
+    assert young == sorted(young, reverse=True), young
+
+
+@fact
 def the_strain_is_that_of_both_ends_however_they_move(folder):
     scene = bar(folder)
     one = constants(scene)["test"]
