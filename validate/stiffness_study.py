@@ -1,5 +1,5 @@
 """E and nu of bonded packings over k_t/k_n by `gneiss stiffness`, in the dimensionless form of Labra (2012, ch. 4), beside uniform strain
-and stress, published numbers and runs. Fills the tables of docs/evidence/stiffness.md and draws its picture; three minutes of one core.
+and stress, published numbers and runs. Fills the tables of docs/evidence/stiffness.md and draws its picture; a minute of one core.
 
     /usr/bin/python3 validate/stiffness_study.py [--fresh]
 """
@@ -39,11 +39,11 @@ time: {{end: 1}}
 KN = {2: 10e9, 3: 10e6}
 # Shipped scenes, settings of both, options of the command, what is expected of the pair.
 RUNS = [("tension.yaml", {}, [], "grips: the same to 1e-3"),
-        ("elastic-discs.yaml", {}, ["--strain", "1e-3"], "platens on a third of the width: loading speed"),
+        ("elastic-discs.yaml", {}, ["--strain", "1e-3"], "platens: loading speed"),
         ("elastic-discs.yaml", {"walls.bottom.motion.vy": "[[0, 0], [40 ms, 0.5 mm/s]]",
                                 "walls.top.motion.vy": "[[0, 0], [40 ms, -0.5 mm/s]]", "time.end": "120 ms"}, ["--strain", "1e-3"],
          "the same at a quarter of the speed"),
-        ("compression.yaml", {}, [], "platens that seat themselves: the run reads up to half of the peak"),
+        ("compression.yaml", {}, [], "platens that are seated by the load: the run reads up to half of the peak"),
         ("compression.yaml", {}, ["--strain", "0.0101", "--set", "materials.rock.tensile_strength=1e90", "--set",
                                   "materials.rock.shear_strength=1e90"], "the same up to the strain at the peak, with bonds that hold"),
         ("biaxial.yaml", {}, [], "platens, and a pressure beside the specimen")]
