@@ -20,7 +20,7 @@ FRESH = 3             # packings of the check
 
 @dataclass
 class Result:
-    """What a calibration found with one law."""
+    """Parameters found with one law, and how they were examined."""
     material: Material
     search: strength.Search
     evaluation: object
