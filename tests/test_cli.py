@@ -464,6 +464,10 @@ def a_finished_run_says_on_resume_that_no_step_was_taken(folder):
         expect(gneiss("resume", folder, "--quiet", *more), 0, r"finished before \(t = 5e-05 s reached\): no step was taken")
     done = expect(gneiss("resume", folder, "--quiet", "--set", "time.end=0.1 ms"), 0)
     assert "no step" not in done.stderr, done.stderr
+    before = summary(folder)
+    expect(gneiss("resume", folder, "--quiet", "--set", "time.end=0.02 ms"), 2,
+           r"--set time\.end: expected a time after the 0\.0001\d* s that the run has reached, found 2e-05 s")
+    assert summary(folder) == before
 
 
 @fact

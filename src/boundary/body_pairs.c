@@ -222,7 +222,7 @@ static bool is_near(const gn_dem *dem, const gn_boundary *boundary, size_t a, si
 
 static gneiss_status make_room(gn_body_pairs *p, gneiss_error *error) {
     if (p->count < p->most) return GNEISS_OK;
-    size_t most = 2 * p->most + 8;
+    size_t most = 2 * p->count + 8;
     gn_body_pair *now = gn_alloc_array(most, sizeof *now);
     if (!now) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu pairs of bodies", most);
     if (p->count) memcpy(now, p->pair, p->count * sizeof *now);

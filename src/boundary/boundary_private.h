@@ -28,6 +28,9 @@ double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);
+/* Fills wall_normals, which measures read. */
+gneiss_status gn_walls_list_normals(const gn_step_context *ctx, gn_boundary *boundary,
+                                    gneiss_error *error);
 gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                     bool first, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only

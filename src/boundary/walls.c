@@ -37,13 +37,21 @@ static void take_near_point(const gn_dem *dem, gn_wall *wall) {
     for (int a = 0; a < 3; a++) wall->point[a] = distance * wall->normal[a];
 }
 
+gneiss_status gn_walls_list_normals(const gn_step_context *ctx, gn_boundary *boundary,
+                                    gneiss_error *error) {
+    const size_t count = ctx->scene.wall_count;
+    boundary->wall_normals = gn_alloc_array(count + 1, 4 * sizeof *boundary->wall_normals);
+    if (!boundary->wall_normals) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    for (size_t k = 0; k < count; k++)
+        memcpy(boundary->wall_normals + 4 * k, boundary->walls[k].normal, 3 * sizeof(double));
+    return GNEISS_OK;
+}
+
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error) {
     size_t count = ctx->scene.wall_count;
     boundary->walls = gn_alloc_array(count + 1, sizeof *boundary->walls);
-    boundary->wall_normals = gn_alloc_array(count + 1, 4 * sizeof *boundary->wall_normals);
-    if (!boundary->walls || !boundary->wall_normals)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    if (!boundary->walls) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
     for (size_t k = 0; k < count; k++) {
         gn_wall *wall = &boundary->walls[k];
         const gn_wall_def *def = &ctx->scene.walls[k];
@@ -51,10 +59,9 @@ gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_
         memcpy(wall->normal, def->normal, sizeof wall->normal);
         take_near_point(dem, wall);
         memcpy(wall->start, wall->point, sizeof wall->start);
-        memcpy(boundary->wall_normals + 4 * k, def->normal, sizeof def->normal);
         for (int a = 0; a < 3; a++) wall->velocity[a] = gn_table_at(&def->motion.velocity[a], 0.0);
     }
-    return GNEISS_OK;
+    return gn_walls_list_normals(ctx, boundary, error);
 }
 
 static double wall_gap(const gn_dem *dem, const gn_boundary *boundary, size_t particle,
@@ -469,4 +476,11 @@ void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *b
         for (int a = 0; a < 3; a++) wall->point[a] += ctx->dt * wall->velocity[a];
         wall->travel += ctx->dt * fabs(gn_dot3(wall->velocity, wall->normal));
     }
+}
+
+void gn_walls_take_velocities(const gn_step_context *ctx, gn_boundary *boundary) {
+    for (size_t k = 0; k < ctx->scene.wall_count; k++)
+        for (int a = 0; a < 3; a++)
+            boundary->walls[k].velocity[a] =
+                gn_table_at(&ctx->scene.walls[k].motion.velocity[a], ctx->time);
 }

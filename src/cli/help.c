@@ -23,6 +23,13 @@ static const gn_command commands[] = {
      "at most this error.\n",
      "gneiss plan scenes/ucs-rock.yaml\n"
      "gneiss plan scenes/ucs-rock.yaml --error 5% --write cheaper.yaml\n"},
+    {"stiffness", "SCENE", "print elastic constants of a bonded packing, without a run", true,
+     false,
+     "Solves for the equilibrium of the bonds as springs: E and nu of the scene's test, the "
+     "stiffness\ntensor of the packing, and estimates by uniform strain and stress. It writes "
+     "nothing.\n",
+     "gneiss stiffness scenes/compression.yaml\n"
+     "gneiss stiffness scenes/compression.yaml --set materials.rock.kratio=5 --json\n"},
     {"pack", "FILE", "fill the shape of a specimen with particles, print and store its quality",
      true, false, "The file is a scene, or the part `specimen` of one alone.\n",
      "gneiss pack scenes/pack-uniform.yaml --out runs/pack-uniform\n"},
@@ -68,18 +75,18 @@ static const struct {
 } options[] = {
     {"run check plan pack sweep calibrate", "--out DIR",
      "output folder (default: runs/ and the name of the scene or sweep file)"},
-    {"run check plan pack sweep resume", "--set KEY=VALUE",
+    {"run check plan stiffness pack sweep resume", "--set KEY=VALUE",
      "override a key of the scene: --set time.end=2ms, --set\nwalls.top.friction=0.2"},
-    {"run check plan pack sweep calibrate resume", "--threads N",
+    {"run check plan stiffness pack sweep calibrate resume", "--threads N",
      "threads (default, and 0: all cores)"},
-    {"run check plan pack sweep", "--seed N", "seed of all random numbers"},
+    {"run check plan stiffness pack sweep", "--seed N", "seed of all random numbers"},
     {"run check plan sweep", "--precision P", "double or mixed"},
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
     {"run pack plan sweep calibrate", "--force",
      "run: replace also the results of a run of more than a minute; run,\npack: files not written "
      "by gneiss; sweep: compute everything anew"},
-    {"run check plan pack sweep resume", "--allow-gmsh",
+    {"run check plan stiffness pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen given as geometry (.geo, .step, ...), which can\nmake it execute "
      "any command: only for trusted files"},
     {"run sweep calibrate", "--seeds N",
@@ -99,10 +106,13 @@ static const struct {
      "plan --error: the number of particles may change as well, with\nrecalibrated contacts"},
     {"plan", "--write FILE",
      "plan --error: write the scene with the proposed settings (--force replaces\nFILE)"},
+    {"stiffness", "--json", "stiffness: one JSON object on standard output"},
+    {"stiffness", "--strain E", "stiffness: strain up to which the test is loaded (default 1e-5)"},
     {"run check plan pack sweep calibrate resume", "--quiet",
      "only results: readings and warnings, no progress and no profile"},
     {"run pack sweep resume", "--log json",
      "progress and summary as JSON lines on standard output"},
+    {"plan", "--log json", "plan --error: the result as one JSON line on standard output"},
     {"keys", "--markdown", "keys: as Markdown"},
     {"", "--help (-h), --version", ""},
 };
@@ -165,7 +175,7 @@ void gn_print_help(FILE *out, const gn_command *command) {
             "COMMAND [options]\n\ncommands:\n",
             gn_version());
     for (size_t k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-7s %-10s %s\n", commands[k].name, commands[k].arguments,
+        fprintf(out, "  %-9s %-10s %s\n", commands[k].name, commands[k].arguments,
                 commands[k].text);
     print_options(out, NULL);
     fputs("\nexit codes: 0 done, 1 defect of gneiss, 2 invalid input (or a missing scene or "

@@ -12,6 +12,7 @@
 #include "cli/progress.h"
 #include "cli/script.h"
 #include "cli/signals.h"
+#include "cli/stiffness.h"
 #include "cli/sweep.h"
 #include "conversion/conversion.h"
 #include "io/files.h"
@@ -75,10 +76,10 @@ static bool is_one_of(const char *name, const char *const *list) {
     return false;
 }
 
-static const char *const takes_scene[] = {"run", "check", "plan", NULL},
+static const char *const takes_scene[] = {"run", "check", "plan", "stiffness", NULL},
                          *const takes_folder[] = {"resume", "report", NULL},
-                         *const takes_file[] = {"run",   "check",     "plan", "pack",
-                                                "sweep", "calibrate", NULL};
+                         *const takes_file[] = {"run",  "check", "plan",      "stiffness",
+                                                "pack", "sweep", "calibrate", NULL};
 
 /* NULL: the command accepts such a file, and the problem is another. */
 static const char *found_text(const gn_options *options, kind found) {
@@ -407,6 +408,7 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "resume") == 0) return command_resume(options, error);
     if (strcmp(options->command, "check") == 0) return command_look(options, false, error);
     if (strcmp(options->command, "plan") == 0) return command_look(options, true, error);
+    if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
     if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
     if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
     if (strcmp(options->command, "info") == 0) {

@@ -85,6 +85,15 @@ static gneiss_status check_plan_options(const gn_options *options, const gn_comm
     return GNEISS_OK;
 }
 
+/* Refuses options of `stiffness` for other commands. */
+static gneiss_status check_stiffness_options(const gn_options *options, const gn_command *command,
+                                             gneiss_error *error) {
+    const char *given = options->strain ? "--strain" : options->one_json ? "--json" : NULL;
+    if (!given || strcmp(command->name, "stiffness") == 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss stiffness%s",
+                   command->name, given, options->one_json ? "; --log json prints JSON lines" : "");
+}
+
 static bool reads_scenes(const gn_command *command) {
     static const char *const without[] = {"calibrate", "report", "keys", "info"};
     for (size_t k = 0; k < sizeof without / sizeof *without; k++)
@@ -110,6 +119,7 @@ static gneiss_status check_target(const gn_options *options, int argc, char **ar
                        "gneiss %s: --allow-gmsh is for commands that read a scene", command->name);
     GN_TRY(check_sweep_options(options, command, error));
     GN_TRY(check_plan_options(options, command, error));
+    GN_TRY(check_stiffness_options(options, command, error));
     if (first + 1 < argc && !command->several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", command->name,
@@ -138,6 +148,8 @@ enum {
     OPT_READING,
     OPT_PARTICLES,
     OPT_WRITE,
+    OPT_STRAIN,
+    OPT_JSON,
     OPT_HELP,
     OPT_VERSION
 };
@@ -163,6 +175,8 @@ static const struct option long_options[] = {
     {"reading", required_argument, 0, OPT_READING},
     {"particles", required_argument, 0, OPT_PARTICLES},
     {"write", required_argument, 0, OPT_WRITE},
+    {"strain", required_argument, 0, OPT_STRAIN},
+    {"json", no_argument, 0, OPT_JSON},
     {"help", no_argument, 0, OPT_HELP},
     {"version", no_argument, 0, OPT_VERSION},
     {0, 0, 0, 0},
@@ -192,6 +206,12 @@ static gneiss_status apply_to_plan(gn_options *options, int option, const char *
         if (!*value)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--write: expected a file, found ''");
         options->write = value;
+        return GNEISS_OK;
+    case OPT_STRAIN:
+        options->strain = value;
+        return GNEISS_OK;
+    case OPT_JSON:
+        options->json = options->one_json = true;
         return GNEISS_OK;
     default:
         return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");

@@ -44,10 +44,10 @@ typedef struct trial {
 static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
     gn_resolution collision;
     GN_TRY(gn_conversion_limit(world, &t->all, error));
-    gn_conversion_swap_dormant(&world->ctx, &world->dem);
+    gn_dormant_swap(&world->ctx, &world->dem);
     gneiss_status status = gn_resolution_listed(&world->ctx, &world->dem, &world->boundary,
                                                 &world->solids, &world->zones, &collision, error);
-    gn_conversion_swap_dormant(&world->ctx, &world->dem);
+    gn_dormant_swap(&world->ctx, &world->dem);
     GN_TRY(status);
     t->collision = collision.step;
     return GNEISS_OK;
@@ -140,15 +140,15 @@ static const char by_collisions[] = "collisions";
 
 /* Returns what sets the present step. */
 static const char *side_of(const gn_world *world) {
-    const gn_dem *dem = &world->dem;
+    const gn_step_choice *choice = &world->ctx.choice;
     const double share = gn_world_nonviscous_share(&world->ctx),
                  elements = gn_elements_stable(&world->solids);
-    const int32_t p = dem->limit.sharp_id;
-    if (is_near(world->ctx.dt, dem->resolution.step)) return by_collisions;
-    if (is_near(world->ctx.dt, 0.98 * dem->listed)) return "contacts that may close";
-    if (world->ctx.stable < 0.9 * share * fmin(elements, dem->stable))
+    const int32_t p = choice->limit.sharp_id;
+    if (is_near(world->ctx.dt, choice->resolution.step)) return by_collisions;
+    if (is_near(world->ctx.dt, 0.98 * choice->listed)) return "contacts that may close";
+    if (world->ctx.stable < 0.9 * share * fmin(elements, choice->stable))
         return "slaved spins of the zone";
-    if (elements <= dem->stable) return "elements that are left, by their rigorous bound";
+    if (elements <= choice->stable) return "elements that are left, by their rigorous bound";
     return p >= 0 && gn_coupled_has(world->zones.coupled, p) ? "particles of the zone"
                                                              : "particles";
 }

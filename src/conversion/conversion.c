@@ -14,6 +14,7 @@
 #include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/lists.h"
+#include "particles/refresh.h"
 #include "scene/couple_def.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
@@ -237,9 +238,8 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
  * particles are equilibrated with the mass of the packing; the invariants of the body are restored
  * at their new positions, so that no position and no mass changes after that. */
 static gneiss_status make_lists(gn_conversion *c, const gn_tally *before, gneiss_error *error) {
-    enum { NEITHER_SHORT_NOR_LONG = 1000 };
     gn_world *w = c->world;
-    w->dem.verlet.last_step = w->ctx.step - NEITHER_SHORT_NOR_LONG;
+    gn_dem_keep_skin(&w->ctx, &w->dem);
     GN_TRY(gn_world_rebuild(w, error));
     c->released[0] = gn_conversion_held_in_contacts(c);
     GN_TRY(gn_conversion_relax(c, error));
@@ -305,7 +305,7 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     gn_conversion_note_jumps(c, &before, &now);
     memcpy(held.released, c->released, sizeof held.released);
     held.after = gn_conversion_held(c);
-    gn_conversion_book(&w->zones, &w->ledger, &held, before.energy - now.energy);
+    gn_conversion_book(&w->converted, &w->ledger, &held, before.energy - now.energy);
     return GNEISS_OK;
 }
 

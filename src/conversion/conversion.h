@@ -25,7 +25,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
 /* Stores the bonds and makes all particles dormant. */
 gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
                                            const gn_boundary *boundary, const gn_solids *solids,
-                                           gn_zones *zones, gneiss_error *error);
+                                           gn_conversions *converted, gneiss_error *error);
 /* Finds the ties of the active particles in the remaining elements. */
 gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
                                  gneiss_error *error);
@@ -88,9 +88,6 @@ gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *de
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gn_conversion_figures *figures, gneiss_error *error);
 
-/* Describes a scene at its start as though all particles were active and bonded; a second call
- * restores the state. Does nothing if elements do not convert. */
-void gn_conversion_swap_dormant(const gn_step_context *ctx, gn_dem *dem);
 /* The limits that all of them would have by themselves. */
 gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
 

@@ -193,7 +193,5 @@ gneiss_status gn_conversion_activate_bonds(const gn_conversion *c, gneiss_error 
     grow(c, &d->pairs.contacts);
     GN_TRY(gn_soa_create(&gn_contact_record, &now, c->acting, d->prepared.soa.effects, error));
     fill(c, &now);
-    gn_soa_destroy(&gn_contact_record, &d->bonds.contacts);
-    d->bonds.contacts = now;
-    return gn_list_changed(&c->world->ctx, d, &d->bonds, error);
+    return gn_dormant_take_bonds(&c->world->ctx, d, &now, error);
 }

@@ -229,9 +229,9 @@ void gn_conversion_find_alike(const gn_conversion *c, double alike[2]) {
     alike[1] = springs_alike(c);
 }
 
-void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+void gn_conversion_book(gn_conversions *converted, gn_ledger *ledger, const gn_held_stages *held,
                         double kinetic) {
-    gn_conversion_parts *parts = &zones->state.parts;
+    gn_conversion_parts *parts = &converted->parts;
     const double *alike = held->alike;
     parts->sampled += held->before.elements - held->after.elements - alike[0];
     parts->stiffness += alike[0] - alike[1];
@@ -241,6 +241,6 @@ void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages
     parts->step += held->released[1] - held->after.contacts + held->before.step - held->after.step;
     parts->alike[0] += alike[0];
     parts->alike[1] += alike[1];
-    zones->state.corrected.energy += kinetic;
+    converted->corrected.energy += kinetic;
     ledger->energy.conversion += kinetic + gn_held_sum(&held->before) - gn_held_sum(&held->after);
 }

@@ -308,7 +308,7 @@ static double find_rest(const gn_conversion *c, const lack *l, rigid *r) {
 
 void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled) {
     gn_world *w = c->world;
-    gn_corrections *all = &w->zones.state.corrected;
+    gn_corrections *all = &w->converted.corrected;
     const lack l = lack_of(c, before, scaled);
     rigid r;
     const bool taken = find_takers(c, &l, true, &r);
@@ -322,7 +322,7 @@ void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before,
     if (wider) {
         const double more = beside - gn_conversion_held_beside(c);
         w->ledger.energy.conversion += more;
-        w->zones.state.parts.step += more;
+        w->converted.parts.step += more;
     }
     if (!taken) all->least = all->missed > 0.0 ? fmin(all->least, part) : part;
     all->count += 1.0;
@@ -356,7 +356,7 @@ double gn_tally_turns(const gn_tally *t, size_t dimension) {
  * and to the place of its centre, if it flies: vectors add up. */
 void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now) {
     const size_t d = (size_t)c->world->ctx.scene.dimension;
-    gn_corrections *all = &c->world->zones.state.corrected;
+    gn_corrections *all = &c->world->converted.corrected;
     double from[3], to[3];
     const gn_tally was = about_own(before, d, from), is = about_own(now, d, to);
     for (int a = 0; a < 3; a++) {

@@ -95,7 +95,7 @@ typedef struct gn_held_stages {
     double alike[2], released[2];
     gn_held before, after;
 } gn_held_stages;
-void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+void gn_conversion_book(gn_conversions *converted, gn_ledger *ledger, const gn_held_stages *held,
                         double kinetic);
 
 /* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would

@@ -25,6 +25,7 @@
 #include "kernels/law.h"
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
+#include "particles/refresh.h"
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -151,7 +152,6 @@ typedef struct relaxation {
     gn_dem *dem;
     gn_boundary *boundary;
     gn_solids *solids;
-    gn_zones *zones;
     gn_ledger *ledger;
     const gn_conversion *c;
     size_t count, links;
@@ -524,7 +524,7 @@ static double relax(relaxation *r) {
 }
 
 static void note(const relaxation *r, double before) {
-    gn_relaxations *all = &r->zones->state.relaxed;
+    gn_relaxations *all = &r->c->world->converted.relaxed;
     const double wanted = r->ctx->scene.couple.convert.relax;
     if (!(before > wanted)) return;
     all->count += 1.0;
@@ -546,7 +546,6 @@ static void note(const relaxation *r, double before) {
 
 /* Lists know of where they are. */
 static void update_drift(relaxation *r) {
-    gn_verlet *v = &r->dem->verlet;
     const gn_particles *q = &r->dem->particles;
     double most = 0.0;
     for (size_t k = 0; k < r->count; k++) {
@@ -555,8 +554,7 @@ static void update_drift(relaxation *r) {
         for (size_t a = 0; a < 3; a++) d[a] = q->pos[p + a] - q->ref[p + a];
         most = fmax(most, gn_dot3(d, d));
     }
-    v->drift = sqrt(most);
-    v->closed = 2.0 * v->drift;
+    gn_dem_set_paths(r->dem, sqrt(most));
 }
 
 gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error) {
@@ -565,7 +563,6 @@ gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error) {
                     .dem = &w->dem,
                     .boundary = &w->boundary,
                     .solids = &w->solids,
-                    .zones = &w->zones,
                     .ledger = &w->ledger,
                     .c = c};
     if (!(w->ctx.scene.couple.convert.relax > 0.0)) return GNEISS_OK;

@@ -8,8 +8,10 @@ typedef struct gn_ledger gn_ledger;               /* frame/ledger.h */
 typedef struct gn_dem gn_dem;                     /* particles/dem.h */
 typedef struct gn_boundary gn_boundary;           /* boundary/boundary.h */
 typedef struct gn_solids gn_solids;               /* solids/elements.h */
+typedef struct gn_membrane gn_membrane;           /* membrane/membrane.h */
 typedef struct gn_zones gn_zones;                 /* zones/zone_state.h */
 typedef struct gn_most_loaded gn_most_loaded;     /* zones/zone_state.h */
+typedef struct gn_conversions gn_conversions;     /* conversion/records.h */
 typedef struct gn_periodic_box gn_periodic_box;   /* frame/periodic_box.h */
 typedef struct gn_gauge gn_gauge;                 /* laboratory/strain_gauge.h */
 typedef struct gn_approach gn_approach;           /* laboratory/ends.h */

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "frame/parts.h"
 #include "frame/phases.h"
+#include "frame/step_choice.h"
 #include "kernels/dispatch.h"
 #include "scene/scene.h"
 
@@ -30,12 +31,13 @@ struct gn_step_context {
     int threads;
 
     int64_t step;
-    int64_t first_step; /* 0, or the step that it began with in an equilibrium (src/static) */
-    double time;        /* s */
-    double dt_past, dt; /* s: interval that led here, coming interval */
-    double stable;      /* s: upper bound of the step: sharp limit or bound, less the share that
-                         * non-viscous damping takes */
-    int64_t dt_lowered; /* number of times that the step was lowered while running */
+    int64_t first_step;    /* 0, or the step that it began with in an equilibrium (src/static) */
+    double time;           /* s */
+    double dt_past, dt;    /* s: interval that led here, coming interval */
+    double stable;         /* s: upper bound of the step: sharp limit or bound, less the share that
+                            * non-viscous damping takes */
+    gn_step_choice choice; /* what is known of the limits */
+    int64_t dt_lowered;    /* number of times that the step was lowered while running */
 
     double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
     gn_machine machine;             /* control of the ends of the test */

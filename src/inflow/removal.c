@@ -193,7 +193,6 @@ static gneiss_status take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger
         GN_TRY(gn_flow_note_lost(ctx, dem, p, error));
     else
         note_taken(dem, (size_t)way - 1, p, energy);
-    dem->lost += way == LEFT;
     memset(v, 0, 4 * sizeof *v);
     if (o) memset(o, 0, 4 * sizeof *o);
     if (q->slot) q->slot[p] = -1;
@@ -254,13 +253,6 @@ double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink)
     }
     /* A long strip has 2 A/P, any other polygon less than its width. */
     return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
-}
-
-static double largest_radius(const gn_step_context *ctx, const gn_dem *dem) {
-    double most = gn_flow_largest_radius(ctx, dem);
-    for (size_t p = 0; p < dem->particles.soa.count; p++)
-        most = fmax(most, dem->particles.pos[4 * p + 3]);
-    return most;
 }
 
 /* Tells whether a particle can be wholly inside for hardly longer than lists may last: the skin
@@ -348,14 +340,10 @@ bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem) {
     return false;
 }
 
-void gn_sinks_listed(const gn_step_context *ctx, gn_dem *dem) {
-    if (ctx->scene.sink_count) dem->flow.largest = largest_radius(ctx, dem);
-}
-
 bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
                          size_t size) {
-    const double width = gn_sink_width(ctx, dem, sink), most = 2.0 * largest_radius(ctx, dem),
-                 least = 2.0 * dem->radius_min;
+    const double width = gn_sink_width(ctx, dem, sink),
+                 most = 2.0 * gn_flow_widest_radius(ctx, dem), least = 2.0 * dem->radius_min;
     if (!ctx->scene.sinks[sink].remove || !(width < (1.0 - rounding) * most)) return false;
     snprintf(text, size, "sink '%s' is %.4g m thick, and removes what is wholly inside: %s",
              ctx->scene.sinks[sink].name, width,
@@ -366,151 +354,4 @@ bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t s
         snprintf(text + strlen(text), size - strlen(text), " (diameters of %.4g to %.4g m)", least,
                  most);
     return true;
-}
-
-/* Changes of the number of rows of particles: new ones are appended, rows of removed ones are
- * dropped. */
-
-/* Frees arrays that depend on the number of particles or of their blocks; they are made with the
- * lists. */
-static gneiss_status forget_sizes(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gneiss_error *error) {
-    gn_dem *d = dem;
-    gn_free(d->motion_sums);
-    gn_free(d->around);
-    gn_free(d->pieces.parent);
-    gn_free(d->pieces.members);
-    gn_free(d->pieces.volume);
-    d->motion_sums = NULL;
-    d->around = NULL;
-    d->pieces = (gn_pieces){0};
-    gn_hold_free(&d->hold);
-    gn_boundary_resized(boundary);
-    return gn_pieces_create(ctx, dem, error);
-}
-
-/* --- more --- */
-
-static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *a, size_t p) {
-    gn_particles *q = &dem->particles;
-    const gn_source_def *d = &ctx->scene.sources[a->source];
-    int material = gn_scene_find_material(&ctx->scene, d->material);
-    double r = a->sphere[3], mass = ctx->scene.materials[material].density *
-                                    gn_ball_volume((int)ctx->scene.dimension, r);
-    memcpy(q->pos + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->start + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->ref + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->vel + 4 * p, a->velocity, sizeof a->velocity);
-    q->vel[4 * p + 3] = 1.0 / mass;
-    if (q->spin)
-        q->spin[4 * p + 3] = 1.0 / ((ctx->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
-    q->id[p] = (int32_t)dem->ids++;
-    q->material[p] = material;
-    if (q->slot) q->slot[p] = -1;
-    if (q->orientation) q->orientation[4 * p] = 1.0;
-    dem->radius_min = fmin(dem->radius_min, r);
-    if (dem->loose) dem->loose[q->id[p]] = 1;
-}
-
-/* Enlarges tables by id to `ids` entries. */
-static gneiss_status grow_tables(gn_dem *dem, size_t ids, gneiss_error *error) {
-    gn_dem *d = dem;
-    int32_t *index = gn_alloc_array(ids + 1, sizeof *index);
-    uint8_t *loose = d->loose ? gn_alloc(ids + 1) : NULL;
-    if (!index || (d->loose && !loose)) {
-        gn_free(index);
-        gn_free(loose);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particle numbers", ids);
-    }
-    if (loose) memcpy(loose, d->loose, (size_t)d->ids);
-    gn_free(d->loose);
-    gn_free(d->index_of_id);
-    d->loose = loose;
-    d->index_of_id = index;
-    return GNEISS_OK;
-}
-
-/* `order` [count]: old places, -1: a new one. */
-static gneiss_status take_rows(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                               const int32_t *order, size_t count, gneiss_error *error) {
-    gn_particles now = {0};
-    GN_TRY(gn_soa_create(&gn_particle_record, &now, count, ctx->effects, error));
-    gn_soa_permute(&gn_particle_record, &now, &dem->particles, order);
-    gn_soa_destroy(&gn_particle_record, &dem->particles);
-    dem->particles = now;
-    gn_dem_null_particles(ctx, dem);
-    return forget_sizes(ctx, dem, boundary, error);
-}
-
-gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const gn_arrival *arrivals, size_t count, gneiss_error *error) {
-    size_t before = dem->particles.soa.count, after = before + count;
-    if ((size_t)dem->ids + count > INT32_MAX - 2 * GN_LANES_MAX)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "step %lld, t = %g s: sources: %lld particles that came in are more than "
-                       "the engine can number",
-                       (long long)ctx->step, ctx->time, (long long)dem->ids);
-    int32_t *order = gn_alloc_array(after + 1, sizeof *order);
-    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", after);
-    for (size_t p = 0; p < after; p++) order[p] = p < before ? (int32_t)p : -1;
-    gneiss_status status = grow_tables(dem, (size_t)dem->ids + count, error);
-    if (status == GNEISS_OK) status = take_rows(ctx, dem, boundary, order, after, error);
-    gn_free(order);
-    GN_TRY(status);
-    for (size_t k = 0; k < count; k++) {
-        const double *v = arrivals[k].velocity;
-        fill(ctx, dem, &arrivals[k], before + k);
-        /* The limit of flights uses the largest speed. */
-        dem->done.motion.speed2 = fmax(dem->done.motion.speed2, gn_dot3(v, v));
-    }
-    gn_dem_number_ids(dem);
-    return gn_lists_follow_rows(ctx, dem, NULL, error);
-}
-
-/* --- fewer --- */
-
-/* Finds the new places of remaining particles, -1 of the others; returns the number of remaining
- * ones. */
-static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
-    const gn_particles *q = &dem->particles;
-    size_t count = 0;
-    for (size_t p = 0; p < q->soa.count; p++) place[p] = gn_particle_is_active(q, p) ? 1 : -1;
-    for (int l = 0; l < GN_LIST_COUNT; l++) {
-        const gn_contacts *list = &dem->list[l].contacts;
-        if (!gn_list_kinds[l]->persistent) continue;
-        for (size_t c = 0; c < list->soa.count; c++) place[list->i[c]] = place[list->j[c]] = 1;
-    }
-    for (size_t p = 0; p < q->soa.count; p++) {
-        if (place[p] < 0) continue;
-        order[count] = (int32_t)p;
-        place[p] = (int32_t)count++;
-    }
-    return count;
-}
-
-static gneiss_status drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const int32_t *order, size_t count, const int32_t *place,
-                          gneiss_error *error) {
-    GN_TRY(take_rows(ctx, dem, boundary, order, count, error));
-    gn_dem_number_ids(dem);
-    GN_TRY(gn_lists_follow_rows(ctx, dem, place, error));
-    return gn_boundary_renumber(boundary, place, error);
-}
-
-gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          gneiss_error *error) {
-    size_t n = dem->particles.soa.count;
-    if (!gn_scene_has_flow(&ctx->scene) || n == 0) return GNEISS_OK;
-    int32_t *place = gn_alloc_array(n + 1, sizeof *place),
-            *order = gn_alloc_array(n + 1, sizeof *order);
-    gneiss_status status = GNEISS_OK;
-    if (!place || !order)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    size_t stay = status == GNEISS_OK ? find_stays(dem, place, order) : 0;
-    /* A few empty rows cost less than removing them; at least one row remains. */
-    if (status == GNEISS_OK && stay > 0 && n - stay > n / 16)
-        status = drop(ctx, dem, boundary, order, stay, place, error);
-    gn_free(place);
-    gn_free(order);
-    return status;
 }

@@ -14,6 +14,7 @@
 #include "pack/sizes.h"
 #include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/rows.h"
 #include "scene/flow_def.h"
 #include "scene/scene.h"
 
@@ -191,6 +192,7 @@ static void book(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, con
                   gn_ball_volume((int)ctx->scene.dimension, a->sphere[3]);
     double energy = 0.5 * mass * gn_dot3(a->velocity, a->velocity);
     s->number += 1.0;
+    s->radius = 0.0;
     s->mass += mass;
     s->energy += energy;
     for (int c = 0; c < 3; c++) s->momentum[c] += mass * a->velocity[c];
@@ -219,7 +221,6 @@ static gneiss_status let_in(const gn_step_context *ctx, gn_dem *dem, gn_ledger *
         draw_velocity(ctx, dem, k, a.velocity);
         GN_TRY(gn_room_take(room, a.sphere, error));
         GN_TRY(keep(list, &a, error));
-        dem->flow.sources[k].radius = 0.0;
         book(ctx, dem, ledger, &a);
     }
     return GNEISS_OK;
@@ -279,7 +280,8 @@ gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundar
     if (!any) return GNEISS_OK;
     gneiss_status status = find_arrivals(ctx, dem, boundary, ledger, &list, error);
     if (status == GNEISS_OK && list.count)
-        status = gn_dem_grow(ctx, dem, boundary, list.item, list.count, error);
+        status = gn_dem_grow(ctx, dem, list.item, list.count, error);
+    if (list.count) gn_boundary_resized(boundary);
     gn_free(list.item);
     GN_TRY(status);
     return first && !dem->particles.soa.count ? nothing_came(ctx, dem, boundary, error) : GNEISS_OK;

@@ -34,6 +34,7 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     const gn_particles *p = a->particles;
     const int32_t i = list->i[c], j = list->j[c];
     if (removed(p, i) || removed(p, j)) return false;
+    if (spectrum->bonds_alone && !gn_contact_bonded(list, c)) return false;
     const double *x = p->pos + 4 * (size_t)i, *y = p->pos + 4 * (size_t)j;
     double d[3] = {y[0] - x[0], y[1] - x[1], a->dimension == 3 ? y[2] - x[2] : 0.0};
     nearest_image(a, d);

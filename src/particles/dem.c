@@ -169,7 +169,18 @@ gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneis
     GN_TRY(gn_soa_create(&gn_particle_record, &dem->particles, 0, ctx->effects, error));
     for (int l = 0; l < GN_LIST_COUNT; l++) GN_TRY(gn_list_create_empty(ctx, dem, l, error));
     dem->verlet.skin = dem->verlet.skin_start = 1.0;
-    dem->stable = INFINITY;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    GN_TRY(gn_motion_kernel_choose(ctx->kernels, ctx->effects, &dem->motion_kernel, error));
+    /* Effects that differ between stages have no storage; files state the present ones. */
+    dem->particles.soa.effects = ctx->effects;
+    gn_lists_set_effects(ctx, dem);
+    if (dem->dormant) dem->prepared.soa.effects = dem->bonds.contacts.soa.effects;
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_kinds[l]->of_materials)
+            GN_TRY(gn_contacts_take_materials(ctx, dem, &dem->list[l].contacts, error));
     return GNEISS_OK;
 }
 
@@ -183,7 +194,6 @@ void gn_dem_free(gn_dem *d) {
     gn_flow_free(&d->flow);
     gn_near_free(&d->near);
     void *blocks[] = {
-        d->membrane,       d->patches,         d->skin_gradient,   d->skin_body,
         d->index_of_id,    d->channel_set,     d->set_reaction,    d->loose,
         d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
         d->motion_sums,    d->vel_past,        d->spin_past,       d->around,

@@ -43,7 +43,6 @@ typedef struct gn_flow {
     gn_lost *lost;
     size_t lost_count, lost_room;
     double largest; /* m: radius, when the lists were made; with sinks */
-    bool forced;    /* the lists are made for a source or a thin sink alone */
 } gn_flow;
 
 /* A particle that comes in. */
@@ -62,6 +61,10 @@ void gn_flow_free(gn_flow *flow);
  * over sources; the box about all of them, which is empty without. */
 double gn_flow_least_radius(const gn_step_context *ctx, const gn_dem *dem);
 double gn_flow_largest_radius(const gn_step_context *ctx, const gn_dem *dem);
+/* m: the largest radius of present particles and of those that a source may bring. */
+double gn_flow_widest_radius(const gn_step_context *ctx, const gn_dem *dem);
+/* Notes it for sinks when lists have been made. */
+void gn_flow_listed(const gn_step_context *ctx, gn_dem *dem);
 double gn_flow_mean_radius(const gn_step_context *ctx);
 void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[3],
                     double upper[3]);

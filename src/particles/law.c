@@ -30,6 +30,14 @@ double gn_contact_damping_fraction(const gn_scene *scene) {
                                     : gn_restitution_fraction(scene->restitution);
 }
 
+gneiss_status gn_hertz_renew(const gn_step_context *ctx, gn_dem *dem, gn_hertz_pair **before,
+                             gneiss_error *error) {
+    *before = dem->hertz;
+    dem->hertz = NULL;
+    dem->damping_fraction = gn_contact_damping_fraction(&ctx->scene);
+    return gn_hertz_prepare(ctx, dem, error);
+}
+
 /* All pairs of materials that may meet. */
 gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const gn_scene *s = &ctx->scene;

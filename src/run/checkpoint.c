@@ -29,7 +29,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 21 };
+enum { FORMAT = 22 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -49,6 +49,7 @@ static const gn_piece pieces[] = {
     GN_MEASURED(MEASURED) DOUBLES(world.ledger.stress),
     DOUBLES(world.ctx.seconds),
     DOUBLES(world.zones.state),
+    DOUBLES(world.converted),
     DOUBLES(world.ctx.period),
     DOUBLES(world.box),
     DOUBLES(world.ctx.machine),
@@ -336,8 +337,8 @@ static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_erro
     const struct {
         const char *name;
         double value;
-    } rates[] = {{"world_boundary_surface_rate", w->boundary.surface_rate},
-                 {"world_boundary_vertex_rate", w->boundary.vertex_rate},
+    } rates[] = {{"world_dem_surface_rate", w->ctx.choice.surface_rate},
+                 {"world_dem_vertex_rate", w->ctx.choice.vertex_rate},
                  {"world_zones_state", w->zones.state.rate[0]},
                  {"world_zones_state", w->zones.state.rate[1]}};
     if (w->ctx.dt < least)

@@ -340,6 +340,11 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
             return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
                                                                    : GNEISS_ERROR_INPUT;
     }
+    if (sets(overrides, count, "time.end") && w->ctx.scene.end < w->ctx.time - 1.5 * w->ctx.dt)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "--set time.end: expected a time after the %.6g s that the run has reached, "
+                       "found %.6g s",
+                       w->ctx.time, w->ctx.scene.end);
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     /* A scene that was written out has auto for keys that were not given. */
     if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&

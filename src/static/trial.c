@@ -455,10 +455,7 @@ gneiss_status gn_trial_leave(gn_trial *t, const double *path, double span, gneis
     gn_particles *q = &w->dem.particles;
     restore_lists(t);
     put_walls(t, 0.0, 0.0);
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
-        for (int a = 0; a < 3; a++)
-            w->boundary.walls[k].velocity[a] =
-                gn_table_at(&w->ctx.scene.walls[k].motion.velocity[a], w->ctx.time);
+    gn_walls_take_velocities(&w->ctx, &w->boundary);
     for (size_t p = 0; p < t->count; p++)
         for (size_t a = 0; a < 3; a++) {
             q->pos[4 * p + a] = t->pos[4 * p + a];

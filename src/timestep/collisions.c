@@ -33,57 +33,6 @@ double gn_world_contact_steps(const gn_step_context *ctx) {
     return ctx->effects & GN_FX_HERTZ ? GN_STEPS_PER_HERTZ : GN_STEPS_PER_CONTACT;
 }
 
-/* --- what is loose --- */
-
-static double radius(const gn_dem *dem, size_t p) {
-    return dem->particles.pos[4 * p + 3];
-}
-
-/* Tells whether a particle sits in a pore: as many bonded ones as can hold it are closer than its
- * radius. */
-static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
-    const gn_particles *q = &dem->particles;
-    const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
-    int near = 0, needed = (int)ctx->scene.dimension + 1;
-    for (size_t j = 0; j < q->soa.count && near < needed; j++) {
-        double reach = 2.0 * radius(dem, p) + radius(dem, j), d[3];
-        if (!q->bonds0 || q->bonds0[j] == 0) continue;
-        near += gn_branch(ctx, x, q->start + 4 * j, d) < reach * reach;
-    }
-    return near >= needed;
-}
-
-/* A particle without a bond at the start is loose, unless most of its cohesive group is bonded and
- * it sits in a pore: a particle of a specimen that just missed its bonds belongs to it. (Pores are
- * searched pair by pair; above MANY pairs all such particles count as part of the specimen.) */
-gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
-    const double MANY = 1e9;
-    const gn_particles *q = &dem->particles;
-    size_t n = q->soa.count, without = 0;
-    int32_t groups = 1;
-    if (dem->loose) return GNEISS_OK;
-    for (size_t p = 0; p < n; p++) groups = q->group[p] >= groups ? q->group[p] + 1 : groups;
-    int64_t *lead = gn_alloc_array((size_t)groups, sizeof *lead); /* bonded less unbonded ones */
-    dem->loose = gn_alloc((size_t)dem->ids + 1);
-    if (!lead || !dem->loose) {
-        gn_free(lead);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    }
-    for (size_t p = 0; p < n; p++) {
-        bool bonded = q->bonds0 && q->bonds0[p] > 0;
-        lead[q->group[p]] += bonded ? 1 : -1;
-        without += !bonded;
-    }
-    bool look = (double)without * (double)n <= MANY;
-    for (size_t p = 0; p < n; p++) {
-        bool bonded = q->bonds0 && q->bonds0[p] > 0;
-        bool part = q->group[p] != 0 && lead[q->group[p]] > 0;
-        dem->loose[q->id[p]] = !bonded && !(part && (!look || in_pore(ctx, dem, p)));
-    }
-    gn_free(lead);
-    return GNEISS_OK;
-}
-
 static bool loose(const gn_dem *dem, size_t p) {
     return dem->loose[dem->particles.id[p]];
 }
@@ -457,6 +406,10 @@ typedef struct extremes {
     size_t count, place[4]; /* two smallest, two largest */
 } extremes;
 
+static double radius(const gn_dem *dem, size_t p) {
+    return dem->particles.pos[4 * p + 3];
+}
+
 static void keep_extremes(const gn_dem *dem, extremes *e, size_t p) {
     double r = radius(dem, p);
     if (e->count < 4) {
@@ -568,9 +521,8 @@ gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- words --- */
 
-const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
-                               size_t size) {
-    const gn_resolution *r = &dem->resolution;
+const char *gn_resolution_text(const gn_step_context *ctx, char *text, size_t size) {
+    const gn_resolution *r = &ctx->choice.resolution;
     int64_t walls = (int64_t)ctx->scene.wall_count, bodies = (int64_t)ctx->scene.body_count,
             k = -1 - r->second;
     if (r->first < 0 && (-1 - r->first >= bodies || k < 0 || k >= walls + bodies))

@@ -350,13 +350,13 @@ const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t siz
     return text;
 }
 
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_solids *solids, const gn_zones *zones) {
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_solids *solids,
+                                         const gn_zones *zones) {
     const gn_element_model *lead = NULL;
     for (size_t k = 0; k < solids->count; k++)
         if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];
     const gn_whole_limit *found = gn_coupled_whole(ctx, zones);
     if (found) return found->side == GN_SIDE_ELEMENTS ? lead : NULL;
-    bool after = lead && ctx->scene.has_specimen && dem->stable < lead->stable;
+    bool after = lead && ctx->scene.has_specimen && ctx->choice.stable < lead->stable;
     return after ? NULL : lead;
 }

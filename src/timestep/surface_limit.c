@@ -103,7 +103,7 @@ static double square_of(const gn_step_context *ctx, const gn_boundary *boundary,
 static double particle_square(const gn_step_context *ctx, const gn_dem *dem, double stiffness) {
     const gn_particles *q = &dem->particles;
     bool hertz = ctx->effects & GN_FX_HERTZ;
-    double give = 0.0, bound = dem->limit.bound;
+    double give = 0.0, bound = ctx->choice.limit.bound;
     for (size_t k = 0; k < ctx->scene.body_count && !hertz; k++)
         stiffness = fmax(stiffness, ctx->scene.bodies[k].stiffness);
     for (size_t k = 0; k < ctx->scene.wall_count && !hertz; k++)
@@ -438,8 +438,8 @@ static gneiss_status find_rates(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-static bool are_more(const gn_boundary *b, double bodies, double vertices) {
-    return bodies > 1.02 * b->surface_rate || vertices > 1.02 * b->vertex_rate;
+static bool are_more(const gn_step_choice *known, double bodies, double vertices) {
+    return bodies > 1.02 * known->surface_rate || vertices > 1.02 * known->vertex_rate;
 }
 
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
@@ -447,17 +447,17 @@ gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *
                                       gneiss_error *error) {
     double bodies, vertices;
     GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
-    *more = are_more(boundary, bodies, vertices);
+    *more = are_more(&ctx->choice, bodies, vertices);
     return GNEISS_OK;
 }
 
-gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error) {
+gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                                bool anew, bool *due, gneiss_error *error) {
     double bodies, vertices;
     GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
-    *due = anew || are_more(boundary, bodies, vertices);
+    *due = anew || are_more(&ctx->choice, bodies, vertices);
     if (!*due) return GNEISS_OK;
-    boundary->surface_rate = bodies;
-    boundary->vertex_rate = vertices;
+    ctx->choice.surface_rate = bodies;
+    ctx->choice.vertex_rate = vertices;
     return GNEISS_OK;
 }

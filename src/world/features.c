@@ -133,17 +133,18 @@ static bool may_have_debris(const gn_world *w) {
 }
 
 GN_HOOK(find_debris) {
-    w->dem.debris_read = false;
+    w->ctx.choice.debris_read = false;
     if ((w->ctx.step + 1) % DEBRIS_EVERY != 0) return GNEISS_OK;
-    GN_TRY(gn_debris_find(&w->ctx, &w->dem, &w->dem.debris_read, error));
-    w->ctx.measure |= w->dem.debris_read;
+    GN_TRY(gn_debris_find(&w->ctx, &w->dem, &w->ctx.choice.debris_read, error));
+    w->ctx.measure |= w->ctx.choice.debris_read;
     return GNEISS_OK;
 }
 
 GN_HOOK(check_debris) {
-    return w->dem.debris_read ? gn_world_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids,
-                                                      &w->zones, &w->ledger, error)
-                              : GNEISS_OK;
+    return w->ctx.choice.debris_read
+               ? gn_world_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                       &w->ledger, error)
+               : GNEISS_OK;
 }
 
 const gn_feature gn_feature_debris = {
@@ -230,7 +231,7 @@ static bool has_membrane(const gn_world *w) {
 }
 
 GN_HOOK(press) {
-    return gn_membrane_apply(&w->ctx, &w->dem, error);
+    return gn_membrane_apply(&w->ctx, &w->dem, &w->membrane, error);
 }
 
 const gn_feature gn_feature_membrane = {

@@ -225,7 +225,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     set_domain(&w->ctx, &w->dem);
     GN_TRY(check_specimen(&w->ctx, &w->dem, error));
     GN_TRY(gn_dem_complete(&w->ctx, &w->dem, error));
-    GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids, error));
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, w->solids.count, error));
     GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
@@ -236,11 +236,13 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, true, error));
     GN_TRY(gn_dem_arrange(w, error));
     GN_TRY(gn_world_rebuild(w, error));
-    GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                      error));
     return check_some_left(&w->ctx, &w->dem, error);
 }
 
 static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
+    w->ctx.choice.stable = INFINITY;
     GN_TRY(gn_dem_create_empty(&w->ctx, &w->dem, error));
     return gn_world_restore(w, error);
 }
@@ -340,6 +342,7 @@ void gn_world_free(gn_world *w) {
     gn_boundary_free(&w->boundary);
     gn_elements_free(&w->solids);
     gn_dem_free(&w->dem);
+    gn_membrane_free(&w->membrane);
     gn_strain_gauge_free(&w->gauge.weights);
     gn_free(w->gauge.belongs);
     gn_features_free(&w->features);

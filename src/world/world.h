@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "boundary/boundary.h"
+#include "conversion/records.h"
 #include "frame/ledger.h"
 #include "frame/parts.h"
 #include "frame/phases.h"
@@ -12,6 +13,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "laboratory/strain_gauge.h"
+#include "membrane/membrane.h"
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "solids/elements.h"
@@ -43,11 +45,13 @@ struct gn_stages {
  * as they apply (docs/design.md). The world calls them in turn. */
 struct gn_world {
     gn_step_context ctx;
-    gn_dem dem;           /* particles and their contacts */
-    gn_boundary boundary; /* walls, bodies and facets that they touch */
-    gn_solids solids;     /* bodies of finite elements */
-    gn_zones zones;       /* particles and elements as one body; conversions */
-    gn_features features; /* what only some scenes use */
+    gn_dem dem;               /* particles and their contacts */
+    gn_boundary boundary;     /* walls, bodies and facets that they touch */
+    gn_solids solids;         /* bodies of finite elements */
+    gn_membrane membrane;     /* around the specimen */
+    gn_zones zones;           /* particles and elements as one body */
+    gn_conversions converted; /* sums over conversions */
+    gn_features features;     /* what only some scenes use */
 
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */

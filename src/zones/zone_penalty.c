@@ -120,7 +120,7 @@ void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids
     double most[2], particles, elements, low = 1e-6, high = 1e6;
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q || !q->stiffness) return;
-    particles = 2.0 / dem->stable;
+    particles = 2.0 / ctx->choice.stable;
     elements = 2.0 / gn_elements_stable(solids);
     zones->state.frequency = particles;
     gn_penalty_set(ctx, dem, solids, zones, q);

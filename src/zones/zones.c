@@ -14,6 +14,8 @@
 #include "kernels/contact.h"
 #include "kernels/law.h"
 #include "particles/dem.h"
+#include "particles/lists.h"
+#include "particles/motion.h"
 #include "particles/sets.h"
 #include "scene/couple_def.h"
 #include "scene/place.h"
@@ -293,8 +295,8 @@ static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, d
         load[a] = row[a];
         row[a] = ctx->effects & GN_FX_GRAVITY ? -(mass * ctx->scene.gravity[a]) : 0.0;
         v[a] = 0.0;
-        if (dem->vel_past) dem->vel_past[4 * p + a] = 0.0;
     }
+    gn_dem_clear_past(dem, p, false);
 }
 
 /* The stress of the elements is that at the places of the instant, before these have their loads.
@@ -434,9 +436,7 @@ static gneiss_status follow(gn_world *w, gneiss_error *error) {
     if (q->before) gn_masses_book(&w->ctx, &w->solids, q);
     double speed = place_all(&w->ctx, &w->dem, &w->solids, q), before = sqrt(d->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
-    d->verlet.drift += w->ctx.dt * (speed - before);
-    d->verlet.closed += 2.0 * (w->ctx.dt * (speed - before));
-    d->speed_most = speed * (1.0 + 1e-6);
+    gn_dem_count_speed(&w->ctx, d, speed, before);
     if (w->ctx.dt * speed <= 0.5 * d->radius_min) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
@@ -491,7 +491,7 @@ static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     GN_TRY(gn_zones_check(&w->ctx, &w->dem, &w->solids, &(*q)->ties, error));
     weigh(&w->ctx, &w->dem, &w->solids, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;
+    gn_dem_number_ids(&w->dem);
     if (!(*q)->stiffness) {
         GN_TRY(lump(&w->dem, &w->solids, *q, error));
         load_nodes(gn_coupled_solid(&w->solids));
@@ -546,12 +546,12 @@ static double energy_of_nodes(const gn_dem *dem, const gn_coupled *q, size_t p) 
     return sum;
 }
 
-void gn_coupled_remove(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones, gn_ledger *ledger, const int32_t *gone) {
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
-    zones->state.whole = -fabs(zones->state.whole); /* to be looked for anew */
+    ctx->choice.whole = -fabs(ctx->choice.whole); /* to be looked for anew */
     const bool lumped = !q->before && !q->stiffness;
     double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {

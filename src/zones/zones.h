@@ -82,7 +82,7 @@ void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
  * before these lose their masses. `gone` [particles], not 0. */
-void gn_coupled_remove(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones, gn_ledger *ledger, const int32_t *gone);
 /* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
  * particles of zones (zone_readings.c). */
