@@ -308,8 +308,8 @@ static gneiss_status solve(network *x, gn_network *found, gneiss_error *error) {
     const int d = (int)w->ctx.scene.dimension;
     GN_TRY(build(x, error));
     count_particles(x, found);
-    found->volume =
-        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
+    found->volume = gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                    &w->box, &w->approach);
     if (!(found->volume > 0.0))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "stiffness: expected a specimen with a volume, found %g m3", found->volume);
