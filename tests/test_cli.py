@@ -38,7 +38,7 @@ def every_command_has_help_of_its_own_with_an_example(folder):
         own = expect(gneiss("help", name), 0).stdout
         assert own != whole and own == expect(gneiss(name, "--help"), 0).stdout, name
         assert re.search(rf"examples?:\n  gneiss {name}", own), own
-    assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("run", "--help").stdout
+    assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("check", "--help").stdout
     swept = gneiss("help", "sweep").stdout
     assert "--force" in swept and "name of the scene or sweep file" in swept, swept
     expect(gneiss("help", "rn"), 2, "unknown command 'rn'; did you mean 'run'")
@@ -48,7 +48,7 @@ def every_command_has_help_of_its_own_with_an_example(folder):
 def a_file_for_another_command_is_named(folder):
     scenes = os.path.join(SCENES, "..", "..", "scenes")
     sweep, packing = os.path.join(scenes, "sweep-strength.yaml"), os.path.join(scenes, "pack-uniform.yaml")
-    for name in ("run", "check", "plan", "pack"):
+    for name in ("run", "check", "plan", "stiffness", "pack"):
         expect(gneiss(name, sweep), 2, "expected a scene.*, found a sweep file.*: gneiss sweep")
     expect(gneiss("sweep", LATTICE), 2, "expected a sweep file, found a scene: gneiss run")
     for name in ("run", "sweep"):
@@ -522,7 +522,7 @@ def quiet_prints_what_came_out_and_nothing_else(folder):
 
 @fact
 def a_folder_that_is_not_there_is_an_input_error_as_a_scene_is(folder):
-    for name in ("run", "check", "plan", "pack"):
+    for name in ("run", "check", "plan", "stiffness", "pack"):
         expect(gneiss(name, os.path.join(folder, "nothing.yaml")), 2, "No such file")
     for name in ("resume", "report"):
         expect(gneiss(name, os.path.join(folder, "nothing")), 2, "(?i)no such file")

@@ -134,6 +134,31 @@ def a_scene_without_a_test_has_the_constants_of_its_packing(folder):
 
 
 @fact
+def platens_that_touch_few_particles_are_followed_for_any_shear_stiffness(folder):
+    scene, young = os.path.join(SHIPPED, "compression.yaml"), []
+    for ratio in (1, 10, 100, 1e9):
+        found = constants(scene, "--set", f"materials.rock.kratio={ratio}", "--set", "walls.top.stiffness=10 GN/m", "--set",
+                          "walls.bottom.stiffness=10 GN/m")
+        assert found["test"], found["test_absent"]
+        young.append(found["test"]["young_modulus"])
+        assert found["test"]["young_modulus_average"] < 1.05 * found["uniform_strain"]["young_modulus"]
+    assert young == sorted(young, reverse=True), young
+
+
+@fact
+def the_strain_is_that_of_both_ends_however_they_move(folder):
+    scene = bar(folder)
+    one = constants(scene)["test"]
+    other = constants(scene, "--set", "sets.below.motion.vy=0")["test"]
+    for name in CONSTANTS:
+        assert abs(one[name] - other[name]) < 2e-5 * abs(one[name]), (name, one[name], other[name])
+    far = constants(scene, "--strain", "1e-3")["test"]  # bonds turn, and springs are linear
+    assert far["strain"] == 1e-3 and 1e-6 < abs(far["young_modulus"] / one["young_modulus"] - 1) < 5e-3, far
+    still = constants(scene, "--set", "sets.below.motion.vy=0", "--set", "sets.above.motion.vy=0")
+    assert still["test"] is None and "expected walls or sets that move" in still["test_absent"], still["test_absent"]
+
+
+@fact
 def a_test_in_which_bonds_break_says_so(folder):
     x = constants(bar(folder), "--set", "materials.m.tensile_strength=1 Pa")
     assert x["test"] is None and "break" in x["test_absent"], x["test_absent"]

@@ -10,10 +10,13 @@ static const gn_command commands[] = {
     {"run", "SCENE", "run a scene", true, false,
      "Writes results.h5, summary.json and snapshots to runs/<scene name>. Ctrl-C writes "
      "a\ncheckpoint first; gneiss resume continues from it. With --seeds, or with several values "
-     "of\ntest.confinement, it makes one run for each value, side by side.\n",
+     "of\ntest.confinement, it makes one run for each value, side by side. "
+     "With\n--error it plans first, as gneiss plan does: the planned scene is "
+     "runs/<scene\nname>-planned.yaml, its results are in the folder of that name without .yaml.\n",
      "gneiss run scenes/ucs-rock.yaml\n"
      "gneiss run scenes/ucs-rock.yaml --out runs/fast --set walls.top.motion.vz=-1\n"
-     "gneiss run scenes/ucs-packed.yaml --seeds 5\n"},
+     "gneiss run scenes/ucs-packed.yaml --seeds 5\n"
+     "gneiss run scenes/ucs-packed.yaml --error 4%\n"},
     {"check", "SCENE", "read a scene and check its specimen, run nothing", true, false,
      "Builds the specimen, reports problems by file, line and column, and prints contacts "
      "and\noverlaps. It writes nothing.\n",
@@ -99,11 +102,12 @@ static const struct {
      "sweep, run of several: list the runs and their estimated cost, run nothing"},
     {"sweep", "--array [I/N]", "sweep: only shard I of N, or that of Slurm's job array"},
     {"sweep", "--collect", "sweep: only summarise the existing runs"},
-    {"plan", "--error E",
-     "plan: the cheapest settings for an error of 5%, its causes, and seconds"},
-    {"plan", "--reading R", "plan --error: error of the strength (default) or the stiffness"},
-    {"plan", "--particles any",
-     "plan --error: the number of particles may change as well, with\nrecalibrated contacts"},
+    {"run plan", "--error E",
+     "plan: the cheapest settings for an error of 5%, its causes, and seconds;\nrun: runs the "
+     "scene with them, as many packings as it takes"},
+    {"run plan", "--reading R", "--error: error of the strength (default) or the stiffness"},
+    {"run plan", "--particles any",
+     "--error: the number of particles may change as well, with\nrecalibrated contacts"},
     {"plan", "--write FILE",
      "plan --error: write the scene with the proposed settings (--force replaces\nFILE)"},
     {"stiffness", "--json", "stiffness: one JSON object on standard output"},

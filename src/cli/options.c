@@ -76,12 +76,12 @@ static gneiss_status check_plan_options(const gn_options *options, const gn_comm
                         : options->write         ? "--write"
                         : options->any_particles ? "--particles"
                                                  : NULL;
-    if (given && strcmp(command->name, "plan") != 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan", command->name,
-                       given);
+    if (given && strcmp(command->name, "plan") != 0 && strcmp(command->name, "run") != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan and gneiss run",
+                       command->name, given);
     if (given && !options->error)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss plan: %s: expected --error beside it",
-                       given);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s: expected --error beside it",
+                       command->name, given);
     return GNEISS_OK;
 }
 

@@ -5,7 +5,7 @@
 #include "base/timer.h"
 #include "cli/pack.h"
 #include "cli/progress.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "laboratory/laboratory.h"
 #include "run/history_rows.h"
 #include "run/run.h"
@@ -20,6 +20,8 @@
 
 /* Strain of a test unless --strain gives one: far below failure, far above rounding. */
 static const double default_strain = 1e-5;
+/* Particles of a shape below which one thread is used unless the scene gives a number. */
+static const size_t particles_shared = 50000;
 enum { STATES = 20 }; /* readings use those up to half of the largest stress */
 
 /* Readings of a test that are elastic constants. */
@@ -34,6 +36,12 @@ enum { STATES = 20 }; /* readings use those up to half of the largest stress */
     X(shear_modulus)                                                                               \
     X(flexural_modulus)                                                                            \
     X(stiffness)
+
+static bool has_constant(const gn_scene *scene, gn_reading which) {
+    const bool plane =
+        which == GN_READING_plane_young_modulus || which == GN_READING_plane_poisson_ratio;
+    return gn_reading_belongs(which, scene->test.kind, false) && !(plane && scene->dimension == 3);
+}
 
 typedef struct outcome {
     gn_network network;
@@ -93,7 +101,13 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
         drop_stages(*scene);
     }
     (*scene)->allow_gmsh = options->allow_gmsh;
-    GN_TRY(gn_pack_ahead(options, *scene, error));
+    gn_options packing = *options; /* nothing but the object goes to standard output */
+    packing.quiet = packing.quiet || options->json;
+    packing.json = false;
+    GN_TRY(gn_pack_ahead(&packing, *scene, error));
+    /* Solutions of few particles are too short to be shared. */
+    if (!(*scene)->threads && (*scene)->specimen.packed_count < particles_shared)
+        (*scene)->threads = 1;
     /* The pressure of a membrane is constant and has no part in an increment. */
     (*scene)->has_membrane = false;
     (*scene)->history_rows = STATES;
@@ -115,15 +129,35 @@ static const char *test_refusal(const gn_scene *scene) {
     return gn_scene_loading_refusal(scene);
 }
 
+/* Returns the largest displacement of a wall or a set of an end up to the end of the scene, m. */
+static double end_path(const gn_scene *scene, const gn_test_end *end) {
+    double most = 0.0;
+    for (size_t k = 0; k < end->count; k++) {
+        const int wall = gn_scene_find_wall(scene, end->name[k]),
+                  set = gn_scene_find_set(scene, end->name[k]);
+        const gn_motion *motion = wall >= 0  ? &scene->walls[wall].motion
+                                  : set >= 0 ? &scene->sets[set].motion
+                                             : NULL;
+        if (motion)
+            most = fmax(
+                most, fabs(gn_table_between(&motion->velocity[scene->test.axis], 0.0, scene->end)));
+    }
+    return most;
+}
+
+/* Returns the displacement of both ends over the larger one. */
+static double sides(const gn_scene *scene) {
+    const double lower = end_path(scene, &scene->test.lower),
+                 upper = end_path(scene, &scene->test.upper);
+    return lower + upper > 0.0 ? (lower + upper) / fmax(lower, upper) : 1.0;
+}
+
 static gneiss_status load_test(gn_run *run, outcome *found, gneiss_error *error) {
     const gn_world *w = &run->world;
     const gn_tested_shape shape = gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids);
-    const gn_test *t = &w->ctx.scene.test;
-    const bool both = gn_scene_end_drives(&w->ctx.scene, &t->lower) &&
-                      gn_scene_end_drives(&w->ctx.scene, &t->upper);
     gn_first_break path;
     gneiss_status status =
-        gn_static_loading(&run->world, found->strain * shape.length / (both ? 2.0 : 1.0), STATES,
+        gn_static_loading(&run->world, found->strain * shape.length / sides(&w->ctx.scene), STATES,
                           &(gn_first_break_watch){note_state, run}, &path, error);
     found->solutions += path.solutions;
     found->iterations += path.iterations;
@@ -195,13 +229,12 @@ static void put_test(gn_json *json, const gn_scene *scene, const outcome *found)
     gn_json_text(json, "kind", gn_scene_test(scene)->name);
     gn_json_number(json, "strain", found->strain);
 #define X(name)                                                                                    \
-    if (gn_reading_belongs(GN_READING_##name, scene->test.kind, false))                            \
-        gn_json_number(json, #name, r->name);
+    if (has_constant(scene, GN_READING_##name)) gn_json_number(json, #name, r->name);
     CONSTANTS(X)
 #undef X
     gn_json_object(json, "absent");
 #define X(name)                                                                                    \
-    if (gn_reading_belongs(GN_READING_##name, scene->test.kind, false) && isnan(r->name))          \
+    if (has_constant(scene, GN_READING_##name) && isnan(r->name))                                  \
         gn_json_text(json, #name, r->reason[GN_READING_##name]);
     CONSTANTS(X)
 #undef X
@@ -265,16 +298,24 @@ static const char *unit_of(gn_reading which) {
     return units[which];
 }
 
+static bool has_walls(const gn_scene *scene) {
+    const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
+    for (size_t k = 0; k < 2; k++)
+        for (size_t n = 0; n < ends[k]->count; n++)
+            if (gn_scene_find_wall(scene, ends[k]->name[n]) >= 0) return true;
+    return false;
+}
+
 static void print_test(const gn_scene *scene, const outcome *found) {
     const gn_readings *r = found->readings;
     if (!r) {
         printf("test: none: %s\n", found->absent);
         return;
     }
-    printf("test: %s up to a strain of %.3g, by equilibria\n", gn_scene_test(scene)->name,
-           found->strain);
+    printf("test: %s up to a strain of %.3g, by equilibria%s\n", gn_scene_test(scene)->name,
+           found->strain, has_walls(scene) ? "; platens may not be seated yet (--strain)" : "");
 #define X(name)                                                                                    \
-    if (gn_reading_belongs(GN_READING_##name, scene->test.kind, false))                            \
+    if (has_constant(scene, GN_READING_##name))                                                    \
         print_reading(r, #name, GN_READING_##name, r->name, unit_of(GN_READING_##name));
     CONSTANTS(X)
 #undef X

@@ -16,12 +16,10 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "limit/equilibrium.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
 #include "static/trial.h"
 #include "world/world.h"
@@ -36,6 +34,8 @@ enum {
     INCREMENTS = 8, /* target number of increments up to the start */
     INCREMENTS_MOST = 200,
     SOLUTIONS_MOST = 12, /* limit for one increment */
+    SOLUTIONS_LOADING = 60,
+    HALVES_MOST = 6, /* of a correction */
     HALVINGS_MOST = 30
 };
 
@@ -77,6 +77,7 @@ typedef struct search {
     const gn_first_break_watch *watch;
     gn_first_break *found;
     double *path, *rate;      /* [particles][6] of the increment; their rates in the previous one */
+    double *shorter;          /* [particles][6] path before the last correction; NULL: not stored */
     bond_force *before, *now; /* [bonds] at both ends of the last increment */
     double span;              /* s, of the last increment; 0: none yet */
     double scale;             /* N, of forces: see in_balance */
@@ -176,17 +177,37 @@ static gneiss_status correct(search *run, double balanced, gn_equilibrium *linea
     return GNEISS_OK;
 }
 
+/* Contacts that close and open in turn make Newton's method cycle. Takes half of the last
+ * correction back if the loads have grown by it; returns false if they have not, or several halves
+ * were in vain. */
+static bool shorten(search *run, double before, int *halves) {
+    if (!run->shorter || !(run->trial.mean_load > before) || *halves == HALVES_MOST) {
+        *halves = 0;
+        return false;
+    }
+    for (size_t at = 0; at < N * run->trial.count; at++)
+        run->path[at] = 0.5 * (run->path[at] + run->shorter[at]);
+    ++*halves;
+    return true;
+}
+
 /* Runs Newton's method from the present path. */
 static gneiss_status balance(search *run, double span, bool loads, double balanced, outcome *what,
                              gn_equilibrium *linear, gneiss_error *error) {
     gn_trial *t = &run->trial;
+    const int most = run->shorter ? SOLUTIONS_LOADING : SOLUTIONS_MOST;
+    double before = INFINITY;
+    int halves = 0;
     *linear = (gn_equilibrium){.unsupported = -1};
-    for (int k = 0;; k++) {
+    for (int k = 0;;) {
         gn_trial_go(t, run->path, span, loads);
         *what = t->broken ? BROKE : BALANCED;
         if (t->broken || in_balance(run, balanced)) return GNEISS_OK;
         *what = STUCK;
-        if (k == SOLUTIONS_MOST) return GNEISS_OK;
+        if (shorten(run, before, &halves)) continue;
+        if (k++ == most) return GNEISS_OK;
+        before = t->mean_load;
+        if (run->shorter) memcpy(run->shorter, run->path, N * t->count * sizeof *run->path);
         GN_TRY(correct(run, balanced, linear, error));
     }
 }
@@ -203,8 +224,8 @@ static gneiss_status no_equilibrium(const search *run, const gn_equilibrium *lin
     return refuse(run->w, error,
                   "expected an equilibrium %s, found none in %d solutions: at t = %g s particle %d "
                   "has the largest of loads that are %.2g of the contact forces",
-                  when, SOLUTIONS_MOST, run->w->ctx.time, run->trial.worst,
-                  run->trial.mean_load / run->trial.mean_force);
+                  when, run->shorter ? SOLUTIONS_LOADING : SOLUTIONS_MOST, run->w->ctx.time,
+                  run->trial.worst, run->trial.mean_load / run->trial.mean_force);
 }
 
 static gneiss_status tell(const search *run, gneiss_error *error) {
@@ -433,14 +454,15 @@ static double prescribed_path(const gn_scene *scene, double time) {
     return most;
 }
 
-/* Finds the time at which the prescribed displacement is `path`, s. */
+/* Finds the time at which the prescribed displacement is `path`, s; motions may go on after the end
+ * of the scene. */
 static gneiss_status time_of_path(const search *run, double path, double *time,
                                   gneiss_error *error) {
     const gn_step_context *ctx = &run->w->ctx;
-    double low = ctx->time, high = ctx->scene.end;
+    double low = 0.0, high = ctx->scene.end;
+    for (int k = 0; k < 60 && !(prescribed_path(&ctx->scene, high) >= path); k++) high *= 2.0;
     if (!(prescribed_path(&ctx->scene, high) >= path))
-        return refuse(run->w, error,
-                      "expected walls or sets that move by %.3g m before time.end, found %.3g m",
+        return refuse(run->w, error, "expected walls or sets that move by %.3g m, found %.3g m",
                       path, prescribed_path(&ctx->scene, high));
     while (high - low > 1e-15 * high) {
         const double middle = 0.5 * (low + high);
@@ -489,6 +511,10 @@ static gneiss_status go_to(search *run, double time, double path, gneiss_error *
 
 static gneiss_status load_up(search *run, double path, int count, gneiss_error *error) {
     GN_TRY(allocate(run, error));
+    run->shorter = gn_alloc_array(run->w->dem.particles.soa.count + 1, N * sizeof *run->shorter);
+    if (!run->shorter)
+        return gn_fail(error, GNEISS_ERROR_MEMORY,
+                       "no memory for the equilibrium of the particles");
     GN_TRY(slow_down(run, path, error));
     GN_TRY(gn_trial_begin(run->w, &run->trial, error));
     run->speed = fastest(&run->w->ctx, &run->w->dem);
@@ -506,6 +532,7 @@ static void free_search(search *run) {
     gn_trial_free(&run->trial);
     gn_free(run->path);
     gn_free(run->rate);
+    gn_free(run->shorter);
     gn_free(run->before);
     gn_free(run->now);
 }
