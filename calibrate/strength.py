@@ -99,11 +99,15 @@ class Search:
         weak = (expected != 0.0) & (self.slopes * expected < LEAST_SLOPE * np.abs(self.prior))
         self.slopes[weak] = (LEAST_SLOPE * self.prior)[weak]
 
+    def weights(self):
+        """Of the outputs in the least squares."""
+        return np.array([PRIORITY.get(name, 1.0) for name in self.names]) / self.allowed
+
     def step(self, evaluation):
         """The next position: least squares of the residuals in tolerances, those of high priority first, within bounds."""
         residual = self.outputs(evaluation) - self.aims
         known = np.isfinite(residual)
-        weight = np.array([PRIORITY.get(name, 1.0) for name in self.names]) / self.allowed
+        weight = self.weights()
         position, (low, high) = self.position(evaluation.parameters), self.bounds()
         low, high = np.maximum(low, position - LARGEST_STEP), np.minimum(high, position + LARGEST_STEP)
         matrix = (self.slopes * weight[:, None])[known]

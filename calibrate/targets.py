@@ -80,7 +80,7 @@ class File:
             place = error.problem_mark or error.context_mark
             raise Problem(f"{path}:{place.line + 1}:{place.column + 1}: {error.problem}") from error
         except yaml.YAMLError as error:
-            raise Problem(f"{path}: expected YAML: {error}") from error
+            raise Problem(f"{path}: expected YAML: {str(error).splitlines()[0]}") from error
         if not isinstance(self.root, yaml.MappingNode):
             raise Problem(f"{path}:1:1: expected keys and values such as 'targets:'")
 
@@ -204,8 +204,10 @@ def _contradictions(file, places, targets):
     for low in ("tensile_strength", "brazilian_strength", "crack_initiation_stress"):
         above("compressive_strength", low)
     above("young_modulus", "compressive_strength")
-    if "crack_initiation_stress" in targets and "compressive_strength" not in targets:
-        file.fail(places["crack_initiation_stress"], "targets.crack_initiation_stress: expected compressive_strength beside it, found none")
+    confined = sum(1 for target in targets.values() if target.confinement)
+    for name in ("crack_initiation_stress", "friction_angle", "m_i"):
+        if name in targets and "compressive_strength" not in targets and (name == "crack_initiation_stress" or confined < 3):
+            file.fail(places[name], f"targets.{name}: expected compressive_strength beside it, found none")
 
 
 def read_targets(file, node):
