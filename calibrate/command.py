@@ -20,7 +20,7 @@ FRESH = 3             # packings of the check
 
 @dataclass
 class Result:
-    """What a calibration found with one law."""
+    """Parameters found with one law, and how they were examined."""
     material: Material
     search: strength.Search
     evaluation: object
@@ -113,7 +113,7 @@ def solve(request, material, start, progress):
     except OutOfBudget as end:
         if not search.steps:
             raise Problem(f"budget of {end}: expected at least one evaluation of the targets, found no run finished within it") from end
-        result.evaluation = max(search.steps, key=lambda one: (len(one.values), -search.worst(one)))
+        result.evaluation = search.best()
         result.notes.append(f"the budget of {end} is used up: parameters are the best ones up to there")
     search.parameters = dict(result.evaluation.parameters)
     residuals = search.residuals(result.evaluation)
@@ -134,7 +134,7 @@ def reasons(search, result, name):
         ratio = (result.evaluation.mean("compressive_strength") or mean) / (result.evaluation.mean("tensile_strength") or result.evaluation.mean("brazilian_strength") or mean)
         bound = "at most" if chi > 1.0 else "at least"
         return [f"{name}: not reachable with the law {law}: compressive over tensile strength is {bound} {ratio:.3g}, wanted {wanted_ratio(search.targets):.3g}"]
-    ends = [key for key in search.free if key not in ("modulus", "tension", "chi") and at_bound(result.evaluation.parameters[key], key)]
+    ends = [key for key in search.free if key not in ("modulus", "tension", "chi") and search.ends_at(result.evaluation.parameters[key], key)]
     why = f"not reachable with the law {law}: {' and '.join(ends)} at the end of the range" if ends else "not reached"
     return [f"{name}: {why}: found {mean:.4g}, wanted {target.value:.4g} {target.unit}"]
 
@@ -156,11 +156,6 @@ def alternatives(request, result, progress):
     except OutOfBudget:
         pass
     return found
-
-
-def at_bound(value, name):
-    low, high = strength.BOUNDS[name]
-    return value <= low * 1.01 + 1e-9 or value >= high / 1.01
 
 
 def examine(request, result, progress):

@@ -7,18 +7,21 @@ from calibrate import laws
 from calibrate.problem import Problem
 from calibrate.readings import COMPRESSION
 
-STRAIN = 1e-5        # of the test, over strength over modulus: bonds never break
+ELASTIC = 0.4         # strain of the constants over compressive strength over modulus: within the elastic rows of a test
 UNBREAKABLE = 1e30
+STRAIN = 1e-3         # the same, without a compressive strength
 RATIO = (0.005, 3.0)  # bounds of k_t/k_n
 MOST = 6             # evaluations of Poisson's ratio
 
 
 def constants(material, parameters, seeds):
-    """[(E in Pa, nu)] of the packings with these stiffnesses, by compression of unbreakable bonds."""
+    """[(E in Pa, nu)] of the packings with these stiffnesses, by equilibria of the compression test without breaking bonds."""
     strong = {**parameters, "tension": UNBREAKABLE, "chi": 1.0}
-    scenes = [material.bench().build(COMPRESSION, strong, STRAIN * material.modulus, seed) for seed in seeds]
+    scenes = [material.bench().build(COMPRESSION, strong, 0.003 * material.modulus, seed) for seed in seeds]
+    strength = material.targets.get("compressive_strength")
+    strain = float(f"{ELASTIC * strength.value / material.modulus:.3g}") if strength else STRAIN
     found = []
-    for outcome in material.laboratory.run(scenes):
+    for outcome in material.laboratory.constants(scenes, strain):
         pair = (outcome.reading("young_modulus"), outcome.reading("poisson_ratio"))
         if None in pair:
             raise Problem(f"no elastic constants of this specimen: {outcome.message or outcome.absent.get('young_modulus', '')}", 5)

@@ -54,7 +54,7 @@ def found_of(result):
                  "reached": mean is not None and abs(target.error(mean)) <= 1.0}
         if mean is not None:
             entry["interval"] = finite(uncertainty.interval_of_mean(column, mean, error))
-            entry["prediction"] = finite(uncertainty.prediction(column, mean, error))
+            entry["prediction"] = finite(uncertainty.prediction(column, mean))
         if result.fresh:
             fresh = list(result.fresh.column(name))
             low, high = entry["prediction"] or [None, None]
@@ -72,7 +72,7 @@ def document(request, laboratory, result, tried):
     if result.other:
         other = {"test": result.other[0].name, "strengths": finite(result.other[1]), "unit": "Pa"}
     return {"version": laboratory.version, "title": request.title, "law": laws.label(law), "law_text": law.text if law else "", "tried": tried,
-            "reached": result.reached, "notes": result.notes, "runs": len(laboratory.used), "cpu_seconds": laboratory.seconds,
+            "reached": result.reached, "notes": result.notes, "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
             "seeds": request.seeds, "parameters": parameters_of(result), "found": found_of(result), "other_test": other,
             "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself",
                            "matrix": None if result.covariance is None else finite(result.covariance.tolist())},

@@ -60,8 +60,13 @@ class Outcome:
 class _Job:
     scene: dict
     folder: str
-    specimen: str
+    strain: float = 0.0  # above 0: elastic constants up to this strain by `gneiss stiffness`, without a run
     tries: int = 0
+
+    @property
+    def packing(self):
+        """Text that is equal for scenes of the same packing."""
+        return json.dumps([self.scene["specimen"], self.scene["run"]["seed"]], sort_keys=True)
 
 
 def _follow_parent():
@@ -77,14 +82,14 @@ class Laboratory:
         self.folder = os.path.join(folder, "runs")
         self.version = program_version(program)
         self.most_runs, self.most_seconds = most_runs, most_seconds
-        self.used, self.computed, self.seconds = set(), 0, 0.0
+        self.used, self.seconds = set(), {}
         self.begun = time.monotonic()
         os.makedirs(self.folder, exist_ok=True)
 
     # --- one run ---------------------------------------------------------------------------------------
 
-    def key(self, scene):
-        text = json.dumps(scene, sort_keys=True, separators=(",", ":")) + self.version
+    def key(self, scene, strain):
+        text = json.dumps([scene, strain, self.version], sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def _kept(self, folder):
@@ -104,11 +109,13 @@ class Laboratory:
         resume = begun and job.tries == 0
         if not resume:
             write_whole(scene, json.dumps(job.scene, indent=1))
-        command = ["resume", job.folder] if resume else ["run", scene, "--out", job.folder, "--force"]
+        command = ["resume", job.folder, "--quiet"] if resume else ["run", scene, "--out", job.folder, "--force", "--quiet"]
+        if job.strain:
+            command = ["stiffness", scene, "--json", "--strain", f"{job.strain:.6g}"]
         job.tries += 1
-        with open(os.path.join(job.folder, "messages.txt"), "wb") as messages:
-            return subprocess.Popen([self.program, *command, "--quiet", "--threads", "1"], stdin=subprocess.DEVNULL,
-                                    stdout=messages, stderr=messages, preexec_fn=_follow_parent,
+        with open(os.path.join(job.folder, "messages.txt"), "wb") as messages, open(os.path.join(job.folder, "printed.txt"), "wb") as printed:
+            return subprocess.Popen([self.program, *command, "--threads", "1"], stdin=subprocess.DEVNULL,
+                                    stdout=printed, stderr=messages, preexec_fn=_follow_parent,
                                     env={**os.environ, "OMP_WAIT_POLICY": "passive"})
 
     def _finish(self, job, code):
@@ -117,8 +124,8 @@ class Laboratory:
         with open(messages, encoding="utf-8", errors="replace") as file:
             message = file.read().strip()
         if code == 0:
-            with open(os.path.join(job.folder, "summary.json"), encoding="utf-8") as file:
-                outcome = _outcome_of(json.load(file))
+            with open(os.path.join(job.folder, "printed.txt" if job.strain else "summary.json"), encoding="utf-8") as file:
+                outcome = (_constants_of if job.strain else _outcome_of)(json.load(file))
         elif code in BAD:
             outcome = Outcome({}, {}, message.splitlines()[0] if message else f"exit code {code}")
             if code == 2 and job.tries < 2 and "checkpoint" in message:
@@ -139,19 +146,24 @@ class Laboratory:
     def run(self, scenes):
         """[Outcome] of the scenes, in their order. Every different scene counts once, whether it is kept from before or not, so that
         the count and the end of a budget of runs do not depend on interruptions."""
-        folders = [os.path.join(self.folder, self.key(scene)) for scene in scenes]
-        if len(self.used | set(folders)) > self.most_runs:
+        jobs = [_Job(scene, os.path.join(self.folder, self.key(scene, 0.0))) for scene in scenes]
+        after = self.used | {job.folder for job in jobs}
+        if len(after) > self.most_runs:
             raise OutOfBudget(f"{self.most_runs} runs")
+        outcomes = self._outcomes(jobs)
+        self.used = after
+        return outcomes
+
+    def constants(self, scenes, strain):
+        """[Outcome] with the elastic constants of the tests of scenes up to a strain, by equilibria; these are no runs."""
+        return self._outcomes([_Job(scene, os.path.join(self.folder, self.key(scene, strain)), strain) for scene in scenes])
+
+    def _outcomes(self, jobs):
         if time.monotonic() - self.begun > self.most_seconds:
             raise OutOfBudget(f"{self.most_seconds:g} s")
-        self.used |= set(folders)
-        jobs = {}
-        for scene, folder in zip(scenes, folders):
-            if self._kept(folder) is None:
-                jobs[folder] = _Job(scene, folder, json.dumps([scene["specimen"], scene["run"]["seed"]], sort_keys=True))
-        self._run_all(list(jobs.values()))
-        outcomes = [self._kept(folder) for folder in folders]
-        self.seconds = sum(kept.seconds for kept in map(self._kept, sorted(self.used)) if kept)
+        self._run_all(list({job.folder: job for job in jobs if self._kept(job.folder) is None}.values()))
+        outcomes = [self._kept(job.folder) for job in jobs]
+        self.seconds.update({job.folder: outcome.seconds for job, outcome in zip(jobs, outcomes)})
         return outcomes
 
     def _run_all(self, waiting):
@@ -159,8 +171,8 @@ class Laboratory:
         running, packed = {}, set()
         try:
             while waiting or running:
-                packing = {job.specimen for job in running.values()} - packed
-                free = [job for job in waiting if job.specimen not in packing]
+                packing = {job.packing for job in running.values()} - packed
+                free = [job for job in waiting if job.packing not in packing]
                 if free and len(running) < self.workers:
                     waiting.remove(free[0])
                     running[self._start(free[0])] = free[0]
@@ -169,8 +181,7 @@ class Laboratory:
                 for process in [one for one in running if one.poll() is not None]:
                     job = running.pop(process)
                     if self._finish(job, process.returncode):
-                        packed.add(job.specimen)
-                        self.computed += 1
+                        packed.add(job.packing)
                     else:
                         waiting.append(job)
         finally:
@@ -188,6 +199,13 @@ class Laboratory:
 def _number(value):
     """A finite number, or None: no NaN leaves this module."""
     return float(value) if isinstance(value, (int, float)) and abs(value) < float("inf") else None
+
+
+def _constants_of(printed):
+    """Outcome with what `gneiss stiffness` printed of the test."""
+    test = printed["test"] or {}
+    return Outcome({name: _number(value) for name, value in test.items()}, test.get("absent") or {}, printed.get("test_absent", ""),
+                   float(printed["seconds"]))
 
 
 def _outcome_of(summary):

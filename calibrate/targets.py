@@ -44,7 +44,7 @@ class Target:
 
 @dataclass
 class Request:
-    """What a file of targets asks for; `scene` has the sections that are common to all tests, as texts and numbers."""
+    """Contents of a file of targets; `scene` has the sections that are common to all tests, as texts and numbers."""
     path: str
     title: str
     scene: dict

@@ -29,9 +29,9 @@ def interval_of_mean(values, centre, error=0.0):
     return [centre - half, centre + half]
 
 
-def prediction(values, centre, error=0.0):
-    """[low, high] between which the reading of a new packing lies: t s sqrt(1 + 1/P) about the mean, with the error of a reading."""
-    half = math.hypot(_half_width(values, 1.0 + 1.0 / len(values)), error)
+def prediction(values, centre):
+    """[low, high] between which the same test reads a new packing: t s sqrt(1 + 1/P) about the mean. Errors of the test are in both."""
+    half = _half_width(values, 1.0 + 1.0 / len(values))
     return [centre - half, centre + half]
 
 
@@ -68,8 +68,10 @@ def _elastic_slopes(search, evaluation, seeds, slopes, column):
 
 def covariance(search, evaluation, slopes):
     """Covariance of the parameters in scaled coordinates, J^-1 (S/P + E) J^-T: S that of the outputs over P packings, E the squares of the
-    errors of single runs. Outputs that are not reached because a parameter is at a bound are left out."""
-    present = [k for k, name in enumerate(search.names) if evaluation.mean(name) is not None]
+    errors of single runs. Parameters at a bound count as given, and outputs that they keep from their targets are left out."""
+    away = search.given_up(evaluation)
+    present = [k for k, name in enumerate(search.names) if evaluation.mean(name) is not None and name not in away]
+    moving = [k for k, name in enumerate(search.free) if not search.ends_at(evaluation.parameters[name], name)]
     names = [search.names[k] for k in present]
     table = np.array([[scaled(name, value) for value in evaluation.column(name)] for name in names])
     count = table.shape[1]
@@ -78,8 +80,10 @@ def covariance(search, evaluation, slopes):
         value = evaluation.mean(name)
         error = evaluation.errors.get(name, 0.0) / NORMAL
         scatter[k, k] += (error if scaled(name, 1.0) == 1.0 else error / value)**2
-    inverse = np.linalg.pinv(slopes[present], rcond=SMALLEST_SLOPE)
-    return inverse @ scatter @ inverse.T
+    inverse = np.linalg.pinv(slopes[np.ix_(present, moving)], rcond=SMALLEST_SLOPE)
+    whole = np.zeros((len(search.free),) * 2)
+    whole[np.ix_(moving, moving)] = inverse @ scatter @ inverse.T
+    return whole
 
 
 def interval_of(name, value, variance, count):

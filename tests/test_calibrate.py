@@ -25,6 +25,7 @@ def calibration(folder):
 
 
 def outcomes(folder):
+    """Finished runs and solutions in the folder of a calibration."""
     runs = os.path.join(folder, "runs")
     return sorted(name for name in (os.listdir(runs) if os.path.isdir(runs) else []) if os.path.exists(os.path.join(runs, name, "outcome.json")))
 
@@ -74,7 +75,7 @@ def known_parameters_are_recovered_from_their_readings_within_the_stated_interva
         entry = found["found"][name]
         assert abs(entry["value"] - value) <= entry["tolerance"] and len(entry["packings"]) == 3, (name, entry, value)
         low, high = entry["interval"]
-        assert low < entry["value"] < high and entry["prediction"][0] < low and entry["prediction"][1] > high, entry
+        assert low < entry["value"] < high and entry["prediction"][0] < min(entry["packings"]) and entry["prediction"][1] > max(entry["packings"]), entry
     for key, value in KNOWN.items():
         low, high = found["parameters"][key]["interval"]
         assert low <= value <= high, f"{key}: {value} outside of {low} .. {high}"
@@ -139,7 +140,6 @@ def a_budget_ends_the_search_with_the_best_so_far(folder):
     out, done = calibrated(folder, TARGETS + "budget: 14\n")
     found = calibration(out)
     assert found["runs"] <= 14 and "the budget of 14 runs is used up" in done.stdout, done.stdout
-    assert len(outcomes(out)) <= 14
     calibrated(folder, TARGETS + "budget: 1\n", "b", code=2)
 
 

@@ -551,7 +551,8 @@ static void places_that_are_looked_at_stay_as_they_were(void **state) {
         const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = thin[k]};
         gn_world *w = block_of(&fine);
         const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
-        assert_int_equal(gn_conversion_check_places(w, &seen, &error), GNEISS_OK);
+        const gn_convertible model = gn_world_convertible(w);
+        assert_int_equal(gn_conversion_check_places(&model, &seen, &error), GNEISS_OK);
         print_message("# zone of %g m: %zu places, at %zu others go along, %zu cannot\n", thin[k],
                       seen.looked, seen.along, seen.too_few);
         assert_true(seen.looked >= 50 && seen.looked <= 100);

@@ -1,6 +1,6 @@
 /* The limit of the step of particles and elements as one system. */
 #include "coupling_helpers.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"
 

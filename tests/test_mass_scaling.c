@@ -1,5 +1,5 @@
 /* Masses raised for a longer step: as much as the wanted step needs, no weight, no lost energy. */
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world_helpers.h"
 
 #include "kernels/dashpot.h"

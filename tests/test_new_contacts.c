@@ -4,7 +4,7 @@
 
 #include "particles/law.h"
 #include "scene/read.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 static double residual_after(gn_world *w, double end) {
     double residual = 0.0;

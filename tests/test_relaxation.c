@@ -1,7 +1,7 @@
 /* Particles that elements turn into are brought into balance within the instant. */
 #include "conversion/conversion_private.h"
 #include "conversion_helpers.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "run_helpers.h"
 
 /* A block of elements of 2 mm, held all around, and a lattice in it whose particles are shifted by

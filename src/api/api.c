@@ -4,7 +4,7 @@
 #include "base/new.h"
 #include "conversion/conversion.h"
 #include "particles/dormant.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 #include <stdlib.h>

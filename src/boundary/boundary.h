@@ -10,7 +10,6 @@
 #include "frame/balance.h"
 #include "frame/parts.h"
 #include "frame/periodic_box.h"
-#include "kernels/contact.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
 #include "soa/records.h"

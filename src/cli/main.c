@@ -15,11 +15,11 @@
 #include "cli/stiffness.h"
 #include "cli/sweep.h"
 #include "conversion/conversion.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "run/folder.h"
 #include "scene/tree.h"
 #include "sweep/sweep.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/scale.h"
 
 #include <malloc.h>

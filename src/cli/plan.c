@@ -21,7 +21,7 @@
 #include "particles/dormant.h"
 #include "particles/specimen.h"
 #include "scene/stages.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/scale.h"
 
 #include <math.h>

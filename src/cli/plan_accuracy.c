@@ -3,7 +3,7 @@
 #include "base/new.h"
 #include "base/printable.h"
 #include "cli/progress.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "plan/setting.h"
 
 #include <math.h>

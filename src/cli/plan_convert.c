@@ -8,7 +8,7 @@
 #include "particles/dormant.h"
 #include "scene/stages.h"
 #include "solids/dormant_places.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "zones/zone_state.h"
 
 #include <math.h>
@@ -43,7 +43,8 @@ typedef struct trial {
 /* Finds the limits of all particles as if they were active. */
 static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
     gn_resolution collision;
-    GN_TRY(gn_conversion_limit(world, &t->all, error));
+    const gn_convertible model = gn_world_convertible(world);
+    GN_TRY(gn_conversion_limit(&model, &t->all, error));
     gn_dormant_swap(&world->ctx, &world->dem);
     gneiss_status status = gn_resolution_listed(&world->ctx, &world->dem, &world->boundary,
                                                 &world->solids, &world->zones, &collision, error);
@@ -158,7 +159,8 @@ static const char *side_of(const gn_world *world) {
 static gneiss_status try_front(gn_world *world, double part, char *halt, size_t size,
                                gneiss_error *error) {
     *world->outcome.halt = '\0';
-    const gneiss_status status = gn_conversion_convert_above(world, part, error);
+    const gn_convertible model = gn_world_convertible(world);
+    const gneiss_status status = gn_conversion_convert_above(&model, part, error);
     snprintf(halt, size, "%.400s",
              status == GNEISS_ERROR_UNSTABLE ? error->message : world->outcome.halt);
     return status == GNEISS_ERROR_UNSTABLE ? GNEISS_OK : status;
@@ -344,8 +346,9 @@ static void warn_of_looks(const gn_world *world, int *warnings) {
 
 static void print_places(gn_world *world, int *warnings) {
     gn_conversion_places_checked seen;
+    const gn_convertible model = gn_world_convertible(world);
     if (gn_elements_have_left(&world->solids) ||
-        gn_conversion_check_places(world, &seen, NULL) != GNEISS_OK)
+        gn_conversion_check_places(&model, &seen, NULL) != GNEISS_OK)
         return;
     printf("  places           %zu checked", seen.looked);
     if (seen.along)

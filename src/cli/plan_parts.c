@@ -7,8 +7,8 @@
 #include "frame/parts.h"
 #include "particles/bond_sections.h"
 #include "solids/element_walls.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/world.h"
 #include "zones/zones.h"
 

@@ -7,11 +7,11 @@
 #include "cli/line.h"
 #include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "plan/estimate.h"
 #include "run/budget.h"
 #include "run/run.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,11 +1,10 @@
 #include "cli/stiffness.h"
 
 #include "base/new.h"
-#include "base/printable.h"
 #include "base/timer.h"
 #include "cli/pack.h"
 #include "cli/progress.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "laboratory/laboratory.h"
 #include "plan/estimate.h"
 #include "run/history_rows.h"

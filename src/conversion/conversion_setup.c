@@ -8,24 +8,22 @@
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "kernels/partials.h"
 #include "limit/step_limits.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "neigh/neigh.h"
 #include "particles/dormant.h"
 #include "particles/lists.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
-#include "world/world.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -136,6 +134,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gneiss_error *error) {
     gn_ties ties;
+    GN_TRY(gn_zones_check_law(ctx, error));
     GN_TRY(check_law(ctx, error));
     GN_TRY(check_width(ctx, solids, error));
     GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &ties, error));
@@ -409,17 +408,18 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
 
 /* --- all of them active --- */
 
-gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_error *error) {
-    const gn_step_limit before = w->ctx.choice.limit;
-    const double stable = w->ctx.choice.stable;
+gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *limit,
+                                  gneiss_error *error) {
+    const gn_step_limit before = model->ctx->choice.limit;
+    const double stable = model->ctx->choice.stable;
     bool due;
-    gn_dormant_swap(&w->ctx, &w->dem);
-    gneiss_status status = gn_dem_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                        &w->ledger, true, &due, error);
-    gn_dormant_swap(&w->ctx, &w->dem);
-    *limit = w->ctx.choice.limit;
-    w->ctx.choice.limit = before;
-    w->ctx.choice.stable = stable;
+    gn_dormant_swap(model->ctx, model->dem);
+    gneiss_status status = gn_dem_limit(model->ctx, model->dem, model->boundary, model->solids,
+                                        model->zones, model->ledger, true, &due, error);
+    gn_dormant_swap(model->ctx, model->dem);
+    *limit = model->ctx->choice.limit;
+    model->ctx->choice.limit = before;
+    model->ctx->choice.stable = stable;
     return status;
 }
 

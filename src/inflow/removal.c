@@ -3,21 +3,18 @@
 #include "inflow/removal.h"
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "neigh/pairs.h"
+#include "frame/frame.h"
+#include "neigh/neigh.h"
 #include "pack/domain.h"
-#include "particles/dem.h"
 #include "particles/flow.h"
 #include "particles/fragments.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "scene/flow_def.h"
 #include "scene/scene.h"
 #include "sched/hold.h"
@@ -56,6 +53,91 @@ static gneiss_status left_domain(const gn_step_context *ctx, const gn_dem *dem, 
                    gn_point_text(ctx->scene.origin, x, at), v[0], v[1], v[2], why);
 }
 
+/* --- thin sinks: particles that pass through them between two lists --- */
+
+/* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
+static double sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
+    const gn_flow_region *r = &ctx->scene.sinks[sink].region;
+    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
+    double lower[3], upper[3], width = INFINITY, around = 0.0;
+    if (!region) return INFINITY;
+    gn_domain_bounds(region, lower, upper);
+    for (int a = 0; a < gn_domain_dimension(region); a++) width = fmin(width, upper[a] - lower[a]);
+    for (size_t k = 0; k < r->corner_count; k++) {
+        const double *x = r->corners + 2 * k, *y = r->corners + 2 * ((k + 1) % r->corner_count);
+        around += hypot(y[0] - x[0], y[1] - x[1]);
+    }
+    /* A long strip has 2 A/P, any other polygon less than its width. */
+    return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
+}
+
+/* Tells whether a particle can be wholly inside for hardly longer than lists may last: the skin
+ * grows to six times that of the start. */
+static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
+    return ctx->scene.sinks[sink].remove &&
+           sink_width(ctx, dem, sink) - 2.0 * dem->flow.largest < 12.0 * dem->verlet.skin_start;
+}
+
+enum { PLACES = 16, HALVINGS = 40 };
+/* Share of a radius within which a particle counts as inside in spite of rounding. */
+static const double rounding = 1e-9;
+
+/* Depth, m, of a particle's centre in a region at a share of its last step, counted backwards. */
+static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const gn_domain *region,
+                           size_t particle, double share) {
+    const gn_particles *q = &dem->particles;
+    double at[3];
+    for (int a = 0; a < 3; a++)
+        at[a] = q->pos[4 * particle + a] - share * ctx->dt_past * q->vel[4 * particle + a];
+    return gn_domain_depth(region, at);
+}
+
+/* The largest depth between two shares of the last step; on a line through a convex region depth
+ * has one maximum. */
+static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_domain *region, size_t particle, double from, double to) {
+    for (int k = 0; k < HALVINGS; k++) {
+        const double low = from + 0.382 * (to - from), high = to - 0.382 * (to - from);
+        if (depth_before(ctx, dem, region, particle, low) >
+            depth_before(ctx, dem, region, particle, high))
+            to = high;
+        else
+            from = low;
+    }
+    return depth_before(ctx, dem, region, particle, 0.5 * (from + to));
+}
+
+/* Tells whether it was wholly inside at any instant of the last step. The depth changes by at most
+ * the path, which is at most half of the smallest radius (paths.c). */
+static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
+    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
+    const double *v = dem->particles.vel + 4 * particle,
+                 needed = (1.0 - rounding) * dem->particles.pos[4 * particle + 3],
+                 part = ctx->dt_past * sqrt(gn_dot3(v, v)) / PLACES;
+    double deepest = -INFINITY;
+    int best = 0;
+    for (int k = 0; k <= PLACES; k++) {
+        const double depth = depth_before(ctx, dem, region, particle, (double)k / PLACES);
+        if (depth > deepest) {
+            deepest = depth;
+            best = k;
+        }
+    }
+    if (deepest >= needed || deepest + part < needed) return deepest >= needed;
+    return deepest_between(ctx, dem, region, particle, fmax(0, best - 1) / PLACES,
+                           fmin(PLACES, best + 1) / PLACES) >= needed;
+}
+
+/* Tells whether a particle is where a sink has it, or was there at any time of the last step if the
+ * sink is thin. */
+static bool sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink,
+                       size_t particle) {
+    return gn_sink_has(ctx, dem, sink, dem->particles.pos + 4 * particle) ||
+           (is_thin(ctx, dem, sink) && passed(ctx, dem, sink, particle));
+}
+
+/* --- which --- */
+
 /* Ways in which a particle leaves: 0 it stays, LEFT the domain, from 1 on by a sink, base 1. */
 enum { LEFT = -1 };
 
@@ -64,7 +146,7 @@ static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, 
     const double *x = q->pos + 4 * p;
     if (!gn_particle_is_active(q, p)) return 0;
     for (size_t k = 0; k < ctx->scene.sink_count; k++)
-        if (gn_sink_takes(ctx, dem, k, p)) return (int32_t)k + 1;
+        if (sink_takes(ctx, dem, k, p)) return (int32_t)k + 1;
     return ctx->scene.has_domain && !in_domain(ctx, x, reach) ? LEFT : 0;
 }
 
@@ -238,85 +320,6 @@ gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_
     return GNEISS_OK;
 }
 
-/* Thin sinks: particles that pass through them between two lists, and particles that never fit. */
-
-double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
-    const gn_flow_region *r = &ctx->scene.sinks[sink].region;
-    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
-    double lower[3], upper[3], width = INFINITY, around = 0.0;
-    if (!region) return INFINITY;
-    gn_domain_bounds(region, lower, upper);
-    for (int a = 0; a < gn_domain_dimension(region); a++) width = fmin(width, upper[a] - lower[a]);
-    for (size_t k = 0; k < r->corner_count; k++) {
-        const double *x = r->corners + 2 * k, *y = r->corners + 2 * ((k + 1) % r->corner_count);
-        around += hypot(y[0] - x[0], y[1] - x[1]);
-    }
-    /* A long strip has 2 A/P, any other polygon less than its width. */
-    return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
-}
-
-/* Tells whether a particle can be wholly inside for hardly longer than lists may last: the skin
- * grows to six times that of the start. */
-static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
-    return ctx->scene.sinks[sink].remove &&
-           gn_sink_width(ctx, dem, sink) - 2.0 * dem->flow.largest < 12.0 * dem->verlet.skin_start;
-}
-
-enum { PLACES = 16, HALVINGS = 40 };
-/* Share of a radius within which a particle counts as inside in spite of rounding. */
-static const double rounding = 1e-9;
-
-/* Depth, m, of a particle's centre in a region at a share of its last step, counted backwards. */
-static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const gn_domain *region,
-                           size_t particle, double share) {
-    const gn_particles *q = &dem->particles;
-    double at[3];
-    for (int a = 0; a < 3; a++)
-        at[a] = q->pos[4 * particle + a] - share * ctx->dt_past * q->vel[4 * particle + a];
-    return gn_domain_depth(region, at);
-}
-
-/* The largest depth between two shares of the last step; on a line through a convex region depth
- * has one maximum. */
-static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_domain *region, size_t particle, double from, double to) {
-    for (int k = 0; k < HALVINGS; k++) {
-        const double low = from + 0.382 * (to - from), high = to - 0.382 * (to - from);
-        if (depth_before(ctx, dem, region, particle, low) >
-            depth_before(ctx, dem, region, particle, high))
-            to = high;
-        else
-            from = low;
-    }
-    return depth_before(ctx, dem, region, particle, 0.5 * (from + to));
-}
-
-/* Tells whether it was wholly inside at any instant of the last step. The depth changes by at most
- * the path, which is at most half of the smallest radius (paths.c). */
-static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
-    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
-    const double *v = dem->particles.vel + 4 * particle,
-                 needed = (1.0 - rounding) * dem->particles.pos[4 * particle + 3],
-                 part = ctx->dt_past * sqrt(gn_dot3(v, v)) / PLACES;
-    double deepest = -INFINITY;
-    int best = 0;
-    for (int k = 0; k <= PLACES; k++) {
-        const double depth = depth_before(ctx, dem, region, particle, (double)k / PLACES);
-        if (depth > deepest) {
-            deepest = depth;
-            best = k;
-        }
-    }
-    if (deepest >= needed || deepest + part < needed) return deepest >= needed;
-    return deepest_between(ctx, dem, region, particle, fmax(0, best - 1) / PLACES,
-                           fmin(PLACES, best + 1) / PLACES) >= needed;
-}
-
-bool gn_sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
-    return gn_sink_has(ctx, dem, sink, dem->particles.pos + 4 * particle) ||
-           (is_thin(ctx, dem, sink) && passed(ctx, dem, sink, particle));
-}
-
 /* Tells whether its centre is in the box around the region, extended by the last path. */
 static bool is_near(const gn_step_context *ctx, const gn_dem *dem, const double lower[3],
                     const double upper[3], size_t p) {
@@ -335,15 +338,15 @@ bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem) {
         if (!region || !is_thin(ctx, dem, k)) continue;
         gn_domain_bounds(region, lower, upper);
         for (size_t p = 0; p < dem->particles.soa.count; p++)
-            if (is_near(ctx, dem, lower, upper, p) && gn_sink_takes(ctx, dem, k, p)) return true;
+            if (is_near(ctx, dem, lower, upper, p) && sink_takes(ctx, dem, k, p)) return true;
     }
     return false;
 }
 
 bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
                          size_t size) {
-    const double width = gn_sink_width(ctx, dem, sink),
-                 most = 2.0 * gn_flow_widest_radius(ctx, dem), least = 2.0 * dem->radius_min;
+    const double width = sink_width(ctx, dem, sink), most = 2.0 * gn_flow_widest_radius(ctx, dem),
+                 least = 2.0 * dem->radius_min;
     if (!ctx->scene.sinks[sink].remove || !(width < (1.0 - rounding) * most)) return false;
     snprintf(text, size, "sink '%s' is %.4g m thick, and removes what is wholly inside: %s",
              ctx->scene.sinks[sink].name, width,

@@ -18,13 +18,6 @@ gneiss_status gn_particles_find_gone(const gn_step_context *ctx, gn_dem *dem, gn
 gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger,
                                     const int32_t *gone, gneiss_error *error);
 
-/* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
-double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink);
-
-/* Tells whether a particle is where a sink has it, or was there at any time of the last step if the
- * sink is thin. */
-bool gn_sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle);
-
 /* Tells whether a sink that is thin beside the ways on which lists stand has a particle to remove;
  * such sinks are looked at in every step. */
 bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem);

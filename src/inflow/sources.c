@@ -2,18 +2,17 @@
 #include "inflow/sources.h"
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "inflow/free_space.h"
 #include "inflow/removal.h"
 #include "pack/domain.h"
 #include "pack/sizes.h"
-#include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/particles.h"
 #include "particles/rows.h"
 #include "scene/flow_def.h"
 #include "scene/scene.h"
@@ -171,9 +170,8 @@ typedef struct arrivals {
 static gneiss_status keep(arrivals *list, const gn_arrival *a, gneiss_error *error) {
     if (list->count == list->space) {
         size_t space = 2 * list->space + 64;
-        gn_arrival *item = gn_alloc_array(space, sizeof *item);
-        if (!item)
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu new particles", space);
+        gn_arrival *item = NULL;
+        GN_TRY(gn_new(&item, space, "new particles", error));
         if (list->count) memcpy(item, list->item, list->count * sizeof *item);
         gn_free(list->item);
         list->item = item;

@@ -15,7 +15,7 @@
  * far, which the caller has to detect. */
 #include "limit/equilibrium.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "limit/springs.h"
 
@@ -468,12 +468,9 @@ static gneiss_status make_preconditioner(cg *solver, gneiss_error *error) {
     bool good = m->particles == n && solver->viscosity.drag == 0.0 && m->uses++ < USES;
     if (good && !touches_more(solver)) return GNEISS_OK;
     gn_preconditioner_free(m);
-    m->inverse = gn_alloc_array(n + 1, sizeof *m->inverse);
-    m->ground = gn_alloc_array(solver->n + 1, sizeof *m->ground);
-    m->weight = gn_alloc_array(solver->n + 1, sizeof *m->weight);
-    if (!m->inverse || !m->ground || !m->weight)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
-                       n);
+    GN_TRY(gn_new(&m->inverse, n + 1, "the equilibrium of particles", error));
+    GN_TRY(gn_new(&m->ground, solver->n + 1, "the equilibrium of particles", error));
+    GN_TRY(gn_new(&m->weight, solver->n + 1, "the equilibrium of particles", error));
     GN_TRY(gn_coarse_create(&m->coarse, n, solver->y.spectrum->assembly->particles->pos, error));
     make_blocks(solver);
     make_coarse(solver);

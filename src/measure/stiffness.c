@@ -5,7 +5,8 @@
 
 enum { MOST = GN_VOIGT_MOST };
 
-void gn_voigt_pair(int dimension, int row, int *i, int *j) {
+/* Gives the indices i, j of a row of Voigt matrices. */
+static void voigt_pair(int dimension, int row, int *i, int *j) {
     static const int space[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
     static const int plane[3][2] = {{0, 0}, {1, 1}, {0, 1}};
     const int(*pair)[2] = dimension == 3 ? space : plane;
@@ -16,7 +17,7 @@ void gn_voigt_pair(int dimension, int row, int *i, int *j) {
 /* Multiplies a unit tensor of a row by a vector; shear components are `part`. */
 static void times(int dimension, int row, double part, const double x[3], double y[3]) {
     int i, j;
-    gn_voigt_pair(dimension, row, &i, &j);
+    voigt_pair(dimension, row, &i, &j);
     y[0] = y[1] = y[2] = 0.0;
     y[i] = (i == j ? 1.0 : part) * x[j];
     if (i != j) y[j] = part * x[i];
@@ -37,7 +38,7 @@ gn_bond_fabric gn_bond_fabric_of(int dimension, const gn_stiff_bond *bond, size_
         for (int a = 0; a < 3; a++) square += b->l[a] * b->l[a];
         for (int a = 0; a < 9; a++) f.second[a] += share * b->n[a / 3] * b->n[a % 3];
         for (int a = 0, i, j; a < n; a++) {
-            gn_voigt_pair(dimension, a, &i, &j);
+            voigt_pair(dimension, a, &i, &j);
             pair[a] = b->n[i] * b->n[j];
         }
         for (int a = 0; a < n * n; a++) f.fourth[a] += share * pair[a / n] * pair[a % n];

@@ -39,9 +39,6 @@ static inline int gn_voigt_size(int dimension) {
     return dimension == 3 ? 6 : 3;
 }
 
-/* Gives the indices i, j of a row of Voigt matrices. */
-void gn_voigt_pair(int dimension, int row, int *i, int *j);
-
 /* Multiplies the strain of a row (xx: 1, shear: 1/2 twice) by l. */
 void gn_voigt_stretch(int dimension, int row, const double l[3], double e[3]);
 

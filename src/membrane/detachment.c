@@ -2,16 +2,16 @@
  * particle towards those that remain become surface: their vector sum is the area that it carried,
  * so that the surface stays closed, encloses what remains, and follows it. All of it refers to the
  * positions at the start. */
+#include "base/new.h"
 #include "membrane/membrane.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/cells.h"
-#include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 
@@ -138,16 +138,12 @@ static gneiss_status collect_patches(const gn_step_context *ctx, gn_dem *dem, gn
     const gn_dem *d = dem;
     const size_t n = d->particles.soa.count;
     const double radius = gn_dem_mean_radius(dem);
-    h->of = gn_alloc_array(n + 1, sizeof *h->of);
-    if (!h->of)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    GN_TRY(gn_new(&h->of, n + 1, "the skin of particles", error));
     for (size_t p = 0; p < n; p++) h->of[p] = !gn_is_detached(&d->particles, p);
     GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, h->of, &h->left, error));
     GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, NULL, &h->all, error));
     h->cell = (gn_cell){.all = &h->all, .around = around * radius, .width = voxel * radius};
-    h->head = gn_alloc_array(n + 1, sizeof *h->head);
-    if (!h->head)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    GN_TRY(gn_new(&h->head, n + 1, "the skin of particles", error));
     GN_TRY(make_room(h, membrane->patch_count + 64, error));
     for (size_t p = 0; p < n; p++) h->head[p] = NONE;
     for (size_t k = membrane->patch_count; k-- > 0;) {
@@ -161,8 +157,8 @@ static gneiss_status collect_patches(const gn_step_context *ctx, gn_dem *dem, gn
 static gneiss_status store_patches(const transfer *h, gneiss_error *error) {
     const gn_particles *q = &h->dem->particles;
     gn_membrane *membrane = h->membrane;
-    gn_patch *patches = gn_alloc_array(h->count + 1, sizeof *patches);
-    if (!patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    gn_patch *patches = NULL;
+    GN_TRY(gn_new(&patches, h->count + 1, "a membrane", error));
     membrane->patch_count = 0;
     for (size_t p = 0; p < q->soa.count; p++)
         for (int32_t k = h->head[p]; k != NONE; k = h->next[k]) {

@@ -4,12 +4,11 @@
 
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "scene/laboratory.h"
-#include "scene/table.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -167,10 +166,8 @@ static gneiss_status list_bodies(gn_dem *dem, gn_membrane *membrane, size_t bodi
     gn_dem *d = dem;
     gn_free(membrane->skin_gradient);
     gn_free(membrane->skin_body);
-    membrane->skin_gradient = gn_alloc_array(bodies, sizeof *membrane->skin_gradient);
-    membrane->skin_body = gn_alloc_array(d->particles.soa.count + 1, sizeof *membrane->skin_body);
-    if (!membrane->skin_gradient || !membrane->skin_body)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    GN_TRY(gn_new(&membrane->skin_gradient, bodies, "the bodies of a skin", error));
+    GN_TRY(gn_new(&membrane->skin_body, d->particles.soa.count + 1, "the bodies of a skin", error));
     for (size_t k = 0; k < membrane->patch_count; k++) {
         const int32_t p = gn_patch_bearer(d, &membrane->patches[k]);
         if (p >= 0) membrane->skin_body[p] = membrane->patches[k].body;

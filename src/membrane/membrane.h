@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <stdbool.h>

@@ -2,16 +2,16 @@
  * by what of the body lies beneath it, and as the faces that what came off left bare, so that
  * together they are the surface of what is left. In a body that deforms every patch turns and
  * stretches as the particles around its bearer have moved. */
+#include "base/new.h"
 #include "membrane/membrane.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/cells.h"
-#include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -397,8 +397,8 @@ static void blend(gn_dem *dem, const double *was, const double had[9], double ar
 /* Grains that roll by themselves do not say how a body moves. */
 static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                   gn_start_grid *grid, gneiss_error *error) {
-    bool *held = gn_alloc_array(dem->particles.soa.count + 1, sizeof *held);
-    if (!held) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of a specimen");
+    bool *held = NULL;
+    GN_TRY(gn_new(&held, dem->particles.soa.count + 1, "the skin of a specimen", error));
     gneiss_status status = gn_membrane_find_supported(ctx, dem, held, error);
     if (status == GNEISS_OK) status = gn_start_grid_make(ctx, dem, cell, held, grid, error);
     gn_free(held);

@@ -2,16 +2,16 @@
  * particle whose surface is nearest (a Voronoi share), so that the areas add up to the surface. */
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/cells.h"
 #include "membrane/membrane.h"
 #include "pack/boundary.h"
-#include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/lists.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -133,9 +133,8 @@ gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_de
     bool any = false;
     for (size_t p = 0; p < n; p++) held[p] = !gn_is_detached(q, p);
     if (!(ctx->effects & GN_FX_BONDS) || !dem->bonds.contacts.soa.count) return GNEISS_OK;
-    footing *all = gn_alloc_array(n + 1, sizeof *all);
-    if (!all)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    footing *all = NULL;
+    GN_TRY(gn_new(&all, n + 1, "the skin of particles", error));
     remove_unsupported(ctx, dem, all, held);
     gn_free(all);
     for (size_t p = 0; p < n; p++) any = any || held[p];
@@ -244,8 +243,7 @@ static gneiss_status keep_patches(gn_dem *dem, gn_membrane *membrane, const gn_p
     gn_dem *d = dem;
     const size_t most = SIDES * d->particles.soa.count;
     for (size_t k = 0; k < most; k++) membrane->patch_count += all[k].size > 0.0;
-    membrane->patches = gn_alloc_array(membrane->patch_count + 1, sizeof *membrane->patches);
-    if (!membrane->patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    GN_TRY(gn_new(&membrane->patches, membrane->patch_count + 1, "a membrane", error));
     size_t at = 0;
     for (size_t k = 0; k < most; k++)
         if (all[k].size > 0.0) {
@@ -329,8 +327,8 @@ static gneiss_status find_patches(const gn_step_context *ctx, gn_dem *dem, gn_me
     const double radius = gn_dem_mean_radius(dem);
     if (gn_scene_membrane_on_shape(&ctx->scene))
         return skin_of_shape(ctx, dem, radius, held, all, error);
-    double *arms = gn_alloc_array(dem->particles.soa.count + 1, sizeof *arms);
-    if (!arms) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    double *arms = NULL;
+    GN_TRY(gn_new(&arms, dem->particles.soa.count + 1, "a membrane", error));
     gneiss_status status =
         gn_membrane_free_skin(ctx, dem, membrane, boundary, solids, radius, arms, error);
     if (status == GNEISS_OK) skin_of_particles(ctx, dem, membrane, arms, all);
@@ -341,8 +339,8 @@ static gneiss_status find_patches(const gn_step_context *ctx, gn_dem *dem, gn_me
 static gneiss_status make_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   const bool *held, gneiss_error *error) {
-    gn_patch *all = gn_alloc_array(SIDES * dem->particles.soa.count + 1, sizeof *all);
-    if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    gn_patch *all = NULL;
+    GN_TRY(gn_new(&all, SIDES * dem->particles.soa.count + 1, "a membrane", error));
     gneiss_status status = find_patches(ctx, dem, membrane, boundary, solids, held, all, error);
     if (status == GNEISS_OK) status = keep_patches(dem, membrane, all, error);
     gn_free(all);
@@ -355,8 +353,7 @@ gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem, gn_mem
     gn_particles *q = &dem->particles;
     const gn_scene *s = &ctx->scene;
     if (!(ctx->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    membrane->state = gn_alloc_array(1, sizeof *membrane->state);
-    if (!membrane->state) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    GN_TRY(gn_new(&membrane->state, 1, "a membrane", error));
     for (int a = 0; a < 3; a++) membrane->state->gradient[4 * a] = 1.0;
     memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
     GN_TRY(make_patches(ctx, dem, membrane, boundary, solids, NULL, error));

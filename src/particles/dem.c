@@ -1,17 +1,14 @@
 /* Particles: from a packing to records, and what is asked of them as a whole. */
-#include "particles/dem.h"
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
 #include "io/packing.h"
-#include "kernels/contact.h"
 #include "kernels/dispatch.h"
-#include "kernels/law.h"
 #include "kernels/partials.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/events.h"
 #include "particles/flow.h"
@@ -20,6 +17,7 @@
 #include "particles/law.h"
 #include "particles/observe.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
@@ -156,9 +154,7 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_er
     GN_TRY(take_velocities(ctx, dem, error));
     GN_TRY(gn_sets_apply(ctx, dem, error));
     GN_TRY(gn_flow_create(ctx, dem, error));
-    d->index_of_id = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->index_of_id);
-    if (!d->index_of_id)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    GN_TRY(gn_new(&d->index_of_id, d->particles.soa.count + 1, "particle numbers", error));
     GN_TRY(gn_pieces_create(ctx, dem, error));
     d->verlet.skin = ctx->scene.skin > 0.0 ? ctx->scene.skin : automatic_skin(ctx, dem);
     d->verlet.skin_start = d->verlet.skin;

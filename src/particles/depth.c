@@ -1,8 +1,8 @@
 #include "particles/depth.h"
 
 #include "base/memory.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <math.h>

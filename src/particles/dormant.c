@@ -1,7 +1,7 @@
 #include "particles/dormant.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "particles/lists.h"
 #include "soa/records.h"
 
@@ -9,9 +9,7 @@
 
 gneiss_status gn_dormant_create(gn_dem *dem, gneiss_error *error) {
     const size_t count = dem->particles.soa.count;
-    dem->dormant = gn_alloc_array(count + 1, sizeof *dem->dormant);
-    if (!dem->dormant)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", count);
+    GN_TRY(gn_new(&dem->dormant, count + 1, "particles", error));
     for (size_t k = 0; k < count; k++) dem->dormant[k].element = -1;
     return GNEISS_OK;
 }

@@ -4,9 +4,9 @@
 #define GN_PARTICLES_DORMANT_H
 
 #include "base/error.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 
 #include <stdbool.h>
 #include <stddef.h>

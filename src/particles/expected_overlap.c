@@ -1,8 +1,8 @@
 #include "particles/expected_overlap.h"
 
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 
 #include <math.h>
 

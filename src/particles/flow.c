@@ -2,12 +2,12 @@
 #include "particles/flow.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "pack/domain.h"
 #include "pack/sizes.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/flow_def.h"
 #include "scene/place.h"
 #include "scene/scene.h"
@@ -195,9 +195,8 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
     const gn_particles *q = &dem->particles;
     if (f->lost_count >= f->lost_room) { /* checkpoints have no room beyond the count */
         size_t room = 2 * f->lost_count + 16;
-        gn_lost *lost = gn_alloc_array(room, sizeof *lost);
-        if (!lost)
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu lost particles", room);
+        gn_lost *lost = NULL;
+        GN_TRY(gn_new(&lost, room, "lost particles", error));
         if (f->lost_count) memcpy(lost, f->lost, f->lost_count * sizeof *lost);
         gn_free(f->lost);
         f->lost = lost;

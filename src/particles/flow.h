@@ -1,6 +1,7 @@
 /* Particles that come and go: sources, sinks, and those that left the domain. The part of particles
- * (dem.h) owns all of it. Both act when lists are made, so that nothing else has to know: what is
- * near, what touches and what the step must hold follow as for particles that were there before. */
+ * (particles.h) owns all of it. Both act when lists are made, so that nothing else has to know:
+ * what is near, what touches and what the step must hold follow as for particles that were there
+ * before. */
 #ifndef GN_PARTICLES_FLOW_H
 #define GN_PARTICLES_FLOW_H
 

@@ -1,11 +1,11 @@
 #include "particles/motion.h"
 
 #include "base/memory.h"
+#include "frame/frame.h"
 #include "frame/step_change.h"
-#include "frame/step_context.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 
 #include <math.h>
 

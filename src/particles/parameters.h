@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "frame/parts.h"
 #include "kernels/partials.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "soa/records.h"
 
 #include <stddef.h>

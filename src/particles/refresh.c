@@ -1,14 +1,13 @@
 #include "particles/refresh.h"
 
-#include "base/memory.h"
 #include "base/new.h"
-#include "frame/step_context.h"
-#include "neigh/pairs.h"
+#include "frame/frame.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/fragments.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "sched/hold.h"
 #include "soa/single.h"
 

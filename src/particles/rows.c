@@ -1,15 +1,14 @@
 #include "particles/rows.h"
 
 #include "base/ball.h"
-#include "base/memory.h"
 #include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "neigh/neigh.h"
 #include "particles/flow.h"
 #include "particles/fragments.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "sched/hold.h"
 #include "soa/particle_state.h"
@@ -60,9 +59,7 @@ gneiss_status gn_dem_sort(const gn_step_context *ctx, gn_dem *dem, int32_t *plac
 }
 
 gneiss_status gn_dem_number_rows(gn_dem *dem, gneiss_error *error) {
-    dem->index_of_id = gn_alloc_array((size_t)dem->ids + 1, sizeof *dem->index_of_id);
-    if (!dem->index_of_id)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    GN_TRY(gn_new(&dem->index_of_id, (size_t)dem->ids + 1, "particle numbers", error));
     gn_dem_number_ids(dem);
     return GNEISS_OK;
 }
@@ -118,8 +115,8 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, const gn_arri
                        "step %lld, t = %g s: sources: %lld particles that came in are more than "
                        "the engine can number",
                        (long long)ctx->step, ctx->time, (long long)dem->ids);
-    int32_t *order = gn_alloc_array(after + 1, sizeof *order);
-    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", after);
+    int32_t *order = NULL;
+    GN_TRY(gn_new(&order, after + 1, "particles", error));
     for (size_t p = 0; p < after; p++) order[p] = p < before ? (int32_t)p : -1;
     gneiss_status status = grow_tables(dem, (size_t)dem->ids + count, error);
     if (status == GNEISS_OK) status = change_count(ctx, dem, order, after, error);

@@ -1,7 +1,7 @@
 #include "plan/propose.h"
 
 #include "plan/setting.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 #include <string.h>

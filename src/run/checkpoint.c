@@ -5,12 +5,9 @@
 #include "base/new.h"
 #include "base/printable.h"
 #include "base/version.h"
-#include "frame/ledger.h"
 #include "io/atomic_file.h"
-#include "io/h5.h"
 #include "io/h5_pieces.h"
 #include "io/listing.h"
-#include "measure/energy.h"
 #include "measure/measure.h"
 #include "run/checkpoint_internal.h"
 #include "run/kept.h"
@@ -430,7 +427,7 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_run_note_looks(run, error));
     gn_kept_resume(run);
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
-    GN_TRY(gn_coupled_resume(w, error));
+    GN_TRY(gn_coupled_resume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_world_restore(w, error));
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     uint64_t hash = 0;

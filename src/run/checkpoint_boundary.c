@@ -4,14 +4,12 @@
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
-#include "boundary/surface.h"
-#include "io/h5.h"
 #include "io/h5_pieces.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 #include "world/world.h"
 
 #include <stdint.h>

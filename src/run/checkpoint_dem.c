@@ -1,12 +1,11 @@
 /* The part of a checkpoint for particles. */
 #include "base/effects.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "conversion/conversion.h"
-#include "io/h5.h"
 #include "io/h5_pieces.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
 #include "soa/field.h"
@@ -248,8 +247,7 @@ static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of steps, found %g",
                            path, whole[k]);
     GN_TRY(gn_h5_rows(file, "near_paths", &n->kept_path_count, error));
-    n->kept_paths = gn_alloc_array(n->kept_path_count + 1, sizeof *n->kept_paths);
-    if (!n->kept_paths) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for paths");
+    GN_TRY(gn_new(&n->kept_paths, n->kept_path_count + 1, "paths", error));
     GN_TRY(
         gn_h5_get(file, "near_paths", GN_F64, n->kept_path_count, PATH, 0, n->kept_paths, error));
     n->kept_groups = 0;

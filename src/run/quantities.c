@@ -7,7 +7,7 @@
 #include "membrane/membrane.h"
 #include "soa/bond_causes.h"
 #include "solids/dormant_places.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/space.h"
 #include "zones/zones.h"
 

@@ -2,10 +2,9 @@
 
 #include "base/error.h"
 #include "base/timer.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "io/listing.h"
 #include "io/snapshot.h"
-#include "measure/energy.h"
 #include "run/folder.h"
 #include "run/kept.h"
 #include "run/parts.h"
@@ -14,8 +13,8 @@
 #include "scene/manifest.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/world.h"
 
 #include <math.h>

@@ -12,7 +12,6 @@
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
-#include "scene/table.h"
 #include "scene/values.h"
 #include "world/world.h"
 

@@ -12,7 +12,7 @@
 #include "run/stages.h"
 #include "scene/acts.h"
 #include "timestep/indentation.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -4,7 +4,7 @@
 #include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "limit/equilibrium.h"
 #include "limit/springs.h"
 #include "measure/delaunay.h"

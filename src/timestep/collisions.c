@@ -5,23 +5,21 @@
  * open and close undamped; all steps once the specimen has disintegrated, and for wedged debris
  * (debris.c). */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "kernels/dashpot.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
 #include "particles/law.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 #include "zones/zones.h"
 
@@ -99,8 +97,7 @@ static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
     const gn_contacts *b = &dem->bonds.contacts;
     size_t n = dem->particles.soa.count;
     *t = (ties){.share = share_of_bonds(ctx, dem)};
-    t->inverse = gn_alloc_array(n + 1, sizeof *t->inverse);
-    if (!t->inverse) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    GN_TRY(gn_new(&t->inverse, n + 1, "particles", error));
     find_inverse(ctx, dem, solids, zones, t->inverse);
     if (!b->soa.count) return GNEISS_OK;
     t->wedged = gn_alloc(n + 1);
@@ -193,8 +190,7 @@ static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, 
     const gn_contacts *k = &dem->pairs.contacts;
     *sum = NULL;
     if (!gn_world_is_underdamped(ctx, dem) || !k->soa.count) return GNEISS_OK;
-    *sum = gn_alloc_array(dem->particles.soa.count, sizeof **sum);
-    if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
+    GN_TRY(gn_new(sum, dem->particles.soa.count, "crowds", error));
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         double kn = gn_contact_spring(dem, k, c).kn;
@@ -489,8 +485,8 @@ static void flight_of_walls(const gn_step_context *ctx, const gn_dem *dem,
 static gneiss_status find_flight(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary, flight *f, gneiss_error *error) {
     size_t count = 4 * ctx->scene.material_count;
-    extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
-    if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
+    extremes *classes = NULL;
+    GN_TRY(gn_new(&classes, count + 1, "classes", error));
     for (size_t p = 0; p < dem->particles.soa.count; p++) {
         if (!gn_particle_is_active(&dem->particles, p)) continue;
         size_t held = inverse_mass(ctx, dem, p) == 0.0, kind = 2 * held + loose(dem, p);

@@ -11,15 +11,13 @@
  * throughput while such a particle collides with a relevant energy are its contacts resolved as
  * those of loose particles. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/law.h"
+#include "particles/particles.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -122,8 +120,8 @@ gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint
     if (!some || !ctx->choice.debris_reported) return GNEISS_OK;
     const double least = MATTERS * held_at_most(dem);
     if (!(least > 0.0 && least < INFINITY)) return GNEISS_OK;
-    surroundings *of = gn_alloc_array(n + 1, sizeof *of);
-    if (!of) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    surroundings *of = NULL;
+    GN_TRY(gn_new(&of, n + 1, "particles", error));
     find_surroundings(ctx, dem, &dem->pairs.contacts, adrift, of);
     find_surroundings(ctx, dem, &dem->bonds.contacts, adrift, of);
     for (size_t p = 0; p < n; p++) {

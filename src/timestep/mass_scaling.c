@@ -4,17 +4,16 @@
  * more than the sharp limit does, so it is evaluated at a smaller step, which is searched until the
  * sharp limit is the wanted step. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -128,10 +127,8 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
     double step = gn_limit_needed(ctx, dem, solids, zones,
                                   s->reached / (listed ? listed_share : ctx->scene.safety));
     if (!isfinite(step)) return GNEISS_OK; /* other parts leave no room */
-    double *factor = gn_alloc_array(dem->particles.soa.count + 1, sizeof *factor);
-    if (!factor)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses",
-                       dem->particles.soa.count);
+    double *factor = NULL;
+    GN_TRY(gn_new(&factor, dem->particles.soa.count + 1, "masses", error));
     gneiss_status status = GNEISS_OK;
     for (int round = 0; round < ROUNDS; round++) {
         status = gn_dem_masses(ctx, dem, boundary, listed, step, changed, factor, error);

@@ -1,20 +1,19 @@
 /* The step that the particles allow: with the active springs, with those that may become active
  * before the lists are rebuilt, and for collisions. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "limit/equilibrium.h"
 #include "limit/step_limits.h"
 #include "measure/measure.h"
-#include "particles/dem.h"
 #include "particles/depth.h"
+#include "particles/particles.h"
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 #include "zones/zone_state.h"
 
@@ -115,8 +114,8 @@ static gneiss_status find_changed(const gn_spectrum *spectrum, int which, uint8_
                                   size_t *count, gneiss_error *error) {
     const gn_particles *q = spectrum->assembly->particles;
     size_t n = q->soa.count;
-    int32_t *marks = gn_alloc_array(n + 1, sizeof *marks);
-    if (!marks) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    int32_t *marks = NULL;
+    GN_TRY(gn_new(&marks, n + 1, "particles", error));
     gn_step_contact_hashes(spectrum, marks);
     *count = 0;
     for (size_t p = 0; p < n; p++) {

@@ -1,23 +1,21 @@
 /* Contribution of surfaces to the stability limit. */
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "limit/step_limits.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -63,8 +61,7 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     if (!boundary->surface_count) return GNEISS_OK;
     GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, error));
     GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, error));
-    *springs = gn_alloc_array(rows + 1, sizeof **springs);
-    if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
+    GN_TRY(gn_new(springs, rows + 1, "springs", error));
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     size_t row = 0, many;
     while (gn_surface_contacts_next(ctx, dem, boundary, &row, reach, found, &many)) {

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "frame/parts.h"
 #include "limit/step_limits.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,11 +2,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/contact_rows.h"
-#include "frame/ledger.h"
 #include "particles/bonds.h"
-#include "particles/dem.h"
 #include "particles/law.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "world/particle_step.h"
 #include "world/world.h"
 

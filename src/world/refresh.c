@@ -3,12 +3,12 @@
 #include "base/error.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "inflow/removal.h"
 #include "inflow/sources.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "timestep/indentation.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/features.h"
 #include "world/invariants.h"
 #include "world/particle_step.h"
@@ -26,6 +26,12 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
     w->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
+}
+
+gn_convertible gn_world_convertible(gn_world *w) {
+    return (gn_convertible){
+        &w->ctx,         &w->dem,    &w->boundary, &w->solids,       &w->zones, &w->converted,
+        &w->most_loaded, &w->ledger, &w->outcome,  gn_world_rebuild, w};
 }
 
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {

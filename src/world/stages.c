@@ -6,14 +6,13 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/membrane.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/origin.h"
 #include "world/particle_step.h"
 #include "world/world.h"
@@ -29,7 +28,8 @@ static void start_table(void *context, gn_table *table) {
     for (size_t k = 0; k < table->count; k++) table->time[k] += start;
 }
 
-gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gneiss_error *error) {
+static gneiss_status stages_create(const gn_step_context *ctx, gn_stages *stages,
+                                   gneiss_error *error) {
     size_t count = ctx->given.stage_count;
     if (!count || stages->state) return GNEISS_OK;
     stages->state = gn_alloc_array(count, sizeof *stages->state);
@@ -38,7 +38,7 @@ gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gn
 }
 
 gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error) {
-    GN_TRY(gn_stages_create(&w->ctx, &w->stages, error));
+    GN_TRY(stages_create(&w->ctx, &w->stages, error));
     GN_TRY(gn_scene_stage(&w->ctx.given, w->stages.now, scene, error));
     gn_scene_shift(scene);
     gn_scene_tables(scene, start_table, w);

@@ -7,8 +7,9 @@
 #include "base/threads.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
+#include "conversion/conversion.h"
 #include "drive/box.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "inflow/sources.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
@@ -18,16 +19,16 @@
 #include "measure/measure.h"
 #include "membrane/membrane.h"
 #include "mesh/mesh.h"
-#include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/particles.h"
 #include "particles/specimen.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/features.h"
 #include "world/origin.h"
 #include "world/particle_step.h"
@@ -226,7 +227,9 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(check_specimen(&w->ctx, &w->dem, error));
     GN_TRY(gn_dem_complete(&w->ctx, &w->dem, error));
     GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids, error));
-    GN_TRY(gn_coupled_create(w, error));
+    if (gn_converts(&w->ctx))
+        GN_TRY(gn_conversion_prepare(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_coupled_create(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, w->solids.count, error));
     GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
     /* The volume that bodies leave free is sheared. */

@@ -25,6 +25,8 @@ typedef struct gn_zone_state {
 
 struct gn_zones {
     struct gn_coupled *coupled; /* ties and masses (zones/zones.h); NULL: none */
+    const gn_dem *dem;          /* with springs: parts that they connect, borrowed (gn_holder) */
+    const gn_solids *solids;
     gn_zone_state state;
 };
 

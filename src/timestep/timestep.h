@@ -1,13 +1,13 @@
 /* Choice and supervision of the time step. */
-#ifndef GN_TIMESTEP_STEP_LIMIT_H
-#define GN_TIMESTEP_STEP_LIMIT_H
+#ifndef GN_TIMESTEP_TIMESTEP_H
+#define GN_TIMESTEP_TIMESTEP_H
 
 #include "base/effects.h"
 #include "base/error.h"
 #include "boundary/surface.h"
 #include "frame/parts.h"
 #include "limit/equilibrium.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "zones/zones.h"
 

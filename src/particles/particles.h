@@ -1,21 +1,18 @@
 /* The part of a world that is particles: their records, contacts and lists, what drives them, and
  * the step that they allow. */
-#ifndef GN_PARTICLES_DEM_H
-#define GN_PARTICLES_DEM_H
+#ifndef GN_PARTICLES_PARTICLES_H
+#define GN_PARTICLES_PARTICLES_H
 
 #include "frame/parts.h"
 
 #include "base/error.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "io/packing.h"
-#include "kernels/contact.h"
 #include "kernels/dispatch.h"
-#include "kernels/law.h"
 #include "kernels/motion.h"
 #include "limit/step_limits.h"
-#include "measure/energy.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/contact_lists.h"
 #include "particles/events.h"
