@@ -197,6 +197,17 @@ def scenes_without_bonded_particles_are_refused(folder):
 
 
 @fact
+def a_box_that_is_periodic_along_some_axes_is_refused(folder):
+    scene = os.path.join(folder, "slab.yaml")
+    with open(os.path.join(SHIPPED, "simple-shear.yaml")) as file:
+        text = file.read().replace("    kratio: 2\n", "    kratio: 2\n    tensile_strength: 1 GPa\n    shear_strength: 1 GPa\n")
+    with open(scene, "w") as file:
+        file.write(text.replace("\nlaw:", "\nbonds: {}\nlaw:"))
+    code, out, err = words("stiffness", scene, "--json")
+    assert code == 2 and not out and "slab.yaml: stiffness: expected a box that is periodic along all axes, or none, found 1 of 2" in err, err
+
+
+@fact
 def options_that_are_wrong_are_refused(folder):
     scene = bar(folder)
     for arguments, text in ((("stiffness", scene, "--strain", "x"), "--strain: expected"),

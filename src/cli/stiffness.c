@@ -392,8 +392,12 @@ static void print_text(const gn_scene *scene, const outcome *found) {
 
 /* --- the command --- */
 
-static gneiss_status solve(gn_run *run, outcome *found, gneiss_error *error) {
-    GN_TRY(gn_network_stiffness(&run->world, &found->network, error));
+static gneiss_status solve(const gn_options *options, gn_run *run, outcome *found,
+                           gneiss_error *error) {
+    gneiss_error reason = {0};
+    gneiss_status status = gn_network_stiffness(&run->world, &found->network, &reason);
+    if (status != GNEISS_OK)
+        return gn_fail(error, status, "%.1000s: %.1000s", options->target, reason.message);
     found->solutions = found->network.solutions;
     found->iterations = found->network.iterations;
     return find_test(run, found, error);
@@ -409,7 +413,7 @@ gneiss_status gn_command_stiffness(const gn_options *options, gneiss_error *erro
     GN_TRY(read_strain(options, &found->strain, error));
     GN_TRY(load_scene(options, &scene, error));
     GN_TRY(gn_run_create(scene, run, error));
-    gneiss_status status = solve(run, found, error);
+    gneiss_status status = solve(options, run, found, error);
     if (status == GNEISS_OK && options->json)
         status = print_json(&run->world.ctx.scene, found, error);
     else if (status == GNEISS_OK)
