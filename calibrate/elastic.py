@@ -17,24 +17,16 @@ MOST = 6             # evaluations of Poisson's ratio
 def constants(material, parameters, seeds):
     """[(E in Pa, nu)] of the packings with these stiffnesses, by equilibria of the compression test without breaking bonds."""
     strong = {**parameters, "tension": UNBREAKABLE, "chi": 1.0}
+    scenes = [material.bench().build(COMPRESSION, strong, 0.003 * material.modulus, seed) for seed in seeds]
     strength = material.targets.get("compressive_strength")
     strain = float(f"{ELASTIC * strength.value / material.modulus:.3g}") if strength else STRAIN
-    scenes = [material.bench().build(COMPRESSION, strong, strain * material.modulus, seed) for seed in seeds]
-    found = pairs_of([None] * len(seeds) if material.slow_constants else material.laboratory.constants(scenes, strain))
-    if None in found:  # platens that touch few particles have no equilibrium between open and closed contacts: slow tests
-        material.slow_constants = True
-        outcomes = material.laboratory.run(scenes)
-        found = pairs_of(outcomes)
-        if None in found:
-            one = outcomes[found.index(None)]
-            raise Problem(f"no elastic constants of this specimen: {one.message or one.absent.get('young_modulus', '')}", 5)
+    found = []
+    for outcome in material.laboratory.constants(scenes, strain):
+        pair = (outcome.reading("young_modulus"), outcome.reading("poisson_ratio"))
+        if None in pair:
+            raise Problem(f"no elastic constants of this specimen: {outcome.message or outcome.absent.get('young_modulus', '')}", 5)
+        found.append(pair)
     return found
-
-
-def pairs_of(outcomes):
-    """[(E, nu)], None for an outcome that lacks one of them."""
-    pairs = [one and (one.reading("young_modulus"), one.reading("poisson_ratio")) for one in outcomes]
-    return [None if pair is None or None in pair else pair for pair in pairs]
 
 
 def slopes(dimension, ratio):

@@ -52,7 +52,6 @@ class Material:
         self.targets = request.targets
         self.modulus = self.targets["young_modulus"].value if "young_modulus" in self.targets else 20e9
         self.expected = {}
-        self.slow_constants = False  # elastic constants by runs of tests
 
     def bench(self):
         return Bench(self.scene, self.modulus)

@@ -14,8 +14,6 @@ from calibrate.problem import OutOfBudget, Problem
 
 TRIES = 3             # starts of a run that is killed or finds no memory
 BAD = (2, 5)          # exit codes that a repetition would give again: input, a run that went bad
-# Causes that differ between packings and so are in their scatter; nonlinearity is a property of the curve, not an error of its reading.
-OF_PACKINGS = ("packing", "round-off", "rows", "nonlinearity")
 PAUSE = 0.01          # s between looks at running processes
 _PARENT_DIES = 1      # PR_SET_PDEATHSIG
 
@@ -208,6 +206,10 @@ def _constants_of(printed):
     test = printed["test"] or {}
     return Outcome({name: _number(value) for name, value in test.items()}, test.get("absent") or {}, printed.get("test_absent", ""),
                    float(printed["seconds"]))
+
+
+# Causes that differ between packings and so are in their scatter; nonlinearity is a property of the curve, not an error of its reading.
+OF_PACKINGS = ("packing", "round-off", "rows", "nonlinearity")
 
 
 def _outcome_of(summary):

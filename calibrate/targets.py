@@ -22,7 +22,7 @@ READINGS = {
     "m_i": ("1", 0.1, 200.0, 0.1),
 }
 ABSOLUTE = {"poisson_ratio", "friction_angle"}  # their tolerances are differences in the unit of the reading
-KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "targets", "seeds", "budget")
+KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "targets", "seeds", "budget")
 SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
 LENGTHS = {"cylinder": ("diameter", "height"), "box": ("size",), "rectangle": ("width", "height")}
 MATERIAL = {"density": ("kg/m3", 1.0, 1e5), "contact_modulus": ("Pa", 1.0, 1e15), "young": ("Pa", 1.0, 1e15), "normal_stiffness": ("N/m", 1e-3, 1e15),
@@ -315,6 +315,9 @@ def _scene(file, found):
     else:
         shape = _shape(file, found["specimen"], file.whole(found["dimension"], "dimension", 2, 3) if "dimension" in found else 3)
         scene = _new_scene(file, found)
+    if "bonds" in found:
+        file.section(found["bonds"], "bonds")
+        scene["bonds"] = file.data(found["bonds"])
     if "friction" in found:
         scene["materials"][0]["friction"] = file.number(found["friction"], "friction", "1", 0.0, 10.0)
     return scene, shape
@@ -367,10 +370,13 @@ def read(path):
     law = "scene" if "scene" in found else "auto"
     if "law" in found and not isinstance(found["law"], yaml.ScalarNode):
         scene["law"], law = _law(file, found["law"]), "scene"
+        scene.setdefault("bonds", {"interaction_range": 0.05})
     elif "law" in found:
         law = found["law"].value
         if law not in ("auto", "scene", *LAWS) or (law == "scene" and "scene" not in found):
             file.fail(found["law"], f"law: expected auto, {', '.join(LAWS)} or a section as in a scene, found '{law}'")
+    if law == "scene" and "bonds" not in scene:
+        file.fail(found["scene"], "scene: expected a scene with the section bonds, or a law beside it, found neither")
     request = Request(path, file.text(found["title"], "title") if "title" in found else "", scene, law, targets,
                       _seeds(file, found["seeds"]) if "seeds" in found else [1, 2, 3, 4, 5], shape=shape)
     if "budget" in found:
