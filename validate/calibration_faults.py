@@ -89,7 +89,7 @@ def twenty_kills():
     out, kills, starts, before, repeated, broken = folder / "killed", 0, 0, {}, 0, 0
     while kills < count:
         starts += 1
-        kills += killed(target, out, generator.uniform(0.02, 0.12) * span)
+        kills += killed(target, out, generator.uniform(0.05, 0.2) * span)
         now = outcomes(out)
         repeated += sum(now.get(name) != when for name, when in before.items())
         before = now
@@ -102,7 +102,7 @@ def twenty_kills():
     last = called(command(target, out))
     same = result(out) == result(folder / "undisturbed")
     scene = (out / "calibrated.yaml").read_bytes() == (folder / "undisturbed" / "calibrated.yaml").read_bytes()
-    left = [path.name for path in out.iterdir() if path.name.startswith(".part-")]
+    left = list(out.rglob(".part-*"))
     return [["kills of the process group", kills], ["starts, with the last one", starts + 1], ["exit code of the last one", last.returncode],
             ["finished runs that were lost or made again", repeated], ["files that were there in part", broken],
             ["calibration.json without times as that of the undisturbed one", "yes" if same else "no"],
@@ -111,12 +111,12 @@ def twenty_kills():
             ["parts of files left in the folder", len(left)]]
 
 
-MOUNTED = 'mount -t tmpfs -o {options} none "$1" || exit 77; shift; "$@"; code=$?; echo "left: $(ls -A {folder} | tr "\\n" " ")"; exit $code'
+MOUNTED = 'mount -t tmpfs -o {options} none "$1" || exit 77; shift; "$@"; code=$?; echo "left: $(ls -A "{folder}" | tr "\\n" " ")"; exit $code'
 
 
 def on_disk(name, options):
     """A call whose folder is on a disk of its own: exit code and last line of its message."""
-    folder = FOLDER / "kills" / name
+    folder = FOLDER / "kills" / name.replace(" ", "-")
     folder.mkdir(parents=True, exist_ok=True)
     target = written(FOLDER / "kills", GOOD)
     script = MOUNTED.format(options=options, folder=folder)
@@ -134,14 +134,14 @@ def second_start():
     folder = FOLDER / "kills" / "second"
     shutil.rmtree(folder, ignore_errors=True)
     target = written(FOLDER / "kills", GOOD)
-    first = subprocess.Popen(command(target, folder), cwd=study.ROOT, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    first = subprocess.Popen(command(target, folder), cwd=study.ROOT, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while not (folder / ".lock").exists():
         time.sleep(0.1)
     second = called(command(target, folder))
     os.killpg(first.pid, signal.SIGTERM)
-    code = first.wait()
+    said = first.communicate()[1].strip()
     return [["a second start in the folder of a running one", second.returncode, last_line(second)],
-            ["SIGTERM to the group", code, "the same command continues"]]
+            ["SIGTERM to the group", first.returncode, said.splitlines()[-1] if said else "no message"]]
 
 
 def no_folder():
@@ -153,7 +153,7 @@ def no_folder():
 def kills():
     rows = twenty_kills()
     disks = [*second_start(), on_disk("read-only disk", "ro"), *[on_disk(f"disk of {size}", f"size={size}") for size in ("64k", "600k", "3m")], no_folder()]
-    text = f"""One calibration (250 particles, three packings) is killed with SIGKILL of its whole process group at random moments, 2 to 12 % of its
+    text = f"""One calibration (250 particles, three packings) is killed with SIGKILL of its whole process group at random moments, 5 to 20 % of its
 undisturbed duration after each start, and started again. `/usr/bin/python3 validate/calibration_faults.py kills`.
 
 {study.table(['kills', ''], rows)}
