@@ -100,7 +100,7 @@ class Search:
         self.slopes[weak] = (LEAST_SLOPE * self.prior)[weak]
 
     def weights(self):
-        """Of the outputs in the least squares."""
+        """Weights of the outputs in the least squares."""
         return np.array([PRIORITY.get(name, 1.0) for name in self.names]) / self.allowed
 
     def step(self, evaluation):

@@ -77,7 +77,7 @@ def killed(target, out, seconds):
 
 
 def twenty_kills():
-    """What the kills did, as rows."""
+    """Rows on the kills and on the calibration that they disturbed."""
     folder, count, generator = FOLDER / "kills", option("--kills", 20), random.Random(7)
     shutil.rmtree(folder, ignore_errors=True)
     target = written(folder, GOOD)
@@ -174,7 +174,7 @@ bonds: {interaction_range: 0.05}
 E = SPECIMEN + "law: linear\nseeds: 2\ntargets:\n  young_modulus: 20 GPa\n"
 ONE = SPECIMEN + "law: linear\nseeds: 2\ntargets: "
 
-# What is wrong, the file, other files beside it.
+# Each: the mistake, the file of targets, and a base scene beside it.
 BAD = (
     ("tension above compression", E + "  compressive_strength: 10 MPa\n  tensile_strength: 20 MPa\n"),
     ("strength above the modulus", E + "  compressive_strength: 30 GPa\n"),
@@ -382,7 +382,7 @@ def main(arguments):
     if set(names) - set(SECTIONS):
         sys.exit(f"expected some of {', '.join(SECTIONS)}, found {' '.join(names)}; --help says what they do")
     if study.KEPT:
-        calibration_page.PAGE.write(calibration_page.NAMES)
+        calibration_page.write()
         return
     for name in names:
         calibration_page.put(name, *SECTIONS[name]())
