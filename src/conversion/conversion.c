@@ -6,21 +6,20 @@
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "kernels/partials.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "neigh/neigh.h"
 #include "particles/dormant.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
+#include "particles/refresh.h"
 #include "scene/couple_def.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
-#include "world/world.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -30,30 +29,7 @@ gneiss_status gn_conversion_no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
 }
 
-/* --- ties and kinds --- */
-
-gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
-                                 gneiss_error *error) {
-    const gn_particles *q = &dem->particles;
-    size_t count;
-    int32_t *place = gn_fem_places(gn_coupled_solid(solids), &count);
-    int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
-    gneiss_status status = place && element ? GNEISS_OK : gn_conversion_no_memory(error);
-    for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        const bool awake = dem->prepared.soa.capacity && gn_particle_is_active(q, p);
-        if (gn_dormant_element(dem, p) >= count)
-            status = gn_fail(error, GNEISS_ERROR_INPUT,
-                             "expected particles in the %zu elements of the mesh, found number %zu",
-                             count, gn_dormant_element(dem, p));
-        else
-            element[p] = awake ? place[gn_dormant_element(dem, p)] : -1;
-    }
-    if (status == GNEISS_OK)
-        status = gn_ties_take(gn_coupled_solid(solids), q, element, ties, error);
-    gn_free(place);
-    gn_free(element);
-    return status;
-}
+/* --- kinds --- */
 
 gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
                                   uint8_t *kind, gneiss_error *error) {
@@ -118,8 +94,8 @@ static void find_spin(const gn_fem_solid *b, const gn_tie *tie, double spin[3]) 
 
 /* With the motion of the element that it is in. */
 static void activate(const gn_conversion *c, size_t p) {
-    gn_particles *q = &c->world->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    gn_particles *q = &c->model->dem->particles;
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     gn_tie tie = gn_tie_at(b, gn_home_of(c, p), q->start + 4 * p);
     const gn_ties one = {.corners = b->dimension + 1, .count = 1, .tie = &tie};
     double u[3], v[3], spin[3];
@@ -136,11 +112,11 @@ static void activate(const gn_conversion *c, size_t p) {
 
 /* Returns the weight of a particle: 1 less the weight of the elements at its position. */
 static double part_at(const gn_conversion *c, size_t p) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const int32_t e = gn_home_of(c, p);
     double part = 0.0;
     if (e < 0 || c->kind[e] == GN_FRONT_LEAVING) return 1.0;
-    const gn_tie tie = gn_tie_at(b, e, c->world->dem.particles.start + 4 * p);
+    const gn_tie tie = gn_tie_at(b, e, c->model->dem->particles.start + 4 * p);
     for (int a = 0; a <= b->dimension; a++)
         part += tie.shape[a] * b->nodes.blend[2 * (size_t)tie.node[a]];
     /* Rounding may give a particle on a side of an element a weight. */
@@ -149,7 +125,7 @@ static double part_at(const gn_conversion *c, size_t p) {
 
 /* Marks the elements that leave or whose weight changes. */
 static void find_touched(gn_conversion *c) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const double *before = c->node_part;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         bool touched = c->kind[e] == GN_FRONT_LEAVING;
@@ -163,8 +139,8 @@ static void find_touched(gn_conversion *c) {
 
 /* Bonds act with an end that has a part. */
 static void find_active(gn_conversion *c) {
-    const gn_contacts *all = &c->world->dem.prepared;
-    double *blend = c->world->dem.particles.blend;
+    const gn_contacts *all = &c->model->dem->prepared;
+    double *blend = c->model->dem->particles.blend;
     for (size_t b = 0; b < all->soa.count; b++) {
         const size_t i = (size_t)all->i[b], j = (size_t)all->j[b];
         if (!(blend[2 * i] + blend[2 * j] > 0.0)) continue;
@@ -177,8 +153,8 @@ static void find_active(gn_conversion *c) {
 /* A particle is active if its weight is nonzero or a bonded neighbour's is: the ends of bonds have
  * to be in place. Masses have a least weight, so that none vanishes (zones.c). */
 static void find_parts(gn_conversion *c) {
-    gn_world *w = c->world;
-    gn_particles *q = &w->dem.particles;
+    const gn_convertible *model = c->model;
+    gn_particles *q = &model->dem->particles;
     memcpy(c->part, q->blend, 2 * q->soa.count * sizeof *c->part);
     for (size_t p = 0; p < q->soa.count; p++) {
         const int32_t e = gn_home_of(c, p);
@@ -189,13 +165,13 @@ static void find_parts(gn_conversion *c) {
     for (size_t p = 0; p < q->soa.count; p++) {
         double *part = q->blend + 2 * p;
         if (!(part[0] > 0.0) && !(part[1] > 0.0)) continue;
-        const double least = fmin(q->pos[4 * p + 3] / w->ctx.scene.couple.convert.width, 1.0);
+        const double least = fmin(q->pos[4 * p + 3] / model->ctx->scene.couple.convert.width, 1.0);
         part[1] = gn_home_of(c, p) < 0 ? part[1] : fmax(part[0], least);
     }
 }
 
 static void activate_all(gn_conversion *c) {
-    gn_particles *q = &c->world->dem.particles;
+    gn_particles *q = &c->model->dem->particles;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
         if (part == before) continue;
@@ -207,7 +183,7 @@ static void activate_all(gn_conversion *c) {
             continue;
         }
         activate(c, p);
-        gn_dormant_particle *own = gn_dormant_of(&c->world->dem, p);
+        gn_dormant_particle *own = gn_dormant_of(c->model->dem, p);
         q->vel[4 * p + 3] = own->inverse_mass / part;
         if (q->spin) q->spin[4 * p + 3] = own->inverse_inertia / part;
         own->inverse_mass = own->inverse_inertia = 0.0;
@@ -218,8 +194,8 @@ static void activate_all(gn_conversion *c) {
 
 /* *stuck: halted, nothing has changed. */
 static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *error) {
-    const gn_convert_def *def = &c->world->ctx.scene.couple.convert;
-    gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_convert_def *def = &c->model->ctx->scene.couple.convert;
+    gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const size_t size = 2 * b->nodes.soa.count * sizeof *b->nodes.blend;
     int64_t element;
     memcpy(c->node_part, b->nodes.blend, size);
@@ -237,28 +213,27 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
  * particles are equilibrated with the mass of the packing; the invariants of the body are restored
  * at their new positions, so that no position and no mass changes after that. */
 static gneiss_status make_lists(gn_conversion *c, const gn_tally *before, gneiss_error *error) {
-    enum { NEITHER_SHORT_NOR_LONG = 1000 };
-    gn_world *w = c->world;
-    w->dem.verlet.last_step = w->ctx.step - NEITHER_SHORT_NOR_LONG;
-    GN_TRY(gn_world_rebuild(w, error));
+    const gn_convertible *model = c->model;
+    gn_dem_keep_skin(model->ctx, model->dem);
+    GN_TRY(model->rebuild(model->world, error));
     c->released[0] = gn_conversion_held_in_contacts(c);
     GN_TRY(gn_conversion_relax(c, error));
     c->released[1] = gn_conversion_held_in_contacts(c);
     GN_TRY(gn_conversion_keep_invariants(c, before, error));
-    gn_dem_masses_changed(&w->ctx, &w->dem);
-    GN_TRY(gn_elements_converted(w->solids.elements[0], error));
-    GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                               false, error));
-    return gn_world_check_lists(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                                error);
+    gn_dem_masses_changed(model->ctx, model->dem);
+    GN_TRY(gn_elements_converted(model->solids->elements[0], error));
+    GN_TRY(gn_world_check_step(model->ctx, model->dem, model->boundary, model->solids, model->zones,
+                               model->ledger, false, error));
+    return gn_world_check_lists(model->ctx, model->dem, model->boundary, model->solids,
+                                model->zones, model->ledger, error);
 }
 
 static void put_back(gn_conversion *c) {
-    gn_particles *q = &c->world->dem.particles,
-                 *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
+    gn_particles *q = &c->model->dem->particles,
+                 *nodes = &gn_coupled_solid(c->model->solids)->nodes;
     memcpy(nodes->blend, c->node_part, 2 * nodes->soa.count * sizeof *nodes->blend);
     memcpy(q->blend, c->part, 2 * q->soa.count * sizeof *q->blend);
-    memset(c->active, 0, c->world->dem.prepared.soa.count);
+    memset(c->active, 0, c->model->dem->prepared.soa.count);
     c->acting = 0;
 }
 
@@ -284,8 +259,8 @@ static gneiss_status advance(gn_conversion *c, bool *stuck, gneiss_error *error)
 }
 
 static gneiss_status go(gn_conversion *c, gneiss_error *error) {
-    gn_world *w = c->world;
-    gn_fem_solid *b = gn_coupled_solid(&w->solids);
+    const gn_convertible *model = c->model;
+    gn_fem_solid *b = gn_coupled_solid(model->solids);
     bool stuck = false;
     GN_TRY(advance(c, &stuck, error));
     if (stuck) return GNEISS_OK;
@@ -299,31 +274,32 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     GN_TRY(gn_conversion_activate_bonds(c, error));
     for (size_t e = 0; e < b->elements.soa.count; e++) c->kind[e] = c->kind[e] != GN_FRONT_LEAVING;
     GN_TRY(gn_fem_keep(b, c->kind, error));
-    GN_TRY(gn_coupled_recreate(&w->ctx, &w->dem, &w->solids, &w->zones, error));
+    GN_TRY(gn_coupled_recreate(model->ctx, model->dem, model->solids, model->zones, error));
     GN_TRY(make_lists(c, &before, error));
     const gn_tally now = gn_conversion_tally(c);
     gn_conversion_note_jumps(c, &before, &now);
     memcpy(held.released, c->released, sizeof held.released);
     held.after = gn_conversion_held(c);
-    gn_conversion_book(&w->zones, &w->ledger, &held, before.energy - now.energy);
+    gn_conversion_book(model->converted, model->ledger, &held, before.energy - now.energy);
     return GNEISS_OK;
 }
 
-static gneiss_status convert(gn_world *w, uint8_t *kind, int *dry_run, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count + 1,
-                 elements = gn_elements_left_count(&w->solids) + 1;
-    const size_t nodes = gn_coupled_solid(&w->solids)->nodes.soa.count + 1;
+static gneiss_status convert(const gn_convertible *model, uint8_t *kind, int *dry_run,
+                             gneiss_error *error) {
+    const size_t n = model->dem->particles.soa.count + 1,
+                 elements = gn_elements_left_count(model->solids) + 1;
+    const size_t nodes = gn_coupled_solid(model->solids)->nodes.soa.count + 1;
     size_t count;
-    gn_conversion c = {.world = w,
+    gn_conversion c = {.model = model,
                        .kind = kind,
                        .dry_run = dry_run != NULL,
-                       .place = gn_fem_places(gn_coupled_solid(&w->solids), &count),
+                       .place = gn_fem_places(gn_coupled_solid(model->solids), &count),
                        .part = gn_alloc_array_raw(n, 2 * sizeof *c.part),
                        .node_part = gn_alloc_array_raw(nodes, 2 * sizeof *c.node_part),
                        .freed = gn_alloc_array_raw(n, 1),
                        .touched = gn_alloc_array_raw(elements, 1),
                        .some = gn_alloc_array_raw(elements, sizeof *c.some),
-                       .active = gn_alloc(w->dem.prepared.soa.count + 1),
+                       .active = gn_alloc(model->dem->prepared.soa.count + 1),
                        .tied = gn_alloc_array_raw(n, 1),
                        .reached = gn_alloc_array_raw(nodes, 1),
                        .rate = gn_alloc_array_raw(n, 3 * sizeof *c.rate)};
@@ -337,10 +313,12 @@ static gneiss_status convert(gn_world *w, uint8_t *kind, int *dry_run, gneiss_er
     return status;
 }
 
-gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
-    return convert(w, kind, NULL, error);
+gneiss_status gn_conversion_convert(const gn_convertible *model, uint8_t *kind,
+                                    gneiss_error *error) {
+    return convert(model, kind, NULL, error);
 }
 
-gneiss_status gn_conversion_dry_run(gn_world *w, uint8_t *kind, int *rings, gneiss_error *error) {
-    return convert(w, kind, rings, error);
+gneiss_status gn_conversion_dry_run(const gn_convertible *model, uint8_t *kind, int *rings,
+                                    gneiss_error *error) {
+    return convert(model, kind, rings, error);
 }

@@ -11,15 +11,12 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "conversion/conversion_private.h"
-#include "fem/solid.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "particles/lists.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/records.h"
-#include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -73,37 +70,37 @@ static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_
 /* Tells whether the weights of a particle change, or whether it is released. */
 static bool is_other(const gn_conversion *c, int32_t p) {
     const size_t k = 2 * (size_t)p;
-    const double *part = c->world->dem.particles.blend;
+    const double *part = c->model->dem->particles.blend;
     return c->freed[p] || part[k] != c->part[k] || part[k + 1] != c->part[k + 1];
 }
 
 static void add_contacts(const gn_conversion *c, const gn_contacts *list, bool other,
                          gn_held *sum) {
-    const gn_world *w = c->world;
-    const gn_contacts *bonds = &w->dem.bonds.contacts;
+    const gn_convertible *model = c->model;
+    const gn_contacts *bonds = &model->dem->bonds.contacts;
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t i = list->i[k], j = list->j[k];
         if ((is_other(c, i) || is_other(c, j)) != other) continue;
         const size_t at = list == bonds ? 0 : gn_contacts_from(bonds, i, j);
         const bool known =
             list != bonds && at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
-        if (!known) add_contact(&w->ctx, &w->dem, list, k, sum);
+        if (!known) add_contact(model->ctx, model->dem, list, k, sum);
     }
 }
 
 /* Adds the walls touched by particles that relaxation moves. */
 static void add_walls(const gn_conversion *c, bool other, gn_held *sum) {
-    const gn_wall_contacts *q = &c->world->boundary.contacts;
-    for (size_t k = 0; c->world->ctx.scene.wall_count && k < q->soa.count; k++)
+    const gn_wall_contacts *q = &c->model->boundary->contacts;
+    for (size_t k = 0; c->model->ctx->scene.wall_count && k < q->soa.count; k++)
         if (is_other(c, q->i[k]) == other)
-            sum->contacts += gn_wall_held(&c->world->ctx, &c->world->dem, &c->world->boundary, k);
+            sum->contacts += gn_wall_held(c->model->ctx, c->model->dem, c->model->boundary, k);
 }
 
 /* Those that the conversion touches, or does not, of the elements that there are; scratch: c->some.
  */
 static void add_elements(const gn_conversion *c, bool touched, gn_held *sum) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const double half = 0.5 * c->world->ctx.dt_past;
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
+    const double half = 0.5 * c->model->ctx->dt_past;
     size_t count = 0;
     for (size_t e = 0; e < b->elements.soa.count; e++)
         if (c->touched[c->place[b->elements.id[e]]] == touched) c->some[count++] = (int32_t)e;
@@ -116,8 +113,8 @@ static void add_elements(const gn_conversion *c, bool touched, gn_held *sum) {
 static gn_held held(const gn_conversion *c, bool changes) {
     gn_held sum = {0};
     add_elements(c, changes, &sum);
-    add_contacts(c, &c->world->dem.bonds.contacts, changes, &sum);
-    add_contacts(c, &c->world->dem.pairs.contacts, changes, &sum);
+    add_contacts(c, &c->model->dem->bonds.contacts, changes, &sum);
+    add_contacts(c, &c->model->dem->pairs.contacts, changes, &sum);
     add_walls(c, changes, &sum);
     return sum;
 }
@@ -133,8 +130,8 @@ double gn_conversion_held_beside(const gn_conversion *c) {
 
 double gn_conversion_held_in_contacts(const gn_conversion *c) {
     gn_held sum = {0};
-    add_contacts(c, &c->world->dem.bonds.contacts, true, &sum);
-    add_contacts(c, &c->world->dem.pairs.contacts, true, &sum);
+    add_contacts(c, &c->model->dem->bonds.contacts, true, &sum);
+    add_contacts(c, &c->model->dem->pairs.contacts, true, &sum);
     add_walls(c, true, &sum);
     return sum.contacts;
 }
@@ -157,7 +154,7 @@ double gn_conversion_held_in_contacts(const gn_conversion *c) {
  */
 /* Returns the increase of the weight of a particle; 0 outside of elements. */
 static double taken_by(const gn_conversion *c, size_t p) {
-    return gn_home_of(c, p) < 0 ? 0.0 : c->world->dem.particles.blend[2 * p] - c->part[2 * p];
+    return gn_home_of(c, p) < 0 ? 0.0 : c->model->dem->particles.blend[2 * p] - c->part[2 * p];
 }
 
 /* F and R of elements that were asked for last; bonds of a particle lie together. */
@@ -167,7 +164,7 @@ typedef struct gradients {
 } gradients;
 
 static void gradient_at(const gn_conversion *c, size_t p, gradients *g) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const int32_t e = gn_home_of(c, p);
     if (g->element == e) return;
     g->element = e;
@@ -177,11 +174,11 @@ static void gradient_at(const gn_conversion *c, size_t p, gradients *g) {
 
 /* J, of a whole bond of which both ends go with an element (as conversion_contacts.c has it). */
 static double bond_energy(const gn_conversion *c, size_t k, const gradients *g) {
-    const gn_contacts *all = &c->world->dem.prepared;
-    const double *start = c->world->dem.particles.start;
+    const gn_contacts *all = &c->model->dem->prepared;
+    const double *start = c->model->dem->particles.start;
     double l[3], d[3] = {0.0}, slip[3], along = 0.0;
     const double rest = sqrt(
-        gn_branch(&c->world->ctx, start + 4 * (size_t)all->i[k], start + 4 * (size_t)all->j[k], l));
+        gn_branch(c->model->ctx, start + 4 * (size_t)all->i[k], start + 4 * (size_t)all->j[k], l));
     for (int r = 0; r < 3; r++) {
         slip[r] = 0.0;
         for (int m = 0; m < 3; m++) {
@@ -196,7 +193,7 @@ static double bond_energy(const gn_conversion *c, size_t k, const gradients *g) 
 }
 
 static double springs_alike(const gn_conversion *c) {
-    const gn_contacts *all = &c->world->dem.prepared;
+    const gn_contacts *all = &c->model->dem->prepared;
     gradients g[2] = {{.element = -1}, {.element = -1}};
     double sum = 0.0;
     for (size_t k = 0; k < all->soa.count; k++)
@@ -211,14 +208,14 @@ static double springs_alike(const gn_conversion *c) {
 }
 
 static double elements_alike(const gn_conversion *c) {
-    const gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
-    const double solid = 1.0 - gn_dem_porosity(&w->ctx, &w->dem);
+    const gn_convertible *model = c->model;
+    const gn_fem_solid *b = gn_coupled_solid(model->solids);
+    const double solid = 1.0 - gn_dem_porosity(model->ctx, model->dem);
     double sum = 0.0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+    for (size_t p = 0; p < model->dem->particles.soa.count; p++) {
         const double taken = taken_by(c, p);
         if (taken == 0.0) continue;
-        sum += taken * gn_ball_volume(b->dimension, w->dem.particles.pos[4 * p + 3]) / solid *
+        sum += taken * gn_ball_volume(b->dimension, model->dem->particles.pos[4 * p + 3]) / solid *
                gn_fem_energy_density(b, (size_t)gn_home_of(c, p));
     }
     return sum;
@@ -229,9 +226,9 @@ void gn_conversion_find_alike(const gn_conversion *c, double alike[2]) {
     alike[1] = springs_alike(c);
 }
 
-void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+void gn_conversion_book(gn_conversions *converted, gn_ledger *ledger, const gn_held_stages *held,
                         double kinetic) {
-    gn_conversion_parts *parts = &zones->state.parts;
+    gn_conversion_parts *parts = &converted->parts;
     const double *alike = held->alike;
     parts->sampled += held->before.elements - held->after.elements - alike[0];
     parts->stiffness += alike[0] - alike[1];
@@ -241,6 +238,6 @@ void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages
     parts->step += held->released[1] - held->after.contacts + held->before.step - held->after.step;
     parts->alike[0] += alike[0];
     parts->alike[1] += alike[1];
-    zones->state.corrected.energy += kinetic;
+    converted->corrected.energy += kinetic;
     ledger->energy.conversion += kinetic + gn_held_sum(&held->before) - gn_held_sum(&held->after);
 }

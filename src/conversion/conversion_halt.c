@@ -5,16 +5,14 @@
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "particles/dormant.h"
+#include "particles/particles.h"
 #include "scene/couple_def.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "solids/elements.h"
-#include "world/world.h"
+#include "solids/solids.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -44,8 +42,8 @@ bool gn_conversion_left_light_nodes(const gn_ending *outcome) {
 
 /* Which side of the box an element is beyond, the first of them. */
 static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, size_t size) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const gn_convert_def *def = &c->world->ctx.scene.couple.convert;
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
+    const gn_convert_def *def = &c->model->ctx->scene.couple.convert;
     for (int k = 0; k < b->dimension; k++)
         for (int a = 0; a <= b->dimension; a++) {
             const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
@@ -107,21 +105,21 @@ static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t
 
 /* The model stays as it was: it has all of its elements, and the run ends. */
 void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
-    gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
+    const gn_convertible *model = c->model;
+    const gn_fem_solid *b = gn_coupled_solid(model->solids);
     double centre[3];
     char at[GN_POINT_SIZE], side[16], by[128];
     gn_conversion_centre(b, (size_t)e, centre);
     const int length_used =
-        snprintf(w->outcome.halt, sizeof w->outcome.halt,
+        snprintf(model->outcome->halt, sizeof model->outcome->halt,
                  "conversion would have to go on to element %d at %.80s m, which ",
                  b->elements.id[e], gn_point_text(b->origin, centre, at));
-    const size_t left = sizeof w->outcome.halt - (size_t)length_used;
+    const size_t left = sizeof model->outcome->halt - (size_t)length_used;
     if (c->kind[e] != GN_FRONT_FIXED)
-        snprintf(w->outcome.halt + length_used, left, "%s",
-                 held_by(&w->solids, (size_t)e, by, sizeof by));
+        snprintf(model->outcome->halt + length_used, left, "%s",
+                 held_by(model->solids, (size_t)e, by, sizeof by));
     else
-        snprintf(w->outcome.halt + length_used, left,
+        snprintf(model->outcome->halt + length_used, left,
                  "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
                  side_beyond(c, e, side, sizeof side));
 }
@@ -130,7 +128,7 @@ void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
 
 /* kg: of an element as a whole, and by how much its part changes. */
 static double element_change(const gn_conversion *c, size_t e, double *whole) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
     double before = 0.0, now = 0.0;
     for (int a = 0; a <= b->dimension; a++) {
@@ -146,14 +144,14 @@ static double element_change(const gn_conversion *c, size_t e, double *whole) {
 /* kg, of a particle that has a part now. */
 static double particle_mass(const gn_conversion *c, size_t p) {
     const double before = c->part[2 * p + 1];
-    return before > 0.0 ? 1.0 / (c->world->dem.particles.vel[4 * p + 3] * before)
-                        : 1.0 / gn_dormant_of(&c->world->dem, p)->inverse_mass;
+    return before > 0.0 ? 1.0 / (c->model->dem->particles.vel[4 * p + 3] * before)
+                        : 1.0 / gn_dormant_of(c->model->dem, p)->inverse_mass;
 }
 
 /* Returns the change of the mass of a particle, kg, and adds the masses that can compensate for
  * missing mass: of particles whose weight changes, and of those in a zone (conversion_masses.c). */
 static double particle_change(const gn_conversion *c, size_t p, double takes[2]) {
-    const gn_particles *q = &c->world->dem.particles;
+    const gn_particles *q = &c->model->dem->particles;
     const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
     const int32_t e = gn_home_of(c, p);
     if (!(part > 0.0)) return 0.0;
@@ -164,22 +162,23 @@ static double particle_change(const gn_conversion *c, size_t p, double takes[2])
 }
 
 bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
-    const gn_world *w = c->world;
+    const gn_convertible *model = c->model;
     double whole = 0.0, change = 0.0, takes[2] = {0.0};
-    for (size_t e = 0; e < gn_elements_left_count(&w->solids); e++)
+    for (size_t e = 0; e < gn_elements_left_count(model->solids); e++)
         change += element_change(c, e, &whole);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) change += particle_change(c, p, takes);
+    for (size_t p = 0; p < model->dem->particles.soa.count; p++)
+        change += particle_change(c, p, takes);
     missing[0] = -change;
     missing[1] = fmax(takes[0], takes[1]);
     return fabs(change) <= fmax(GN_MASS_SCALED_MOST * missing[1], 1e-12 * whole);
 }
 
 bool gn_conversion_add_ring(const gn_conversion *c) {
-    const gn_elements *q = &gn_coupled_solid(&c->world->solids)->elements;
-    const int corners = gn_coupled_solid(&c->world->solids)->dimension + 1;
+    const gn_elements *q = &gn_coupled_solid(c->model->solids)->elements;
+    const int corners = gn_coupled_solid(c->model->solids)->dimension + 1;
     uint8_t *at = c->reached;
     bool any = false;
-    memset(at, 0, gn_coupled_solid(&c->world->solids)->nodes.soa.count);
+    memset(at, 0, gn_coupled_solid(c->model->solids)->nodes.soa.count);
     for (size_t e = 0; e < q->soa.count; e++)
         for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
             at[gn_elements_node(q, a)[e]] = 1;
@@ -194,13 +193,13 @@ bool gn_conversion_add_ring(const gn_conversion *c) {
 }
 
 void gn_conversion_halt_without_mass(const gn_conversion *c, const double missing[2]) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     size_t e = 0;
     double centre[3];
     char at[GN_POINT_SIZE];
     while (e + 1 < b->elements.soa.count && c->kind[e] != GN_FRONT_LEAVING) e++;
     gn_conversion_centre(b, e, centre);
-    snprintf(c->world->outcome.halt, sizeof c->world->outcome.halt,
+    snprintf(c->model->outcome->halt, sizeof c->model->outcome->halt,
              "conversion at element %d at %.80s m would change the mass of the body by %.2g kg, "
              "%s %.2g kg of particles there",
              b->elements.id[e], gn_point_text(b->origin, centre, at), -missing[0], too_light,
@@ -212,8 +211,8 @@ void gn_conversion_halt_without_mass(const gn_conversion *c, const double missin
 /* [nodes][2] kg: what elements that stay have at their nodes as whole ones; what is there of it
  * with the parts found, of them and of the particles in them. */
 static void weigh_nodes(const gn_conversion *c, double (*mass)[2]) {
-    const gn_particles *q = &c->world->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_particles *q = &c->model->dem->particles;
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const int corners = b->dimension + 1;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double before = 0.0, now = 0.0;
@@ -249,7 +248,7 @@ static double least_part(const gn_step_context *ctx, const gn_dem *dem) {
 
 /* Mostly the front is far from what may not go. */
 static bool holds_shared(const gn_conversion *c) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     for (size_t e = 0; e < b->elements.soa.count; e++)
         for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++)
             if (b->nodes.blend[2 * (size_t)gn_elements_node(&b->elements, a)[e]] < 1.0) return true;
@@ -257,22 +256,22 @@ static bool holds_shared(const gn_conversion *c) {
 }
 
 static void halt_at_light_node(const gn_conversion *c, size_t e, double share) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     double centre[3];
     char at[GN_POINT_SIZE], by[128];
     gn_conversion_centre(b, e, centre);
-    snprintf(c->world->outcome.halt, sizeof c->world->outcome.halt,
+    snprintf(c->model->outcome->halt, sizeof c->model->outcome->halt,
              "%s%.2g of the body's mass at a node of element %d at %.80s m, which %s", bare, share,
              b->elements.id[e], gn_point_text(b->origin, centre, at),
-             held_by(&c->world->solids, e, by, sizeof by));
+             held_by(c->model->solids, e, by, sizeof by));
 }
 
 gneiss_status gn_conversion_find_light_nodes(const gn_conversion *c, bool *found,
                                              gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     *found = false;
     if (!holds_shared(c)) return GNEISS_OK;
-    const double least = least_part(&c->world->ctx, &c->world->dem);
+    const double least = least_part(c->model->ctx, c->model->dem);
     double(*mass)[2] = gn_alloc_array(b->nodes.soa.count + 1, sizeof *mass), share = least;
     size_t at = 0;
     if (!mass) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");

@@ -6,11 +6,9 @@
 #include "base/error.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
-#include "couple/ties.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/world.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -60,12 +58,12 @@ static void add_spin(gn_tally *t, size_t dimension, double inertia, const double
 }
 
 static const gn_coupled *coupled_of(const gn_conversion *c) {
-    return c->world->zones.coupled;
+    return c->model->zones->coupled;
 }
 
 /* Marks the particles that follow nodes. */
 static void mark_tied(const gn_conversion *c) {
-    const gn_dem *d = &c->world->dem;
+    const gn_dem *d = c->model->dem;
     const gn_ties *ties = &coupled_of(c)->ties;
     memset(c->tied, 0, d->particles.soa.count);
     for (size_t k = 0; k < ties->count; k++)
@@ -74,14 +72,15 @@ static void mark_tied(const gn_conversion *c) {
 
 /* Returns the moment of inertia of a particle, kg m2; 0: it does not rotate by itself. */
 static double inertia_of(const gn_conversion *c, size_t p) {
-    const gn_particles *q = &c->world->dem.particles;
+    const gn_particles *q = &c->model->dem->particles;
     return q->spin && (!c->tied[p] || !coupled_of(c)->turn) ? 1.0 / q->spin[4 * p + 3] : 0.0;
 }
 
 gn_tally gn_conversion_tally(const gn_conversion *c) {
-    const gn_world *w = c->world;
-    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(&w->solids)->nodes;
-    const size_t d = (size_t)w->ctx.scene.dimension;
+    const gn_convertible *model = c->model;
+    const gn_particles *q = &model->dem->particles,
+                       *nodes = &gn_coupled_solid(model->solids)->nodes;
+    const size_t d = (size_t)model->ctx->scene.dimension;
     gn_tally t = {0};
     mark_tied(c);
     for (size_t n = 0; n < nodes->soa.count; n++)
@@ -145,7 +144,7 @@ bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double 
 /* --- masses --- */
 
 bool gn_conversion_scales(const gn_conversion *c, gn_scaled scaled, size_t p) {
-    const gn_particles *q = &c->world->dem.particles;
+    const gn_particles *q = &c->model->dem->particles;
     if (!gn_particle_is_active(q, p)) return false;
     return scaled == GN_SCALED_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
 }
@@ -156,7 +155,7 @@ typedef struct spread {
 } spread;
 
 static spread spread_of(const gn_conversion *c, gn_scaled scaled) {
-    const gn_particles *q = &c->world->dem.particles;
+    const gn_particles *q = &c->model->dem->particles;
     double square = 0.0;
     spread s = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -176,15 +175,15 @@ static void second_about(const gn_conversion *c, const double centre[3], const d
                          double own, double out[SECOND_MOST]) {
     double r[3];
     for (int a = 0; a < 3; a++) r[a] = x[a] - centre[a];
-    second_of((size_t)c->world->ctx.scene.dimension, r, own, out);
+    second_of((size_t)c->model->ctx->scene.dimension, r, own, out);
 }
 
 /* 1, the place and the second moments about the centre, over the size, that a unit of the mass of a
  * particle has: at the nodes, where it is in a zone. */
 static void basis_at(const gn_conversion *c, const spread *s, size_t p, double b[BASIS_MOST]) {
-    const gn_particles *q = &c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
-    const size_t d = (size_t)c->world->ctx.scene.dimension, seconds = second_count(d);
+    const gn_particles *q = &c->model->dem->particles,
+                       *nodes = &gn_coupled_solid(c->model->solids)->nodes;
+    const size_t d = (size_t)c->model->ctx->scene.dimension, seconds = second_count(d);
     const double *x = q->pos + 4 * p, own = inertia_of(c, p) * q->vel[4 * p + 3];
     double second[SECOND_MOST];
     b[0] = 1.0;
@@ -206,7 +205,7 @@ static void basis_at(const gn_conversion *c, const spread *s, size_t p, double b
 /* Expresses the missing mass and moments in the same basis. */
 static void missing_about(const gn_conversion *c, const spread *s, const gn_tally *missing,
                           double b[BASIS_MOST]) {
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
+    const size_t d = (size_t)c->model->ctx->scene.dimension;
     const gn_tally about = gn_tally_about(missing, d, s->centre);
     b[0] = about.mass;
     for (size_t a = 0; a < d; a++) b[1 + a] = about.moment[a] / s->size;
@@ -224,7 +223,7 @@ static double factor_at(const double *f, const double *b, size_t n) {
  * that says too much. */
 static bool polynomial(const gn_conversion *c, gn_scaled scaled, const spread *s,
                        const gn_tally *missing, size_t n, double f[BASIS_MOST]) {
-    const gn_particles *q = &c->world->dem.particles;
+    const gn_particles *q = &c->model->dem->particles;
     double m[BASIS_MOST][BASIS_MOST] = {{0.0}}, b[BASIS_MOST], largest = 0.0;
     missing_about(c, s, missing, f);
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -245,8 +244,8 @@ static bool polynomial(const gn_conversion *c, gn_scaled scaled, const spread *s
 /* Scales masses so that mass, centre and inertia are restored, or mass and centre, or mass alone;
  * false if none is possible. */
 static bool scale_masses(const gn_conversion *c, gn_scaled scaled, const gn_tally *missing) {
-    gn_particles *q = &c->world->dem.particles;
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
+    gn_particles *q = &c->model->dem->particles;
+    const size_t d = (size_t)c->model->ctx->scene.dimension;
     const size_t counts[] = {1 + d + second_count(d), 1 + d, 1};
     const spread s = spread_of(c, scaled);
     double f[BASIS_MOST], b[BASIS_MOST];
@@ -276,7 +275,7 @@ static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
         "%s: expected a zone that is wide enough for its mass to be kept (three elements "
         "and six particles across), found one with which a conversion would change that "
         "of %.6g kg by %.2g kg",
-        gn_scene_at(&c->world->ctx.scene, c->world->ctx.scene.couple.convert.where,
+        gn_scene_at(&c->model->ctx->scene, c->model->ctx->scene.couple.convert.where,
                     "couple.convert.width")
             .text,
         before->mass, now - before->mass);
@@ -288,7 +287,7 @@ gneiss_status gn_conversion_keep_invariants(const gn_conversion *c, const gn_tal
     gn_scaled scaled = GN_SCALED_CHANGED;
     bool taken = scale_masses(c, scaled, &missing);
     if (!taken) taken = scale_masses(c, scaled = GN_SCALED_TIED, &missing);
-    GN_TRY(gn_coupled_weigh(&c->world->dem, &c->world->solids, &c->world->zones, error));
+    GN_TRY(gn_coupled_weigh(c->model->dem, c->model->solids, c->model->zones, error));
     if (!taken) GN_TRY(check_mass(c, before, error));
     gn_conversion_keep_momentum(c, before, scaled);
     return GNEISS_OK;

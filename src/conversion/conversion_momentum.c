@@ -11,10 +11,9 @@
  * jump is not compensated. Neither is a part that no set can receive with small changes. */
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -44,7 +43,7 @@ typedef struct rigid {
  * changes are marked, so that the ledger contains the effect. */
 static bool node_takes(const rigid *r, size_t n, size_t a) {
     const gn_conversion *c = r->c;
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const int32_t slot = b->prescribed.count ? b->nodes.slot[n] : -1;
     const double part = b->nodes.blend[2 * n];
     if (!gn_particle_is_active(&b->nodes, n) || (slot >= 0 && b->prescribed.mask[slot] >> a & 1))
@@ -54,7 +53,7 @@ static bool node_takes(const rigid *r, size_t n, size_t a) {
 }
 
 static bool particle_takes(const rigid *r, size_t p) {
-    const gn_dem *d = &r->c->world->dem;
+    const gn_dem *d = r->c->model->dem;
     if (r->c->freed[p]) return true;
     return r->chosen == TAKERS_ALL && gn_particle_is_active(&d->particles, p) && !r->c->tied[p] &&
            !(d->prescribed.count && d->particles.slot[p] >= 0);
@@ -62,9 +61,9 @@ static bool particle_takes(const rigid *r, size_t p) {
 
 /* The centre is that of the mass of all receivers, held ones included. */
 static rigid rigid_of(const gn_conversion *c, takers chosen) {
-    const gn_particles *q = &c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
+    const gn_particles *q = &c->model->dem->particles,
+                       *nodes = &gn_coupled_solid(c->model->solids)->nodes;
+    const size_t d = (size_t)c->model->ctx->scene.dimension;
     rigid r = {.c = c, .chosen = chosen, .dimension = d, .count = d == 3 ? 6 : 3};
     const gn_particles *all[2] = {q, nodes};
     double mass = 0.0, sum[3] = {0.0}, square = 0.0;
@@ -120,8 +119,8 @@ static void add_mass(const rigid *r, const double *x, size_t a, double mass,
 /* Computes the mass matrix of the receiving particles and nodes in the components of the rigid
  * motion. */
 static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) {
-    const gn_particles *q = &r->c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
+    const gn_particles *q = &r->c->model->dem->particles,
+                       *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
             if (particle_takes(r, p)) add_mass(r, q->pos + 4 * p, a, 1.0 / q->vel[4 * p + 3], m);
@@ -136,8 +135,8 @@ static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) 
 
 /* m/s: the most that a component changes by. */
 static double most_change(const rigid *r) {
-    const gn_particles *q = &r->c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
+    const gn_particles *q = &r->c->model->dem->particles,
+                       *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
     double most = 0.0;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
@@ -149,8 +148,8 @@ static double most_change(const rigid *r) {
 }
 
 static void change(const rigid *r) {
-    gn_particles *q = &r->c->world->dem.particles,
-                 *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
+    gn_particles *q = &r->c->model->dem->particles,
+                 *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
             if (particle_takes(r, p)) q->vel[4 * p + a] += change_at(r, q->pos + 4 * p, a);
@@ -188,7 +187,7 @@ typedef struct means {
 } means;
 
 static means means_of(const gn_conversion *c, gn_scaled scaled) {
-    const gn_particles *q = &c->world->dem.particles;
+    const gn_particles *q = &c->model->dem->particles;
     double mass = 0.0;
     means m = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -238,7 +237,7 @@ static double beyond_rounding(double missing, double size) {
 }
 
 static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled scaled) {
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
+    const size_t d = (size_t)c->model->ctx->scene.dimension;
     const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
     const means m = means_of(c, scaled);
     const gn_tally about = gn_tally_about(&missing, d, m.centre);
@@ -265,7 +264,7 @@ static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled sc
  * the receivers are too few, in a line, or held. */
 static bool find_motion(rigid *r, const lack *l, double part) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, lever[3];
-    if (r->count > r->dimension && (!(r->size > 0.0) || !r->c->world->dem.particles.spin))
+    if (r->count > r->dimension && (!(r->size > 0.0) || !r->c->model->dem->particles.spin))
         return false;
     gn_cross3(r->centre, l->beside, lever);
     for (size_t k = 0; k < r->count; k++) {
@@ -307,8 +306,8 @@ static double find_rest(const gn_conversion *c, const lack *l, rigid *r) {
 }
 
 void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled) {
-    gn_world *w = c->world;
-    gn_corrections *all = &w->zones.state.corrected;
+    const gn_convertible *model = c->model;
+    gn_corrections *all = &model->converted->corrected;
     const lack l = lack_of(c, before, scaled);
     rigid r;
     const bool taken = find_takers(c, &l, true, &r);
@@ -316,13 +315,13 @@ void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before,
     const bool wider = r.chosen != TAKERS_CHANGED;
     const double beside = wider ? gn_conversion_held_beside(c) : 0.0;
     change(&r);
-    gn_fem_to_single(gn_coupled_solid(&w->solids));
-    gn_coupled_follow(&w->ctx, &w->dem, &w->solids,
-                      &w->zones); /* particles of zones go where nodes take them */
+    gn_fem_to_single(gn_coupled_solid(model->solids));
+    gn_coupled_follow(model->ctx, model->dem, model->solids,
+                      model->zones); /* particles of zones go where nodes take them */
     if (wider) {
         const double more = beside - gn_conversion_held_beside(c);
-        w->ledger.energy.conversion += more;
-        w->zones.state.parts.step += more;
+        model->ledger->energy.conversion += more;
+        model->converted->parts.step += more;
     }
     if (!taken) all->least = all->missed > 0.0 ? fmin(all->least, part) : part;
     all->count += 1.0;
@@ -343,7 +342,10 @@ static gn_tally about_own(const gn_tally *t, size_t dimension, double centre[3])
     return gn_tally_about(t, dimension, centre);
 }
 
-double gn_tally_turns(const gn_tally *t, size_t dimension) {
+/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
+ * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
+ * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
+static double tally_turns(const gn_tally *t, size_t dimension) {
     double centre[3];
     const gn_tally own = about_own(t, dimension, centre);
     const double r = sqrt(polar_of(dimension, &own) / t->mass);
@@ -355,8 +357,8 @@ double gn_tally_turns(const gn_tally *t, size_t dimension) {
 /* Whatever moves the body on between two conversions keeps what these did to its angular momentum
  * and to the place of its centre, if it flies: vectors add up. */
 void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now) {
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
-    gn_corrections *all = &c->world->zones.state.corrected;
+    const size_t d = (size_t)c->model->ctx->scene.dimension;
+    gn_corrections *all = &c->model->converted->corrected;
     double from[3], to[3];
     const gn_tally was = about_own(before, d, from), is = about_own(now, d, to);
     for (int a = 0; a < 3; a++) {
@@ -365,5 +367,5 @@ void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, co
     }
     all->inertia += polar_of(d, &is) / polar_of(d, &was) - 1.0;
     all->most = fmax(all->most, sqrt(gn_dot3(all->turned, all->turned)));
-    all->scale = fmax(all->scale, gn_tally_turns(before, d));
+    all->scale = fmax(all->scale, tally_turns(before, d));
 }

@@ -3,12 +3,14 @@
 #define GN_CONVERSION_CONVERSION_PRIVATE_H
 
 #include "base/error.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
+#include "conversion/conversion.h"
+#include "conversion/records.h"
+#include "fem/fem.h"
 #include "frame/parts.h"
 #include "particles/dormant.h"
 #include "soa/records.h"
-#include "world/world.h"
+#include "solids/solids.h"
+#include "zones/zone_state.h"
 #include "zones/zones.h"
 
 #include <stdbool.h>
@@ -17,7 +19,7 @@
 
 /* State before a conversion, and scratch. */
 typedef struct gn_conversion {
-    gn_world *world;
+    const gn_convertible *model;
     uint8_t *kind;      /* [elements before] gn_front_kind */
     int32_t *place;     /* [elements of the mesh] before; -1: gone already */
     double *part;       /* [particles][2] weights before, 0 if it was dormant */
@@ -37,14 +39,8 @@ typedef struct gn_conversion {
 
 /* The element, by place before, that a particle is in; -1: gone already. */
 static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
-    return c->place[gn_dormant_element(&c->world->dem, p)];
+    return c->place[gn_dormant_element(c->model->dem, p)];
 }
-
-/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
- * both are the caller's whatever happens. */
-gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
-                                            const gn_most_loaded *most_loaded, uint8_t **kind,
-                                            double **excess, gneiss_error *error);
 
 /* Checks that released particles are only loaded by the strain of the body (conversion_setup.c),
  * from the bonds of all particles. */
@@ -95,7 +91,7 @@ typedef struct gn_held_stages {
     double alike[2], released[2];
     gn_held before, after;
 } gn_held_stages;
-void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+void gn_conversion_book(gn_conversions *converted, gn_ledger *ledger, const gn_held_stages *held,
                         double kinetic);
 
 /* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
@@ -150,10 +146,6 @@ bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double 
 /* Velocities (conversion_momentum.c), with these masses scaled. */
 void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled);
 
-/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
- * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
- * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
-double gn_tally_turns(const gn_tally *t, size_t dimension);
 /* Sums up what none of it could keep: angular momentum, centre of mass, inertia; once all of a
  * conversion is done. */
 void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now);

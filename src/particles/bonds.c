@@ -3,18 +3,16 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
-#include "kernels/law.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/bond_sections.h"
-#include "particles/dem.h"
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/lists.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/bond_causes.h"
 #include "soa/field.h"
@@ -431,6 +429,17 @@ void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem) {
         b->rn[c] = -fabs(b->rn[c]);
         b->cause[c] = GN_BOND_DISSOLVED;
         b->broken_time[c] = ctx->time;
+    }
+}
+
+void gn_bonds_strengthen(gn_dem *dem, double factor) {
+    gn_contacts *b = &dem->bonds.contacts;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        if (!gn_contact_bonded(b, c)) continue;
+        b->rn[c] *= factor;
+        if (b->rt) b->rt[c] *= factor;
+        if (b->rn_f) b->rn_f[c] = (float)b->rn[c];
+        if (b->rt_f) b->rt_f[c] = (float)b->rt[c];
     }
 }
 

@@ -5,9 +5,9 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/union_find.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/events.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <math.h>

@@ -5,10 +5,9 @@
  * length r, and V = sum A r/d: its mean, tr/d, is sum f_n/sum A whatever the dimension d. A bond
  * gets the mean of its two particles times its own section. Bonds that broke count as they press;
  * what else touches a particle has no section and does not count. */
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 static double pressure_of(const double around[2]) {

@@ -1,13 +1,13 @@
 #include "particles/contact_lists.h"
 
 #include "base/memory.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "kernels/dispatch.h"
 #include "kernels/motion.h"
 #include "measure/measure.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "neigh/neigh.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "sched/deal.h"
 
 #include <stddef.h>

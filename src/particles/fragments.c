@@ -2,11 +2,11 @@
 
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/union_find.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/dormant.h"
+#include "particles/particles.h"
 #include "soa/bond_causes.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
@@ -184,11 +184,8 @@ gneiss_status gn_fragments_list(const gn_step_context *ctx, const gn_dem *dem,
     const gn_pieces *q = &dem->pieces;
     *list = (gn_fragment_list){0};
     if (!(ctx->effects & GN_FX_BONDS) || !n) return GNEISS_OK;
-    list->row = gn_alloc_array(n + 1, sizeof *list->row);
-    list->of = gn_alloc_array(n + 1, sizeof *list->of);
-    if (!list->row || !list->of)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles",
-                       n);
+    GN_TRY(gn_new(&list->row, n + 1, "the fragments of particles", error));
+    GN_TRY(gn_new(&list->of, n + 1, "the fragments of particles", error));
     start(q, n);
     join(&dem->bonds.contacts, q->parent);
     memset(list->of, -1, n * sizeof *list->of);

@@ -6,9 +6,9 @@
  * are next to each other, so that the diagonal of the ways of two by two by two cells bounds by how
  * much they closed in. */
 #include "base/memory.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 
