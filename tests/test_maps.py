@@ -5,10 +5,10 @@ from pathlib import Path
 from program import *  # noqa: F403
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir)
-sys.path[:0] = [os.path.join(ROOT, "validate"), os.path.join(ROOT, "calibrate")]
+sys.path[:0] = [os.path.join(ROOT, "validate"), ROOT]
 os.environ["GNEISS"] = PROGRAM
-import maps  # noqa: E402
 import maps_study  # noqa: E402
+from calibrate import maps  # noqa: E402
 
 NAMES = ("young", "poisson", "compression", "tension", "brazilian")
 

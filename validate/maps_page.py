@@ -12,8 +12,8 @@ import numpy as np
 
 import study
 
-sys.path.append(str(study.ROOT / "calibrate"))
-import maps  # noqa: E402
+sys.path.append(str(study.ROOT))
+from calibrate import maps  # noqa: E402
 
 PAGE = "strength-maps.md"
 PICTURES = study.ROOT / "docs" / "evidence" / "pictures"

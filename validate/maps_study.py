@@ -16,8 +16,8 @@ import numpy as np
 
 import study
 
-sys.path.append(str(study.ROOT / "calibrate"))
-import maps  # noqa: E402
+sys.path.append(str(study.ROOT))
+from calibrate import maps  # noqa: E402
 
 QUICK = "--quick" in sys.argv
 FOLDER = study.RUNS / ("maps-quick" if QUICK else "maps")
