@@ -5,6 +5,9 @@ E rt/(k_n n_c (1 - e)) and strength A/(R_n n_c (1 - e)), with rt = 4 <r^3>/<l^2>
 thickness t), r the radii, l the distances of bonded centres, n_c bonds per particle (twice the bonds over the particles), e the porosity. In 2D E and nu
 are those of the material, not of plane strain.
 
+Laws: `linear`; `bond_friction`, `range` (bonds.interaction_range) and `moments` (bonds.radius_multiplier) with values of the key of that name;
+`range_friction`, `moments_friction` with both; `moments_only_stiff`: moments with bonds.moment_share 0, which alone raises the ratio of strengths much.
+
     maps = Maps()
     start = maps.start("linear", 3, poisson=0.2, ratio=8)
     k_n = start.normal_stiffness(20e9, groups)
