@@ -433,6 +433,17 @@ void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem) {
     }
 }
 
+void gn_bonds_strengthen(gn_dem *dem, double factor) {
+    gn_contacts *b = &dem->bonds.contacts;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        if (!gn_contact_bonded(b, c)) continue;
+        b->rn[c] *= factor;
+        if (b->rt) b->rt[c] *= factor;
+        if (b->rn_f) b->rn_f[c] = (float)b->rn[c];
+        if (b->rt_f) b->rt_f[c] = (float)b->rt[c];
+    }
+}
+
 /* Those that neither are nor were bonds, in the same order. */
 static void drop_known(const gn_dem *dem, gn_pair_list *pairs) {
     const gn_contacts *b = &dem->bonds.contacts;
