@@ -157,7 +157,7 @@ def strip(dimension, count, seed, scale):
         "sets": [{"name": name, "select": {"end": {"axis": axis, "side": side, "depth": grip}},
                   "motion": {"v" + axis: [[0, 0], [2e-4, sign * 0.03]]}} for name, side, sign in (("low", "lower", -1), ("high", "upper", 1))],
         "test": {"kind": "tension", "axis": axis, "lower": "low", "upper": "high", "length": length, "area": width ** (dimension - 1)},
-        "time": {"end": 1.2e-3},
+        "time": {"end": 1.2e-3, "stop": "none"},
         "output": {"history_rows": 400, "snapshots": 0, "checkpoint": "off"}, "run": {"seed": seed, "threads": 1}}
     return scene, width ** (dimension - 1), length
 
