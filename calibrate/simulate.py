@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from calibrate.problem import OutOfBudget, Problem
 
 TRIES = 3             # starts of a run that is killed or finds no memory
-BAD = (2, 5)          # exit codes that a repetition would give again: input, a run that went bad
+WENT_BAD = 5          # exit code of a run that a repetition would not improve
 PAUSE = 0.01          # s between looks at running processes
 _PARENT_DIES = 1      # PR_SET_PDEATHSIG
 
@@ -125,15 +125,15 @@ class Laboratory:
             message = file.read().strip()
         if code == 0:
             with open(os.path.join(job.folder, "printed.txt" if job.strain else "summary.json"), encoding="utf-8") as file:
-                outcome = (_constants_of if job.strain else _outcome_of)(json.load(file))
-        elif code in BAD:
+                text = file.read()
+            # Constants stand in the last line: one before it may tell of a packing.
+            outcome = _constants_of(json.loads(text.strip().splitlines()[-1])) if job.strain else _outcome_of(json.loads(text))
+        elif code == WENT_BAD:
             outcome = Outcome({}, {}, message.splitlines()[0] if message else f"exit code {code}")
-            if code == 2 and job.tries < 2 and "checkpoint" in message:
-                return False
         elif job.tries < TRIES:
             return False
         else:
-            raise Problem(f"{job.folder}: the run ended with code {code}: {message[-500:]}", 5)
+            raise Problem(f"{job.folder}: the run ended with code {code}: {message[-1000:]}", code if code in (2, 3, 4) else 5)
         kept = {key: getattr(outcome, key) for key in ("readings", "absent", "message", "seconds", "errors")}
         write_whole(os.path.join(job.folder, "outcome.json"), json.dumps(kept, indent=1))
         for name in os.listdir(job.folder):
@@ -202,10 +202,10 @@ def _number(value):
 
 
 def _constants_of(printed):
-    """Outcome with what `gneiss stiffness` printed of the test."""
-    test = printed["test"] or {}
-    return Outcome({name: _number(value) for name, value in test.items()}, test.get("absent") or {}, printed.get("test_absent", ""),
-                   float(printed["seconds"]))
+    """Outcome with the constants of the test that `gneiss stiffness` printed; where its ends find no equilibrium, with those of the packing."""
+    found = printed["test"] or printed["network"]
+    readings = {name: _number(found.get(name)) for name in ("young_modulus", "poisson_ratio")}
+    return Outcome(readings, found.get("absent") or {}, printed.get("test_absent", ""), float(printed["seconds"]))
 
 
 def _outcome_of(summary):

@@ -8,6 +8,7 @@ from calibrate import laws, units
 SPEED = 0.01         # closing speed over wave speed and strain at the peak: 1 to 2 % of the strength by the study of accuracy
 PLATEN = 5.0         # stiffness of platens over that of a contact
 START = 0.05         # fraction of the expected duration in which ends come to their speed
+DROP = 0.3           # of the stress from its peak, which ends a test
 DURATION = 4.0       # duration over the expected one
 STRAIN = {"compression": 1.3, "tension": 1.1, "brazilian": 9.0, "triaxial": 1.6}  # at the peak, over strength over modulus
 GRIP = 1.5           # depth of glued ends in mean radii
@@ -115,13 +116,16 @@ class Bench:
         speed = SPEED * self.wave_speed() * strain
         stiffness = PLATEN * laws.contact_stiffness(scene, parameters, size.radius)
         getattr(self, test.kind)(scene, test, size, (length * strain, speed), stiffness)
-        scene["time"] = {"end": DURATION * length * strain / speed + scene["time"].get("end", 0.0), "stop": {"peak_drop": 0.3}}
+        before = 0.0
+        if "stages" in scene:
+            before = scene["stages"][0]["end"]["time"]
+            scene["stages"][-1]["end"] = {"peak_drop": DROP}
+        scene["time"] = {"end": before + DURATION * length * strain / speed, **({} if before else {"stop": {"peak_drop": DROP}})}
         return scene
 
     def _test(self, scene, kind, size):
         scene["test"] = {"kind": kind, "axis": _axis(scene), "lower": "lower", "upper": "upper", "length": size.height}
         scene["test"].update({"diameter": size.diameter} if size.diameter else {"area": size.section})
-        scene["time"] = {}
 
     def compression(self, scene, _, size, closing, stiffness):
         axis = _axis(scene)
@@ -152,7 +156,6 @@ class Bench:
         scene["test"] = {"kind": "brazilian", "axis": "y", "lower": "lower", "upper": "upper", "diameter": size.diameter}
         if laws.dimension_of(scene) == 3:
             scene["test"]["thickness"] = size.height
-        scene["time"] = {}
 
     def triaxial(self, scene, test, size, closing, stiffness):
         self.compression(scene, test, size, closing, stiffness)
@@ -161,5 +164,4 @@ class Bench:
         scene["membrane"] = {"pressure": test.confinement, "ramp": ramp}
         motions = {wall["name"]: {"motion": wall.pop("motion")} for wall in scene["walls"]}
         scene["stages"] = [{"name": "confine", "end": {"held": "1 %", "time": 4.0 * ramp}},
-                           {"name": "load", "walls": motions, "end": {"peak_drop": 0.3}}]
-        scene["time"] = {"end": 4.0 * ramp}
+                           {"name": "load", "walls": motions}]

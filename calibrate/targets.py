@@ -21,7 +21,7 @@ READINGS = {
     "m_i": ("1", 0.1, 200.0, 0.1),
 }
 ABSOLUTE = {"poisson_ratio", "friction_angle"}  # their tolerances are differences in the unit of the reading
-KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "targets", "seeds", "budget")
+KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "targets", "seeds", "budget")
 SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
 
 
@@ -269,6 +269,8 @@ def _scene(file, found):
         scene = _base_scene(file, found["scene"])
     else:
         scene = _new_scene(file, found)
+    if "bonds" in found:
+        scene["bonds"] = file.data(found["bonds"])
     if "friction" in found:
         scene["materials"][0]["friction"] = file.number(found["friction"], "friction", "1", 0.0, 10.0)
     return scene
@@ -296,6 +298,7 @@ def read(path):
     law = found["law"].value if "law" in found else "scene" if "scene" in found else "auto"
     if isinstance(law, list):
         scene["law"], law = file.data(found["law"]), "scene"
+        scene.setdefault("bonds", {"interaction_range": 0.05})
     elif law not in ("auto", "scene", *LAWS) or (law == "scene" and "scene" not in found):
         file.fail(found["law"], f"law: expected auto, {', '.join(LAWS)} or a section as in a scene, found '{law}'")
     request = Request(path, found["title"].value if "title" in found else "", scene, law, targets,

@@ -6,6 +6,7 @@ _LIBRARY = "libudunits2.so.0"
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _UTF8 = 2
 _system = {}
+_ALIASES = {"deg": "degree"}  # as in a scene
 
 
 def _load():
@@ -25,7 +26,7 @@ def _load():
 def factor(unit, to):
     """Value in `to` of 1 `unit`; ValueError if a unit is unknown or the dimensions differ."""
     library, system = _load()
-    parsed = [ctypes.c_void_p(library.ut_parse(system, name.encode(), _UTF8)) for name in (unit, to)]
+    parsed = [ctypes.c_void_p(library.ut_parse(system, _ALIASES.get(name, name).encode(), _UTF8)) for name in (unit, to)]
     if not all(one.value for one in parsed):
         raise ValueError(f"unknown unit '{unit}'")
     converter = ctypes.c_void_p(library.ut_get_converter(*parsed))
