@@ -18,6 +18,7 @@ class Law:
     material: dict = field(default_factory=dict)
     bond_friction: float = 0.0  # value unless a target determines it
     slope: float = 0.35         # of ln compressive strength over ln chi, to begin with
+    friction_slopes: tuple = (0.12, 0.1)  # of ln friction angle, and of ln compressive strength, over mu_1, to begin with
 
 
 # From the simplest on: `auto` takes the first that reaches the targets.
@@ -26,7 +27,7 @@ LAWS = (
     Law("friction", "brittle bonds whose shear strength grows with pressure", {"stiffness": "harmonic"}, {"interaction_range": 0.05},
         bond_friction=1.0),
     Law("moments", "bonds that carry moments, as parallel bonds, and whose shear strength grows with pressure", {"stiffness": "harmonic"},
-        {"interaction_range": 0.05, "radius_multiplier": 1.0, "moment_share": 0.0}, bond_friction=1.0, slope=0.9),
+        {"interaction_range": 0.05, "radius_multiplier": 1.0, "moment_share": 0.0}, bond_friction=1.0, slope=0.9, friction_slopes=(0.35, 0.5)),
     Law("softening", "bonds by area that soften, and whose shear strength grows with pressure", {"stiffness": "dempack", "softening": "ratio"},
         {"interaction_range": 0.05}, {"poisson": 0.2, "fracture_ratio": 1.0}, bond_friction=1.0),
 )

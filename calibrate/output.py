@@ -38,7 +38,8 @@ def parameters_of(result):
         interval = None
         if is_free and result.covariance is not None:
             name = "bond_friction" if key == "bond_friction" else "tension"
-            interval = uncertainty.interval_of(name, value, uncertainty.variance_of(result.covariance, gradient), count)
+            variance = uncertainty.variance_of(result.covariance, gradient)
+            interval = None if variance == 0.0 else uncertainty.interval_of(name, value, variance, count)  # 0: at a bound
         found[key] = {"value": value, "unit": UNITS.get(key, ""), "interval": finite(interval) if interval else None, "free": is_free}
     return found
 

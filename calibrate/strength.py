@@ -10,13 +10,12 @@ from calibrate.material import scaled, unscaled
 
 PARAMETERS = ("modulus", "ratio", "tension", "chi", "bond_friction")
 BOUNDS = {"modulus": (1e-3, 1e15), "ratio": elastic.RATIO, "tension": (1e-6, 1e15), "chi": (0.3, 10.0), "bond_friction": (0.0, 4.0)}
-START_CHI = 2.0
+START_CHI, START_FRICTION = 2.0, 0.5
 SCOUTS = 2                # packings of the first steps
 MOST_STEPS = 8
 NEAR = 0.05               # with the scouts; then all packings join
 LARGEST_STEP = 1.2        # of a logarithm, or of bond_friction
 PRIORITY = {"compressive_strength": 10.0, "young_modulus": 10.0, "poisson_ratio": 10.0}
-SLOPE_FRICTION = 0.3      # of ln tan(phi) over mu_1
 NOISE = 0.03              # moves below this teach little: single breaks change strengths by about as much
 LEAST_SLOPE = 0.02        # keeps the sign of a slope that breaks of single bonds hide
 STRENGTHS = ("compressive_strength", "tensile_strength", "brazilian_strength", "crack_initiation_stress")
@@ -33,32 +32,37 @@ def free_parameters(targets):
     return [name for name in PARAMETERS if free[name]]
 
 
-def prior_slopes(names, free, dimension, ratio, slope):
-    """d output/d parameter in scaled coordinates, [outputs, parameters], by similarity and uniform strain; `slope`: that of
-    ln compressive strength over ln chi."""
+def prior_slopes(names, free, dimension, ratio, law):
+    """d output/d parameter in scaled coordinates, [outputs, parameters]: similarity, uniform strain, and usual slopes of a law."""
     young, poisson = elastic.slopes(dimension, ratio)
+    angle, compression = law.friction_slopes
     table = {("young_modulus", "modulus"): 1.0, ("young_modulus", "ratio"): young, ("poisson_ratio", "ratio"): poisson}
     for name in names:
-        compressive = name == "compressive_strength" or name.startswith("triaxial")
-        if compressive or name in STRENGTHS:
+        confined = name.startswith("triaxial")
+        if confined or name in STRENGTHS:
             table[name, "tension"] = 1.0
-        if compressive:
-            table[name, "chi"] = slope
-        if name.startswith("triaxial") or name in FRICTIONAL:
-            table[name, "bond_friction"] = SLOPE_FRICTION * (0.5 if compressive else 1.0)
+        if confined or name == "compressive_strength":
+            table[name, "chi"] = law.slope
+        if confined or name in FRICTIONAL or name == "compressive_strength":
+            table[name, "bond_friction"] = angle if name in FRICTIONAL else compression + angle * confined
     return np.array([[table.get((name, parameter), 0.0) for parameter in free] for name in names])
+
+
+def is_confined(name):
+    """True if the value of a target takes tests under pressure."""
+    return name in FRICTIONAL or name.startswith("triaxial")
 
 
 class Search:
     """Steps towards the targets of a material from given parameters; `steps` lists the evaluations for the report."""
 
-    def __init__(self, material, parameters, progress):
+    def __init__(self, material, parameters, progress, targets=None):
         self.material, self.progress = material, progress
-        self.targets = material.targets
+        self.targets = targets or material.targets
         self.names, self.free = list(self.targets), free_parameters(self.targets)
         self.parameters = dict(parameters)
         self.slopes = prior_slopes(self.names, self.free, laws.dimension_of(material.scene), parameters["ratio"],
-                                   (material.law or laws.LAWS[0]).slope)
+                                   material.law or laws.LAWS[0])
         self.prior = self.slopes.copy()
         self.steps = []
         self.aims = np.array([scaled(name, self.targets[name].value) for name in self.names])
@@ -119,7 +123,7 @@ class Search:
 
     def residuals(self, evaluation, names=None):
         """{target: difference of the mean from its value in tolerances}; None where it is absent."""
-        means = {name: evaluation.mean(name) for name in names or self.names}
+        means = {name: evaluation.mean(name) for name in (self.names if names is None else names)}
         return {name: None if mean is None else self.targets[name].error(mean) for name, mean in means.items()}
 
     def given_up(self, evaluation):
@@ -154,15 +158,15 @@ class Search:
                 return False
         return True
 
-    def cost(self, evaluation):
-        """Sum of squares that steps reduce; infinite if a reading is absent."""
-        residuals = self.residuals(evaluation)
+    def cost(self, evaluation, away):
+        """Sum of squares that steps reduce, without the targets in `away`; infinite if a reading is absent."""
+        residuals = self.residuals(evaluation, [name for name in self.names if name not in away])
         return sum(math.inf if one is None else (PRIORITY.get(name, 1.0) * one)**2 for name, one in residuals.items())
 
     def best(self):
-        """The evaluation on the most packings that is nearest to the targets."""
-        most = max(len(one.values) for one in self.steps)
-        return min((one for one in self.steps if len(one.values) == most), key=self.cost)
+        """The evaluation on the most packings that is nearest to the targets, but for those given up at the end."""
+        most, away = max(len(one.values) for one in self.steps), self.given_up(self.steps[-1])
+        return min((one for one in self.steps if len(one.values) == most), key=lambda one: self.cost(one, away))
 
     def near(self, evaluation):
         """True if targets that are not given up are so near that all packings should join."""
@@ -174,16 +178,30 @@ class Search:
         """True if the next step would change nothing: bounds are reached, or nothing is to be gained."""
         return bool(np.all(np.abs(self.position(parameters) - self.position(following)) < 2e-3))
 
+    def scout(self, seeds):
+        """Parameters with which a few packings are near the targets."""
+        for _ in range(MOST_STEPS):
+            self.advance(seeds[:SCOUTS])
+            following = self.step(self.steps[-1])
+            done = self.near(self.steps[-1]) or self.stuck(self.parameters, following)
+            self.parameters = following
+            if done:
+                break
+        return self.parameters
+
+    def advance(self, seeds):
+        """Evaluates the present parameters, and corrects the slopes by the step that led to them."""
+        self.steps.append(self.material.evaluate(self.parameters, seeds, self.names))
+        self.progress(self.describe(self.steps[-1]))
+        if len(self.steps) > 1:
+            self.learn(*self.steps[-2:])
+        return self.steps[-1]
+
     def run(self, seeds):
         """The best evaluation on all packings."""
-        scouts, evaluation = seeds[:SCOUTS], None
         everyone = len(seeds) <= SCOUTS
         for _ in range(MOST_STEPS):
-            before, evaluation = evaluation, self.material.evaluate(self.parameters, seeds if everyone else scouts)
-            self.steps.append(evaluation)
-            self.progress(self.describe(evaluation))
-            if before:
-                self.learn(before, evaluation)
+            evaluation = self.advance(seeds if everyone else seeds[:SCOUTS])
             if everyone and self.accepted(evaluation):
                 break
             following = self.step(evaluation)
@@ -214,4 +232,6 @@ def start(material, parameters):
     if laws.stiffness_of(material.scene) == "uniform":
         tension *= 2.0 * material.size.radius if laws.dimension_of(material.scene) == 2 else 4.0 * material.size.radius**2
     friction = material.law.bond_friction if material.law else laws.units.number(material.scene["materials"][0].get("bond_friction", 0.0), "1")
+    if "bond_friction" in free_parameters(material.targets):
+        friction = START_FRICTION
     return {**parameters, "tension": tension, "chi": START_CHI, "bond_friction": friction}

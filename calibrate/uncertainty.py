@@ -10,7 +10,7 @@ from calibrate.material import scaled, unscaled
 LEVEL = 0.95
 NORMAL = stats.norm.ppf(0.5 + 0.5 * LEVEL)  # error budgets of runs are errors in 95 of 100
 DIFFERENCE = {"chi": 0.25, "bond_friction": 0.3, "ratio": 0.1}  # steps of finite differences, in scaled coordinates
-SMALLEST_SLOPE = 1e-3  # over the largest: what moves readings less than this is not determined
+SMALLEST_SLOPE = 1e-4  # over the largest: what moves readings less than this is not determined
 
 
 def student(count):
