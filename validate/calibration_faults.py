@@ -239,28 +239,26 @@ BAD = (
 )
 
 
-def message(done):
+def message(code, said, printed):
     """The sentence of a refusal, else of the result about what is not reached, else its first line."""
-    if "Traceback" in done.stderr:
-        return "a traceback"
-    if done.returncode:
-        return last_line(done)
-    lines = [line.strip() for line in done.stdout.splitlines()]
+    lines = [line.strip() for line in (said if code else printed).splitlines()]
+    if code:
+        return re.sub(r"/[^ :]*/([^/ :]+)", r"\1", lines[0]).replace("|", "/")[:300] if lines else "no message"
     told = [line for line in lines if "not reach" in line and ":" in line and not line.startswith("law")] or lines[:1]
     return re.sub(r"/[^ :]*/([^/ :]+)", r"\1", told[-1]).replace("|", "/")[:300] if told else "no message"
 
 
 def bad_rows():
-    folder, rows = FOLDER / "targets", []
+    folder = FOLDER / "targets"
     shutil.rmtree(folder, ignore_errors=True)
-    for number, (wrong, text, *scene) in enumerate(BAD):
-        target = written(folder, text, f"{number}.yaml")
+    texts = []
+    for number, (_, text, *scene) in enumerate(BAD):
+        target = written(folder / str(number), text)
         if scene:
-            written(folder, scene[0], "base.yaml")
-        done = called(command(target, folder / f"{number}"))
-        rows.append([wrong, done.returncode, message(done)])
-        print(*rows[-1], sep=" | ", file=sys.stderr, flush=True)
-    return rows
+            written(folder / str(number), scene[0], "base.yaml")
+        texts.append([target, str(folder / str(number) / "out"), {}])
+    told = harness(folder, texts, study.PROGRAM)
+    return [[wrong, code, message(code, said, printed)] for (wrong, *_), (code, said, printed) in zip(BAD, told)]
 
 
 # --- mutations -----------------------------------------------------------------------------------------
@@ -315,29 +313,33 @@ def mutations(text, generator, count):
         yield mutated
 
 
-# Calls the command for every file of a list in one process: {exit code: number} and what is no refusal in words.
+# Calls the command for every file of a list in one process: [exit code, standard error, standard output] of each.
 HARNESS = """
 import contextlib, io, json, sys, traceback
 sys.path[:0] = [{root!r}, {root!r} + "/tools"]
 from calibrate import command
-codes, wrong = dict(), []
-for files in json.load(open({list!r})):
+told = []
+for target, out, files in json.load(open({list!r})):
     for path, text in files.items():
         with open(path, "w", encoding="utf-8", newline="") as file:
             file.write(text)
     said, printed = io.StringIO(), io.StringIO()
     try:
         with contextlib.redirect_stderr(said), contextlib.redirect_stdout(printed):
-            code = command.main([{target!r}, "--program", {program!r}, "--out", {out!r}, "--quiet", "--threads", "1"])
+            code = command.main([target, "--program", {program!r}, "--out", out, "--quiet", "--threads", "1"])
     except (Exception, SystemExit) as error:
         code = "traceback: " + repr(error)[:200]
-    if code == 2 and "stand-in" in said.getvalue() or code == 5:
-        code = "accepted"
-    codes[str(code)] = codes.get(str(code), 0) + 1
-    if code not in (2, 3, "accepted") or not said.getvalue().startswith("gneiss: "):
-        wrong.append([str(code), said.getvalue()[:200], files])
-json.dump([codes, wrong], sys.stdout)
+    told.append([code, said.getvalue(), printed.getvalue()])
+json.dump(told, sys.stdout)
 """
+
+
+def harness(folder, texts, program):
+    code = HARNESS.format(root=str(study.ROOT), list=written(folder, json.dumps(texts), "list.json"), program=program)
+    done = called([sys.executable, "-c", code])
+    if done.returncode:
+        sys.exit(done.stderr)
+    return json.loads(done.stdout)
 
 
 def mutated():
@@ -349,12 +351,12 @@ def mutated():
     target, scene = str(folder / "targets.yaml"), str(folder / "base.yaml")
     texts = [{scene: SCENE, target: one} for text in FILES[:3] for one in mutations(text, generator, count // 4)]
     texts += [{target: FILES[2], scene: one} for one in mutations(FILES[3], generator, count // 4)]
-    listed = written(folder, json.dumps(texts), "list.json")
-    code = HARNESS.format(root=str(study.ROOT), list=listed, target=target, program=program, out=str(folder / "out"))
-    done = called([sys.executable, "-c", code])
-    if done.returncode:
-        sys.exit(done.stderr)
-    codes, wrong = json.loads(done.stdout)
+    codes, wrong = {}, []
+    for files, (code, said, _) in zip(texts, harness(folder, [[target, str(folder / "out"), files] for files in texts], program)):
+        result = "accepted" if "a stand-in" in said else code
+        codes[str(result)] = codes.get(str(result), 0) + 1
+        if result not in (2, 3, "accepted") or not said.startswith("gneiss: "):
+            wrong.append([str(result), said[:200], files])
     (folder / "wrong.json").write_text(json.dumps(wrong, indent=1))
     return codes, wrong
 
@@ -362,13 +364,13 @@ def mutated():
 def targets():
     rows, (codes, wrong) = bad_rows(), mutated()
     told = ", ".join(f"{what} {number}" for what, number in sorted(codes.items()))
-    text = f"""Files of targets with mistakes, each given to the program as it is. `/usr/bin/python3 validate/calibration_faults.py targets`.
+    text = f"""Files of targets with mistakes, each given to the command as it is. `/usr/bin/python3 validate/calibration_faults.py targets`.
 
 {study.table(['mistake', 'exit code', 'message'], rows)}
 
 Mutations: three good files of targets and a base scene, cut off, with other words in place of each word, with lines left out, doubled and
 exchanged, and with random letters; {sum(codes.values())} files. Every file is read by the command; a stand-in for the program refuses all runs, so that
-accepted files end there. Exit codes: {told}. Neither a message nor an acceptance, but something else: {len(wrong)}.
+accepted files end there. Exit codes: {told}. Neither refused with a message nor accepted: {len(wrong)}.
 """
     return "Bad targets", text
 
