@@ -217,6 +217,8 @@ def work(options):
     folder, lock = folder_of(options)
     with lock:
         laboratory = Laboratory(options.program, folder, options.threads or len(os.sched_getaffinity(0)), request.most_runs, request.most_seconds)
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, laboratory.interrupt)
         if options.force:
             laboratory.forget()
         result, tried = calibrate(request, laboratory, Progress(laboratory, options.quiet))

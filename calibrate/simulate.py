@@ -90,8 +90,13 @@ class Laboratory:
         self.version = program_version(program)
         self.most_runs, self.most_seconds = most_runs, most_seconds
         self.used, self.seconds = set(), {}
-        self.begun = time.monotonic()
+        self.begun, self.interrupted = time.monotonic(), False
         os.makedirs(self.folder, exist_ok=True)
+
+    def interrupt(self, *_):
+        """Handler of signals. Python drops an exception that is raised while a process is started: the next look at the runs raises it again."""
+        self.interrupted = True
+        raise KeyboardInterrupt
 
     # --- one run ---------------------------------------------------------------------------------------
 
@@ -178,6 +183,8 @@ class Laboratory:
         running, packed = {}, set()
         try:
             while waiting or running:
+                if self.interrupted:
+                    raise KeyboardInterrupt
                 packing = {job.packing for job in running.values()} - packed
                 free = [job for job in waiting if job.packing not in packing]
                 if free and len(running) < self.workers:
