@@ -1,5 +1,5 @@
-"""Parameters that give the wanted strengths: steps in the logarithms of parameters and readings on common packings. Slopes begin with those
-of similarity and uniform strain, and are corrected by every step (Broyden 1965); a step is the bounded least squares solution."""
+"""Parameters that give the wanted strengths: steps in the logarithms of parameters and readings on common packings. A step is the bounded
+least squares solution of a linear model, whose slopes are those of similarity and uniform strain, corrected by all evaluations so far."""
 import math
 
 import numpy as np
@@ -13,10 +13,13 @@ BOUNDS = {"modulus": (1e-3, 1e15), "ratio": elastic.RATIO, "tension": (1e-6, 1e1
 START_CHI, START_FRICTION = 2.0, 0.5
 SCOUTS = 2                # packings of the first steps
 MOST_STEPS = 8
+ACCEPTED = 1.0 / 3.0      # of a tolerance, or half a standard error: the search ends
 NEAR = 0.05               # with the scouts; then all packings join
 LARGEST_STEP = 1.2        # of a logarithm, or of bond_friction
 PRIORITY = {"compressive_strength": 10.0, "young_modulus": 10.0, "poisson_ratio": 10.0}
-NOISE = 0.03              # moves below this teach little: single breaks change strengths by about as much
+NOISE, SMOOTH_NOISE = 0.03, 0.003  # of the logarithm of a strength, because of single breaks; of elastic constants
+REACH = 0.7               # distance in scaled coordinates over which an evaluation loses weight
+LEAST_DOUBT = 0.1         # standard deviation of prior slopes: half of them, at least this
 LEAST_SLOPE = 0.02        # keeps the sign of a slope that breaks of single bonds hide
 STRENGTHS = ("compressive_strength", "tensile_strength", "brazilian_strength", "crack_initiation_stress")
 FRICTIONAL = ("friction_angle", "m_i")
@@ -88,24 +91,36 @@ class Search:
 
     # --- steps -----------------------------------------------------------------------------------------
 
-    def learn(self, before, now):
-        """Corrects the slopes by the change between two evaluations on the packings of both (Broyden's first formula)."""
-        common = [seed for seed in now.values if seed in before.values]
-        moved = self.position(now.parameters) - self.position(before.parameters)
-        changed = self.outputs(now, common) - self.outputs(before, common)
-        size = float(moved @ moved) + NOISE**2
-        known = np.isfinite(changed)
-        if not common:
-            return
-        miss = np.where(known, changed - self.slopes @ moved, 0.0)
-        self.slopes = self.slopes + np.outer(miss, moved) / size
-        expected = np.sign(self.prior)
-        weak = (expected != 0.0) & (self.slopes * expected < LEAST_SLOPE * np.abs(self.prior))
-        self.slopes[weak] = (LEAST_SLOPE * self.prior)[weak]
+    def model(self):
+        """(expected outputs at the present evaluation, slopes) of a line through all evaluations on the packings of the first, near ones
+        with more weight: least squares with the prior slopes as further observations. Single values scatter by NOISE."""
+        now, seeds = self.steps[-1], list(self.steps[0].values)
+        moved = np.array([self.position(step.parameters) - self.position(now.parameters) for step in self.steps])
+        found = np.array([self.outputs(step, seeds) for step in self.steps])
+        centre, slopes = np.full(len(self.names), math.nan), self.prior.copy()
+        weight = np.exp(-0.5 * np.sum((moved / REACH)**2, axis=1))
+        for k, name in enumerate(self.names):
+            known = np.isfinite(found[:, k])
+            if not known.any():
+                continue
+            noise = SMOOTH_NOISE if name in ("young_modulus", "poisson_ratio") else NOISE
+            table = np.column_stack([np.ones(known.sum()), moved[known]]) * (np.sqrt(weight[known]) / noise)[:, None]
+            values = found[known, k] * np.sqrt(weight[known]) / noise
+            doubt = np.maximum(0.5 * np.abs(self.prior[k]), LEAST_DOUBT)
+            prior = np.column_stack([np.zeros(len(self.free)), np.diag(1.0 / doubt)])
+            solution = np.linalg.lstsq(np.vstack([table, prior]), np.concatenate([values, self.prior[k] / doubt]), rcond=None)[0]
+            centre[k], slopes[k] = solution[0], solution[1:]
+        weak = (self.prior != 0.0) & (slopes * np.sign(self.prior) < LEAST_SLOPE * np.abs(self.prior))
+        slopes[weak] = (LEAST_SLOPE * self.prior)[weak]
+        whole = [step for step in self.steps if len(step.values) > len(seeds)]
+        if whole:  # packings that joined later differ from the first by the same ratio
+            centre = centre + np.mean([self.outputs(step) - self.outputs(step, seeds) for step in whole], axis=0)
+        return centre, slopes
 
     def step(self, evaluation):
         """The next position: least squares of the residuals in tolerances, those of high priority first, within bounds."""
-        residual = self.outputs(evaluation) - self.aims
+        centre, self.slopes = self.model()
+        residual = centre - self.aims
         known = np.isfinite(residual)
         weight = np.array([PRIORITY.get(name, 1.0) for name in self.names]) / self.allowed
         position, (low, high) = self.position(evaluation.parameters), self.bounds()
@@ -144,20 +159,21 @@ class Search:
         return ({-1} if value <= low * 1.01 + 1e-9 else set()) | ({1} if value >= high / 1.01 else set())
 
     def accepted(self, evaluation):
-        """True if every target that is not given up is within a quarter of its tolerance, or half a standard error of its mean."""
+        """True if every target that is not given up is within a third of its tolerance, or half a standard error of its mean."""
         given_up = self.given_up(evaluation)
         for name, residual in self.residuals(evaluation).items():
             column = evaluation.column(name)
             noise = float(np.std(column, ddof=1)) / math.sqrt(len(column)) if len(column) > 1 else 0.0
-            allowed = max(0.25, 0.5 * noise / self.targets[name].tolerance)
+            allowed = max(ACCEPTED, 0.5 * noise / self.targets[name].tolerance)
             if name not in given_up and (residual is None or abs(residual) > allowed):
                 return False
         return True
 
     def cost(self, evaluation, away):
-        """Sum of squares that steps reduce, without the targets in `away`; infinite if a reading is absent."""
+        """(number of absent readings, sum of squares that steps reduce) without the targets in `away`."""
         residuals = self.residuals(evaluation, [name for name in self.names if name not in away])
-        return sum(math.inf if one is None else (PRIORITY.get(name, 1.0) * one)**2 for name, one in residuals.items())
+        present = {name: one for name, one in residuals.items() if one is not None}
+        return len(residuals) - len(present), sum((PRIORITY.get(name, 1.0) * one)**2 for name, one in present.items())
 
     def best(self):
         """The evaluation on the most packings that is nearest to the targets, but for those given up at the end."""
@@ -186,11 +202,9 @@ class Search:
         return self.parameters
 
     def advance(self, seeds):
-        """Evaluates the present parameters, and corrects the slopes by the step that led to them."""
+        """Evaluates the present parameters."""
         self.steps.append(self.material.evaluate(self.parameters, seeds, self.names))
         self.progress(self.describe(self.steps[-1]))
-        if len(self.steps) > 1:
-            self.learn(*self.steps[-2:])
         return self.steps[-1]
 
     def run(self, seeds):
