@@ -137,7 +137,7 @@ def a_scene_without_a_test_has_the_constants_of_its_packing(folder):
 def platens_that_touch_few_particles_are_followed_for_any_shear_stiffness(folder):
     scene, young = os.path.join(SHIPPED, "compression.yaml"), []
     for ratio in (1, 10, 100, 1e9):
-        found = constants(scene, "--set", f"materials.rock.kratio={ratio}", "--set", "walls.top.stiffness=10 GN/m", "--set",
+        found = constants(scene, "--strain", "1e-5", "--set", f"materials.rock.kratio={ratio}", "--set", "walls.top.stiffness=10 GN/m", "--set",
                           "walls.bottom.stiffness=10 GN/m")
         assert found["test"], found["test_absent"]
         young.append(found["test"]["young_modulus"])
@@ -159,16 +159,30 @@ def the_strain_is_that_of_both_ends_however_they_move(folder):
 
 
 @fact
-def a_test_in_which_bonds_break_says_so(folder):
-    x = constants(bar(folder), "--set", "materials.m.tensile_strength=1 Pa")
-    assert x["test"] is None and "break" in x["test_absent"], x["test_absent"]
-    assert x["network"]["young_modulus"] > 1e9
+def bonds_hold_whatever_their_strength(folder):
+    scene = bar(folder)
+    one, other = constants(scene), constants(scene, "--set", "materials.m.tensile_strength=1 Pa", "--precision", "mixed")
+    for name in CONSTANTS:
+        assert abs(one["test"][name] - other["test"][name]) < 2e-5 * abs(one["test"][name]), (name, one["test"], other["test"])
+
+
+@fact
+def platens_are_seated_by_the_predicted_load(folder):
+    """A run fits rows of equal time while its platens gain speed, and its first breaks soften it: 1 %; at a strain of 1e-5 E is 12 % less."""
+    scene, out = os.path.join(SHIPPED, "compression.yaml"), os.path.join(folder, "out")
+    run(scene, out, "--set", "output.snapshots=0", "--threads", 1)
+    read, found = summary(out)["readings"], constants(scene)["test"]
+    small = constants(scene, "--strain", "1e-5")["test"]
+    assert found["strain"] > 5e-3 and small["strain"] == 1e-5
+    for name in CONSTANTS:
+        assert abs(found[name] - read[name]) < 0.01 * read[name], (name, found[name], read[name])
+    assert small["young_modulus"] < 0.95 * read["young_modulus"], (small, read["young_modulus"])
 
 
 @fact
 def triaxial_stages_and_membranes_leave_the_loading_alone(folder):
-    x = constants(os.path.join(SHIPPED, "triaxial.yaml"), "--threads", "1")
-    y = constants(os.path.join(SHIPPED, "compression.yaml"), "--threads", "1", "--set", "walls.top.stiffness=15 MN/m", "--set",
+    x = constants(os.path.join(SHIPPED, "triaxial.yaml"))
+    y = constants(os.path.join(SHIPPED, "compression.yaml"), "--strain", "1e-5", "--set", "walls.top.stiffness=15 MN/m", "--set",
                   "walls.bottom.stiffness=15 MN/m")
     for name in CONSTANTS:
         assert abs(x["test"][name] - y["test"][name]) < 1e-4 * abs(y["test"][name]), (name, x["test"], y["test"])
@@ -180,6 +194,17 @@ def scenes_without_bonded_particles_are_refused(folder):
                          ("bending-mixed.yaml", "finite elements")):
         code, out, err = words("stiffness", os.path.join(SHIPPED, scene), "--json")
         assert code == 2 and text in err and not out, (scene, code, err)
+
+
+@fact
+def a_box_that_is_periodic_along_some_axes_is_refused(folder):
+    scene = os.path.join(folder, "slab.yaml")
+    with open(os.path.join(SHIPPED, "simple-shear.yaml")) as file:
+        text = file.read().replace("    kratio: 2\n", "    kratio: 2\n    tensile_strength: 1 GPa\n    shear_strength: 1 GPa\n")
+    with open(scene, "w") as file:
+        file.write(text.replace("\nlaw:", "\nbonds: {}\nlaw:"))
+    code, out, err = words("stiffness", scene, "--json")
+    assert code == 2 and not out and "slab.yaml: stiffness: expected a box that is periodic along all axes, or none, found 1 of 2" in err, err
 
 
 @fact

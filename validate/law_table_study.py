@@ -147,6 +147,7 @@ def strip(dimension, count, seed, scale):
     """A strip that is pulled until it has opened by seven times what its bonds soften over, and what its section and length are."""
     width, length = scale * WIDTH, scale * LENGTH
     shape = {"rectangle": {"width": width, "height": length}} if dimension == 2 else {"box": {"size": [width, width, length]}}
+    across = {"v" + other: 0 for other in "xyz"[:dimension - 1]}  # grips that are free across let the middle turn, and a second crack opens
     axis, grip = "xyz"[dimension - 1], 2.0 * (0.7 * length * width ** (dimension - 1) / count) ** (1 / dimension)
     scene = {
         "dimension": dimension, "specimen": {**shape, "particles": count, "packing": {"overlap": "passive"}},
@@ -155,9 +156,9 @@ def strip(dimension, count, seed, scale):
         "law": {"stiffness": "dempack", "softening": "energy", "coupling": "quadratic"}, "bonds": {"interaction_range": 0.05},
         "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.5}},
         "sets": [{"name": name, "select": {"end": {"axis": axis, "side": side, "depth": grip}},
-                  "motion": {"v" + axis: [[0, 0], [2e-4, sign * 0.03]]}} for name, side, sign in (("low", "lower", -1), ("high", "upper", 1))],
+                  "motion": {**across, "v" + axis: [[0, 0], [2e-4, sign * 0.03]]}} for name, side, sign in (("low", "lower", -1), ("high", "upper", 1))],
         "test": {"kind": "tension", "axis": axis, "lower": "low", "upper": "high", "length": length, "area": width ** (dimension - 1)},
-        "time": {"end": 1.2e-3},
+        "time": {"end": 1.2e-3, "stop": "none"},
         "output": {"history_rows": 400, "snapshots": 0, "checkpoint": "off"}, "run": {"seed": seed, "threads": 1}}
     return scene, width ** (dimension - 1), length
 

@@ -43,9 +43,11 @@ RUNS = [("tension.yaml", {}, [], "grips: the same to 1e-3"),
         ("elastic-discs.yaml", {"walls.bottom.motion.vy": "[[0, 0], [40 ms, 0.5 mm/s]]",
                                 "walls.top.motion.vy": "[[0, 0], [40 ms, -0.5 mm/s]]", "time.end": "120 ms"}, ["--strain", "1e-3"],
          "the same at a quarter of the speed"),
-        ("compression.yaml", {}, [], "platens that are seated by the load: the run reads up to half of the peak"),
-        ("compression.yaml", {}, ["--strain", "0.0101", "--set", "materials.rock.tensile_strength=1e90", "--set",
-                                  "materials.rock.shear_strength=1e90"], "the same up to the strain at the peak, with bonds that hold"),
+        ("compression.yaml", {}, ["--strain", "1e-5"], "platens that the load has not seated yet"),
+        ("compression.yaml", {}, [], "the same up to the predicted peak"),
+        ("ucs-discs.yaml", {}, [], "platens, up to the predicted peak: loading speed"),
+        ("ucs-discs.yaml", {"walls.bottom.motion.vy": 0.625e-3, "walls.top.motion.vy": -0.625e-3, "time.end": "80 ms"}, [],
+         "the same at an eighth of the speed"),
         ("biaxial.yaml", {}, [], "platens, and a pressure beside the specimen")]
 
 

@@ -111,7 +111,9 @@ static const struct {
     {"plan", "--write FILE",
      "plan --error: write the scene with the proposed settings (--force replaces\nFILE)"},
     {"stiffness", "--json", "stiffness: one JSON object on standard output"},
-    {"stiffness", "--strain E", "stiffness: strain up to which the test is loaded (default 1e-5)"},
+    {"stiffness", "--strain E",
+     "stiffness: strain up to which the test is loaded (default 1e-5;\nbetween walls that of the "
+     "predicted peak)"},
     {"run check plan pack sweep calibrate resume", "--quiet",
      "only results: readings and warnings, no progress and no profile"},
     {"run pack sweep resume", "--log json",

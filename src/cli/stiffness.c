@@ -1,12 +1,12 @@
 #include "cli/stiffness.h"
 
 #include "base/new.h"
-#include "base/printable.h"
 #include "base/timer.h"
 #include "cli/pack.h"
 #include "cli/progress.h"
 #include "io/io.h"
 #include "laboratory/laboratory.h"
+#include "plan/estimate.h"
 #include "run/history_rows.h"
 #include "run/run.h"
 #include "scene/laboratory.h"
@@ -18,8 +18,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Strain of a test unless --strain gives one: far below failure, far above rounding. */
-static const double default_strain = 1e-5;
+/* Strain of a test between ends that hold the specimen, unless --strain gives one: far below
+ * failure, far above rounding. The largest that is taken. */
+static const double default_strain = 1e-5, strain_most = 0.1;
 /* Particles of a shape below which one thread is used unless the scene gives a number. */
 static const size_t particles_shared = 50000;
 enum { STATES = 20 }; /* readings use those up to half of the largest stress */
@@ -56,10 +57,11 @@ typedef struct outcome {
 
 static gneiss_status read_strain(const gn_options *options, double *strain, gneiss_error *error) {
     char *rest = NULL;
-    *strain = default_strain;
+    *strain = 0.0; /* to be chosen */
     if (!options->strain) return GNEISS_OK;
     *strain = strtod(options->strain, &rest);
-    if (rest != options->strain && !*rest && *strain > 0.0 && *strain < 0.1) return GNEISS_OK;
+    if (rest != options->strain && !*rest && *strain > 0.0 && *strain < strain_most)
+        return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "--strain: expected a number in (0, 0.1), such as 1e-5, found '%s'",
                    options->strain);
@@ -152,10 +154,32 @@ static double sides(const gn_scene *scene) {
     return lower + upper > 0.0 ? (lower + upper) / fmax(lower, upper) : 1.0;
 }
 
+static bool has_walls(const gn_scene *scene) {
+    const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
+    for (size_t k = 0; k < 2; k++)
+        for (size_t n = 0; n < ends[k]->count; n++)
+            if (gn_scene_find_wall(scene, ends[k]->name[n]) >= 0) return true;
+    return false;
+}
+
+/* Platens are seated by the load: with the strain at the predicted peak, readings are of that part
+ * of the curve which those of a run are of. Otherwise the curve is straight. */
+static gneiss_status choose_strain(const gn_world *w, double *strain, gneiss_error *error) {
+    gn_estimate estimate = {0};
+    if (*strain > 0.0) return GNEISS_OK;
+    *strain = default_strain;
+    if (!has_walls(&w->ctx.scene)) return GNEISS_OK;
+    GN_TRY(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &estimate, error));
+    if (!estimate.absent && estimate.strain > default_strain && estimate.strain < strain_most)
+        *strain = estimate.strain;
+    return GNEISS_OK;
+}
+
 static gneiss_status load_test(gn_run *run, outcome *found, gneiss_error *error) {
     const gn_world *w = &run->world;
     const gn_tested_shape shape = gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids);
     gn_first_break path;
+    GN_TRY(choose_strain(w, &found->strain, error));
     gneiss_status status =
         gn_static_loading(&run->world, found->strain * shape.length / sides(&w->ctx.scene), STATES,
                           &(gn_first_break_watch){note_state, run}, &path, error);
@@ -298,22 +322,14 @@ static const char *unit_of(gn_reading which) {
     return units[which];
 }
 
-static bool has_walls(const gn_scene *scene) {
-    const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
-    for (size_t k = 0; k < 2; k++)
-        for (size_t n = 0; n < ends[k]->count; n++)
-            if (gn_scene_find_wall(scene, ends[k]->name[n]) >= 0) return true;
-    return false;
-}
-
 static void print_test(const gn_scene *scene, const outcome *found) {
     const gn_readings *r = found->readings;
     if (!r) {
         printf("test: none: %s\n", found->absent);
         return;
     }
-    printf("test: %s up to a strain of %.3g, by equilibria%s\n", gn_scene_test(scene)->name,
-           found->strain, has_walls(scene) ? "; platens may not be seated yet (--strain)" : "");
+    printf("test: %s up to a strain of %.3g, by equilibria\n", gn_scene_test(scene)->name,
+           found->strain);
 #define X(name)                                                                                    \
     if (has_constant(scene, GN_READING_##name))                                                    \
         print_reading(r, #name, GN_READING_##name, r->name, unit_of(GN_READING_##name));
@@ -376,8 +392,12 @@ static void print_text(const gn_scene *scene, const outcome *found) {
 
 /* --- the command --- */
 
-static gneiss_status solve(gn_run *run, outcome *found, gneiss_error *error) {
-    GN_TRY(gn_network_stiffness(&run->world, &found->network, error));
+static gneiss_status solve(const gn_options *options, gn_run *run, outcome *found,
+                           gneiss_error *error) {
+    gneiss_error reason = {0};
+    gneiss_status status = gn_network_stiffness(&run->world, &found->network, &reason);
+    if (status != GNEISS_OK)
+        return gn_fail(error, status, "%.1000s: %.1000s", options->target, reason.message);
     found->solutions = found->network.solutions;
     found->iterations = found->network.iterations;
     return find_test(run, found, error);
@@ -393,7 +413,7 @@ gneiss_status gn_command_stiffness(const gn_options *options, gneiss_error *erro
     GN_TRY(read_strain(options, &found->strain, error));
     GN_TRY(load_scene(options, &scene, error));
     GN_TRY(gn_run_create(scene, run, error));
-    gneiss_status status = solve(run, found, error);
+    gneiss_status status = solve(options, run, found, error);
     if (status == GNEISS_OK && options->json)
         status = print_json(&run->world.ctx.scene, found, error);
     else if (status == GNEISS_OK)

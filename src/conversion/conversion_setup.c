@@ -171,30 +171,31 @@ gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *d
 /* --- what is in the box --- */
 
 /* The mean side of the boxes about elements in the box of the scene; kg of these. */
-static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
-                               gn_conversion_figures *f) {
+static double measure_elements(const gn_fem_solid *solid, const uint8_t *kind,
+                               gn_conversion_figures *figures) {
     double mass = 0.0, sum = 0.0, least = INFINITY;
-    for (size_t e = 0; e < b->elements.soa.count; e++) {
+    for (size_t e = 0; e < solid->elements.soa.count; e++) {
         double side = 0.0;
         if (kind[e] == GN_FRONT_FIXED) continue;
-        for (int k = 0; k < b->dimension; k++) {
+        for (int k = 0; k < solid->dimension; k++) {
             double lower = INFINITY, upper = -INFINITY;
-            for (int a = 0; a <= b->dimension; a++) {
+            for (int a = 0; a <= solid->dimension; a++) {
                 double x =
-                    b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + (size_t)k];
+                    solid->nodes
+                        .start[4 * (size_t)gn_elements_node(&solid->elements, a)[e] + (size_t)k];
                 lower = fmin(lower, x);
                 upper = fmax(upper, x);
             }
-            side += (upper - lower) / b->dimension;
+            side += (upper - lower) / solid->dimension;
         }
         sum += side;
         least = fmin(least, side);
-        mass += b->density[b->elements.material[e]] * b->elements.volume[e];
-        f->elements++;
-        f->held += kind[e] == GN_FRONT_HELD;
+        mass += solid->density[solid->elements.material[e]] * solid->elements.volume[e];
+        figures->elements++;
+        figures->held += kind[e] == GN_FRONT_HELD;
     }
-    f->element = f->elements ? sum / (double)f->elements : 0.0;
-    f->smallest = f->elements ? least : 0.0;
+    figures->element = figures->elements ? sum / (double)figures->elements : 0.0;
+    figures->smallest = figures->elements ? least : 0.0;
     return mass;
 }
 
@@ -432,25 +433,25 @@ static double shortest_side(const gn_step_context *ctx, const gn_solids *solids)
 
 gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
-                                    gn_conversion_figures *f, gneiss_error *error) {
+                                    gn_conversion_figures *figures, gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     size_t count;
     uint8_t *kind = gn_alloc(b->elements.soa.count + 1);
     int32_t *place = gn_fem_places(b, &count);
-    *f = (gn_conversion_figures){.side = shortest_side(ctx, solids)};
+    *figures = (gn_conversion_figures){.side = shortest_side(ctx, solids)};
     gneiss_status status =
         kind && place ? gn_conversion_kinds(ctx, solids, kind, error)
                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
     if (status == GNEISS_OK) {
-        const double elements = measure_elements(b, kind, f);
+        const double elements = measure_elements(b, kind, figures);
         boxed q = {.ctx = ctx,
                    .dem = dem,
                    .boundary = boundary,
                    .solids = solids,
                    .kind = kind,
                    .place = place,
-                   .figures = f};
-        f->mass = measure_particles(&q) / elements;
+                   .figures = figures};
+        figures->mass = measure_particles(&q) / elements;
     }
     gn_free(kind);
     gn_free(place);

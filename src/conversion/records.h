@@ -1,4 +1,4 @@
-/* What conversions of a run have done so far. */
+/* Records of the conversions of a run. */
 #ifndef GN_CONVERSION_RECORDS_H
 #define GN_CONVERSION_RECORDS_H
 

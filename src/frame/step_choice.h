@@ -1,4 +1,4 @@
-/* What is known of the step that the model allows. The folder timestep writes it; a world without
+/* Known limits of the step, which the folder timestep writes; a world without
  * particles has only `stable`. */
 #ifndef GN_FRAME_STEP_CHOICE_H
 #define GN_FRAME_STEP_CHOICE_H

@@ -112,7 +112,7 @@ static size_t list_count(const gn_contacts *list) {
 }
 
 const gn_contacts *gn_spring_list(const gn_spectrum *spectrum, size_t *k) {
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
         const gn_contacts *list = spectrum->assembly->list[l];
         const size_t count = list_count(list);
         if (*k < count) return list;
@@ -140,7 +140,7 @@ bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *out) {
 
 size_t gn_spring_pairs(const gn_spectrum *spectrum) {
     size_t count = 0;
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) count += list_count(spectrum->assembly->list[l]);
+    for (int l = 0; l < GN_LISTS_MOST; l++) count += list_count(spectrum->assembly->list[l]);
     return count;
 }
 

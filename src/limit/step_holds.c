@@ -281,7 +281,7 @@ void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks) {
 size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_t *turned) {
     const gn_assembly *a = spectrum->assembly;
     size_t found = 0, k = 0;
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
         const gn_contacts *list = a->list[l];
         for (size_t c = 0; list && c < list->soa.count; c++, k++) {
             gn_spring s;

@@ -18,9 +18,7 @@ const gn_list_kind *const gn_list_kinds[GN_LIST_COUNT] = {
 #undef X
 };
 
-_Static_assert((int)GN_LIST_COUNT <= (int)GN_DEAL_LISTS &&
-                   (int)GN_LIST_COUNT <= (int)GN_MOTION_LISTS &&
-                   (int)GN_LIST_COUNT <= (int)GN_ASSEMBLY_LISTS,
+_Static_assert((int)GN_LIST_COUNT <= (int)GN_LISTS_MOST,
                "sweep, motion and measures have room for all lists");
 
 bool gn_list_used(const gn_scene *scene, int list) {

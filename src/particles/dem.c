@@ -180,23 +180,23 @@ gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneis
     return GNEISS_OK;
 }
 
-void gn_dem_free(gn_dem *d) {
-    gn_soa_destroy(&gn_particle_record, &d->particles);
-    for (int l = 0; l < GN_LIST_COUNT; l++) gn_contact_list_free(&d->list[l]);
-    gn_soa_destroy(&gn_contact_record, &d->prepared);
-    gn_deal_free(&d->deal);
-    gn_hold_free(&d->hold);
-    gn_events_free(&d->events);
-    gn_flow_free(&d->flow);
-    gn_near_free(&d->near);
+void gn_dem_free(gn_dem *dem) {
+    gn_soa_destroy(&gn_particle_record, &dem->particles);
+    for (int l = 0; l < GN_LIST_COUNT; l++) gn_contact_list_free(&dem->list[l]);
+    gn_soa_destroy(&gn_contact_record, &dem->prepared);
+    gn_deal_free(&dem->deal);
+    gn_hold_free(&dem->hold);
+    gn_events_free(&dem->events);
+    gn_flow_free(&dem->flow);
+    gn_near_free(&dem->near);
     void *blocks[] = {
-        d->index_of_id,    d->channel_set,     d->set_reaction,    d->loose,
-        d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
-        d->motion_sums,    d->vel_past,        d->spin_past,       d->around,
-        d->pieces.parent,  d->pieces.members,  d->pieces.volume,   d->still,
-        d->dormant,        d->hertz,           d->driven,          d->ways};
+        dem->index_of_id,    dem->channel_set,     dem->set_reaction,    dem->loose,
+        dem->prescribed.set, dem->prescribed.mask, dem->prescribed.load, dem->prescribed.velocity,
+        dem->motion_sums,    dem->vel_past,        dem->spin_past,       dem->around,
+        dem->pieces.parent,  dem->pieces.members,  dem->pieces.volume,   dem->still,
+        dem->dormant,        dem->hertz,           dem->driven,          dem->ways};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    *d = (gn_dem){0};
+    *dem = (gn_dem){0};
 }
 
 /* --- all of it --- */

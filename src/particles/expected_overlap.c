@@ -25,8 +25,8 @@ double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double
     return pow(3.75 * energy / kn, 0.4) / radius;
 }
 
-double gn_pair_radius(const gn_particles *q, size_t i, size_t j) {
-    double ri = q->pos[4 * i + 3], rj = q->pos[4 * j + 3];
+double gn_pair_radius(const gn_particles *particles, size_t i, size_t j) {
+    double ri = particles->pos[4 * i + 3], rj = particles->pos[4 * j + 3];
     return ri * rj / (ri + rj);
 }
 

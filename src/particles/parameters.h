@@ -51,4 +51,8 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
 /* The pressure around bonds whose friction sees it, before their forces (confinement.c). */
 void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds);
 
+/* Multiplies the strengths of all intact bonds, so that none breaks or softens; yield stresses stay
+ * as they are. */
+void gn_bonds_strengthen(gn_dem *dem, double factor);
+
 #endif

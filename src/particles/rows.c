@@ -66,16 +66,16 @@ gneiss_status gn_dem_number_rows(gn_dem *dem, gneiss_error *error) {
 
 /* --- more --- */
 
-static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *a, size_t p) {
+static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *arrival, size_t p) {
     gn_particles *q = &dem->particles;
-    const gn_source_def *d = &ctx->scene.sources[a->source];
+    const gn_source_def *d = &ctx->scene.sources[arrival->source];
     int material = gn_scene_find_material(&ctx->scene, d->material);
-    double r = a->sphere[3], mass = ctx->scene.materials[material].density *
-                                    gn_ball_volume((int)ctx->scene.dimension, r);
-    memcpy(q->pos + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->start + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->ref + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->vel + 4 * p, a->velocity, sizeof a->velocity);
+    double r = arrival->sphere[3], mass = ctx->scene.materials[material].density *
+                                          gn_ball_volume((int)ctx->scene.dimension, r);
+    memcpy(q->pos + 4 * p, arrival->sphere, sizeof arrival->sphere);
+    memcpy(q->start + 4 * p, arrival->sphere, sizeof arrival->sphere);
+    memcpy(q->ref + 4 * p, arrival->sphere, sizeof arrival->sphere);
+    memcpy(q->vel + 4 * p, arrival->velocity, sizeof arrival->velocity);
     q->vel[4 * p + 3] = 1.0 / mass;
     if (q->spin)
         q->spin[4 * p + 3] = 1.0 / ((ctx->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
@@ -86,7 +86,8 @@ static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *a, s
     dem->radius_min = fmin(dem->radius_min, r);
     if (dem->loose) dem->loose[q->id[p]] = 1;
     /* The limit of flights uses the largest speed. */
-    dem->done.motion.speed2 = fmax(dem->done.motion.speed2, gn_dot3(a->velocity, a->velocity));
+    dem->done.motion.speed2 =
+        fmax(dem->done.motion.speed2, gn_dot3(arrival->velocity, arrival->velocity));
 }
 
 /* Enlarges tables by id to `ids` entries. */

@@ -127,9 +127,9 @@ static void apply_set(const gn_step_context *ctx, gn_dem *dem, const gn_set_def 
 }
 
 /* Returns the own mass of a particle; removed ones have none. */
-static double own_mass(const gn_particles *q, size_t p) {
-    double inverse = q->vel[4 * p + 3];
-    return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;
+static double own_mass(const gn_particles *particles, size_t p) {
+    double inverse = particles->vel[4 * p + 3];
+    return inverse > 0.0 ? gn_own_share(particles, p) / inverse : 0.0;
 }
 
 static void share_force(const gn_step_context *ctx, gn_dem *dem, size_t set) {

@@ -18,6 +18,7 @@
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "limit/equilibrium.h"
+#include "particles/parameters.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -47,6 +48,8 @@ static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_
 static const double balanced_worst = 300.0;
 /* That of states from which elastic constants are read. */
 static const double balanced_loading = 1e-6;
+/* Strengths of bonds in it over those of the scene: none breaks. */
+static const double strengthened = 1e9;
 /* Time of their loading over time.end. */
 static const double slowness = 1e6;
 /* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
@@ -516,6 +519,7 @@ static gneiss_status load_up(search *run, double path, int count, gneiss_error *
         return gn_fail(error, GNEISS_ERROR_MEMORY,
                        "no memory for the equilibrium of the particles");
     GN_TRY(slow_down(run, path, error));
+    gn_bonds_strengthen(&run->w->dem, strengthened);
     GN_TRY(gn_trial_begin(run->w, &run->trial, error));
     run->speed = fastest(&run->w->ctx, &run->w->dem);
     GN_TRY(take_up_loads(run, error));

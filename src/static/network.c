@@ -59,7 +59,7 @@ static gneiss_status build(network *x, gneiss_error *error) {
     const gn_world *w = x->w;
     x->assembly = gn_assembly_of(&w->ctx, &w->dem, &w->boundary);
     x->assembly.wall_contacts = NULL;
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++)
+    for (int l = 0; l < GN_LISTS_MOST; l++)
         if (x->assembly.list[l] != &w->dem.bonds.contacts) x->assembly.list[l] = NULL;
     GN_TRY(allocate(x, error));
     x->spectrum =

@@ -156,7 +156,7 @@ def run_test(name):
 INTRO = """## Tests by name
 
 About 1000 spheres each, packed by `gneiss pack` (the first packing, where nothing is said), the contact parameters of the cylinders above; the ends are the same lists of particles,
-moved along the axis. **Triaxial**: D 23 mm, L 46 mm, a membrane over the whole surface, whose areas gneiss finds and YADE is told, so that
+moved along the axis. **Triaxial**: D 23 mm, L 46 mm, a membrane over the whole surface, whose areas gneiss finds and YADE reads, so that
 the same forces, of fixed directions, act on the same particles; they come in {ramp:g} ms, then the ends, which are held across, close at 0.4 m/s. Stiffness is that of the deviator. A particle keeps its
 share in YADE, and in gneiss as long as it touches the body. **Brazilian**: a disc of 50 x 25 mm, pressed along y at 0.1 m/s, strength of bonds in tension 10 MPa; stress 2 P/(pi D t) over
 closing/D, and beside it the strain across over that along the load in the middle of the disc. **Bending**: the notched beam of the next section
