@@ -81,8 +81,9 @@ def given_stiffness(material):
     if "young_modulus" not in material.targets and key in values:
         found["modulus"] = laws.units.number(values[key], "N/m" if key == "normal_stiffness" else "Pa")
     if "poisson_ratio" not in material.targets:
-        if "kratio" in values:
-            found["ratio"] = 1.0 / float(values["kratio"])
-        elif key == "young":
-            found["ratio"] = float(values.get("beta", 1.0)) / float(values.get("alpha", 1.0)) / (2.0 * (1.0 + float(values["poisson"])))
+        of = {name: laws.units.number(values[name], "1") for name in ("kratio", "alpha", "beta", "poisson") if name in values}
+        if key == "young":
+            found["ratio"] = of.get("beta", 1.0) / of.get("alpha", 1.0) / (2.0 * (1.0 + of.get("poisson", 0.2)))
+        elif of.get("kratio"):
+            found["ratio"] = 1.0 / of["kratio"]
     return found

@@ -102,4 +102,5 @@ class Material:
         by_seed = {seed: {test: found[test, seed] for test in tests} for seed in seeds}
         return Evaluation(dict(parameters),
                           {seed: {name: readings.value_of(name, targets, by_seed[seed], self.flat) for name in names} for seed in seeds},
-                          {name: max(readings.error_of(name, targets, by_seed[seed], self.flat) for seed in seeds) for name in names}, by_seed)
+                          {name: float(np.mean([readings.error_of(name, targets, by_seed[seed], self.flat) for seed in seeds])) for name in names},
+                          by_seed)

@@ -21,6 +21,13 @@ _PARENT_DIES = 1      # PR_SET_PDEATHSIG
 
 def write_whole(path, text):
     """Writes a file under another name first: it is there in full or not at all."""
+    try:
+        _write_whole(path, text)
+    except OSError as error:
+        raise Problem(f"{path}: cannot be written: {error.strerror}", 3) from error
+
+
+def _write_whole(path, text):
     folder = os.path.dirname(os.path.abspath(path))
     handle, name = tempfile.mkstemp(dir=folder, prefix=".part-")
     try:
@@ -214,12 +221,16 @@ def _constants_of(printed):
     return Outcome(readings, {}, printed.get("test_absent", ""), float(printed["seconds"]))
 
 
+# Causes that differ between packings and so are in their scatter; nonlinearity is a property of the curve, not an error of its reading.
+OF_PACKINGS = ("packing", "round-off", "rows", "nonlinearity")
+
+
 def _outcome_of(summary):
-    """Outcome of a run's summary.json; errors are those causes of its budget that packings do not measure."""
+    """Outcome of a run's summary.json; errors are those causes of its budget that all packings share."""
     errors, budget = {}, summary.get("error_budget") or {}
     for name, entry in (budget.get("readings") or budget).items():
         if isinstance(entry, dict) and "causes" in entry:
-            errors[name] = sum(cause["error"]**2 for cause in entry["causes"] if cause["name"] != "packing")**0.5
+            errors[name] = sum(cause["error"]**2 for cause in entry["causes"] if cause["name"] not in OF_PACKINGS)**0.5
     readings = {name: _number(value) for name, value in summary["readings"].items()}
     if (readings.get("peak_stress") or 0.0) <= 0.0:  # no peak: what the test has shown so far is no strength
         readings["peak_stress"] = None

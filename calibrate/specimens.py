@@ -56,7 +56,7 @@ def size_of(scene):
     if "mean_radius" in specimen:
         radius = metres(specimen["mean_radius"])
     else:
-        each = section * height / float(specimen["particles"])
+        each = section * height / units.number(specimen["particles"], "1")
         radius = math.sqrt(0.85 * each / math.pi) if flat else (0.6 * each * 0.75 / math.pi) ** (1.0 / 3.0)
     return Size(height, width, section, radius, diameter)
 

@@ -117,12 +117,16 @@ class Search:
             centre = centre + np.mean([self.outputs(step) - self.outputs(step, seeds) for step in whole], axis=0)
         return centre, slopes
 
+    def weights(self):
+        """Weights of the outputs in the least squares."""
+        return np.array([PRIORITY.get(name, 1.0) for name in self.names]) / self.allowed
+
     def step(self, evaluation):
         """The next position: least squares of the residuals in tolerances, those of high priority first, within bounds."""
         centre, self.slopes = self.model()
         residual = centre - self.aims
         known = np.isfinite(residual)
-        weight = np.array([PRIORITY.get(name, 1.0) for name in self.names]) / self.allowed
+        weight = self.weights()
         position, (low, high) = self.position(evaluation.parameters), self.bounds()
         low, high = np.maximum(low, position - LARGEST_STEP), np.minimum(high, position + LARGEST_STEP)
         matrix = (self.slopes * weight[:, None])[known]
@@ -241,7 +245,7 @@ def start(material, parameters):
     tension = values.get("tensile_strength", values.get("brazilian_strength", values.get("compressive_strength", 0.003 * material.modulus) / 6.0))
     if laws.stiffness_of(material.scene) == "uniform":
         tension *= 2.0 * material.size.radius if laws.dimension_of(material.scene) == 2 else 4.0 * material.size.radius**2
-    friction = material.law.bond_friction if material.law else float(material.scene["materials"][0].get("bond_friction", 0.0))
+    friction = material.law.bond_friction if material.law else laws.units.number(material.scene["materials"][0].get("bond_friction", 0.0), "1")
     if "bond_friction" in free_parameters(material.targets):
         friction = START_FRICTION
     return {**parameters, "tension": tension, "chi": START_CHI, "bond_friction": friction}
