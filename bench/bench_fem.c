@@ -1,6 +1,6 @@
 #include "bench_fem.h"
 
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "fem/structured.h"
 
 #include <stdio.h>

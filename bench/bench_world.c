@@ -1,7 +1,7 @@
 #include "bench_world.h"
 
 #include "base/timer.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "run/run.h"
 #include "world/particle_step.h"
 #include "world/world.h"

@@ -96,6 +96,7 @@ static inline void set_elements(gn_world *w, field *at, const void *of) {
 static inline gneiss_status convert_box(gn_world *w, const double low[3], const double high[3],
                                         gneiss_error *error) {
     const gn_fem_solid *b = &w->solids.elements[0]->solid;
+    const gn_convertible model = gn_world_convertible(w);
     uint8_t *kind = calloc(b->elements.soa.count + 1, 1);
     gneiss_status status = gn_conversion_kinds(&w->ctx, &w->solids, kind, error);
     for (size_t e = 0; e < b->elements.soa.count; e++) {
@@ -108,7 +109,7 @@ static inline gneiss_status convert_box(gn_world *w, const double low[3], const 
             }
         if (in) kind[e] = GN_FRONT_LEAVING;
     }
-    if (status == GNEISS_OK) status = gn_conversion_convert(w, kind, error);
+    if (status == GNEISS_OK) status = gn_conversion_convert(&model, kind, error);
     free(kind);
     return status;
 }

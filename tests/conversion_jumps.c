@@ -35,12 +35,13 @@ int main(int count, char **argument) {
     if (count < 2) return 2;
     gneiss_status status = gn_scene_load(argument[1], NULL, 0, &scene, &error);
     if (status == GNEISS_OK) status = gn_world_create(&scene, &w, &error);
+    const gn_convertible model = gn_world_convertible(&w);
     while (status == GNEISS_OK && w.ctx.time < w.ctx.scene.end && !*w.outcome.halt) {
         const uint64_t every = w.ctx.scene.couple.convert.every;
         const size_t elements = gn_elements_left_count(&w.solids);
         const bool may = w.ctx.step > 0 && w.ctx.step % every == 0;
         const double before = may ? fastest(&w) : 0.0, booked = w.ledger.energy.conversion;
-        if (may) status = gn_conversion_check_limits(&w, &error);
+        if (may) status = gn_conversion_check_limits(&model, &error);
         if (status == GNEISS_OK && gn_elements_left_count(&w.solids) != elements) {
             const double held = there(&w.ledger.reading), after = fastest(&w);
             if (count > 2)

@@ -4,7 +4,7 @@
 
 #include "world_helpers.h"
 
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "fem/structured.h"
 
 static const gn_fem_material rock = {.young = 30e9, .poisson = 0.2, .density = 2600.0};

@@ -3,7 +3,7 @@
 #include "particles/bond_sections.h"
 #include "particles/polyhedron.h"
 
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "world_helpers.h"
 
 #include <string.h>

@@ -3,8 +3,8 @@
 #include "io_helpers.h"
 #include "world_helpers.h"
 
-#include "io/files.h"
 #include "io/h5.h"
+#include "io/io.h"
 #include "run/run.h"
 
 #include <sys/stat.h>

@@ -395,8 +395,8 @@ static void the_limit_includes_free_bodies(void **state) {
     const char *const damping[] = {"", "damping: {contact: {fraction: 0.3}}\n"};
     for (int k = 0; k < 2; k++) {
         gn_world *w = bed(damping[k], "step: auto");
-        double particles = w->dem.stable;
-        assert_true(w->boundary.surface_rate * particles > 0.5);
+        double particles = w->ctx.choice.stable;
+        assert_true(w->ctx.choice.surface_rate * particles > 0.5);
         assert_true(w->ctx.dt < 0.9 * particles);
         measured_step(w);
         double start = fastest(w), most = 0.0;

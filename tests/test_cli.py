@@ -38,7 +38,7 @@ def every_command_has_help_of_its_own_with_an_example(folder):
         own = expect(gneiss("help", name), 0).stdout
         assert own != whole and own == expect(gneiss(name, "--help"), 0).stdout, name
         assert re.search(rf"examples?:\n  gneiss {name}", own), own
-    assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("run", "--help").stdout
+    assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("check", "--help").stdout
     swept = gneiss("help", "sweep").stdout
     assert "--force" in swept and "name of the scene or sweep file" in swept, swept
     expect(gneiss("help", "rn"), 2, "unknown command 'rn'; did you mean 'run'")
@@ -48,7 +48,7 @@ def every_command_has_help_of_its_own_with_an_example(folder):
 def a_file_for_another_command_is_named(folder):
     scenes = os.path.join(SCENES, "..", "..", "scenes")
     sweep, packing = os.path.join(scenes, "sweep-strength.yaml"), os.path.join(scenes, "pack-uniform.yaml")
-    for name in ("run", "check", "plan", "pack"):
+    for name in ("run", "check", "plan", "stiffness", "pack"):
         expect(gneiss(name, sweep), 2, "expected a scene.*, found a sweep file.*: gneiss sweep")
     expect(gneiss("sweep", LATTICE), 2, "expected a sweep file, found a scene: gneiss run")
     for name in ("run", "sweep"):
@@ -415,8 +415,8 @@ def check_accepts_every_scene_that_comes_with_the_program(folder):
     shipped = os.path.join(SCENES, "../../scenes")
     scenes = [os.path.join(shipped, name) for name in sorted(os.listdir(shipped)) if name.endswith(".yaml")]
     keys = {path: set(re.findall(r"^(\w+):", open(path).read(), re.M)) for path in scenes}
-    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, or the part for `pack`
-    assert len(whole) > 25 and all("scene" in keys[path] or "pack" in path for path in set(scenes) - set(whole))
+    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, targets, or the part for `pack`
+    assert len(whole) > 25 and all({"scene", "targets"} & keys[path] or "pack" in path for path in set(scenes) - set(whole))
     with ThreadPoolExecutor(2) as pool:
         for path, call in zip(whole, pool.map(lambda path: gneiss("check", path), whole)):
             said = [line for line in call.stderr.splitlines() if line.startswith("gneiss:")]  # others tell of progress
@@ -464,6 +464,10 @@ def a_finished_run_says_on_resume_that_no_step_was_taken(folder):
         expect(gneiss("resume", folder, "--quiet", *more), 0, r"finished before \(t = 5e-05 s reached\): no step was taken")
     done = expect(gneiss("resume", folder, "--quiet", "--set", "time.end=0.1 ms"), 0)
     assert "no step" not in done.stderr, done.stderr
+    before = summary(folder)
+    expect(gneiss("resume", folder, "--quiet", "--set", "time.end=0.02 ms"), 2,
+           r"--set time\.end: expected a time after the 0\.0001\d* s that the run has reached, found 2e-05 s")
+    assert summary(folder) == before
 
 
 @fact
@@ -518,7 +522,7 @@ def quiet_prints_what_came_out_and_nothing_else(folder):
 
 @fact
 def a_folder_that_is_not_there_is_an_input_error_as_a_scene_is(folder):
-    for name in ("run", "check", "plan", "pack"):
+    for name in ("run", "check", "plan", "stiffness", "pack"):
         expect(gneiss(name, os.path.join(folder, "nothing.yaml")), 2, "No such file")
     for name in ("resume", "report"):
         expect(gneiss(name, os.path.join(folder, "nothing")), 2, "(?i)no such file")

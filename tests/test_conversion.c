@@ -2,9 +2,9 @@
 #include "base/memory.h"
 #include "conversion_helpers.h"
 #include "limit/springs.h"
-#include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/flow.h"
+#include "particles/particles.h"
 #include "particles/sets.h"
 #include "parts.h"
 #include "run/spacing.h"
@@ -439,12 +439,14 @@ static void the_limit_of_active_particles_is_that_of_the_full_operator(void **st
         convert(w, -1e-3, space ? 3e-3 : 9e-3, -1e-3, space ? 3e-3 : 9e-3);
         assert_true(gn_world_present(&w->dem) >= 64 &&
                     3 * gn_world_present(&w->dem) <= w->dem.particles.soa.count);
-        gn_step_limit all = {.bound = w->dem.limit.bound};
+        gn_step_limit all = {.bound = w->ctx.choice.limit.bound};
         assert_int_equal(
             gn_dem_with_spectrum(&w->ctx, &w->dem, &w->boundary, false, find_with_all, &all, NULL),
             GNEISS_OK);
-        assert_true(w->dem.limit.iterations > 0 && w->dem.limit.iterations == all.iterations);
-        assert_true(w->dem.limit.sharp == all.sharp && w->dem.limit.sharp_low == all.sharp_low);
+        assert_true(w->ctx.choice.limit.iterations > 0 &&
+                    w->ctx.choice.limit.iterations == all.iterations);
+        assert_true(w->ctx.choice.limit.sharp == all.sharp &&
+                    w->ctx.choice.limit.sharp_low == all.sharp_low);
         assert_true(w->ctx.dt <= w->ctx.scene.safety * all.sharp);
         world_end(w);
     }
@@ -721,7 +723,7 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
                                       &a->world.solids, &a->world.box));
             assert_memory_equal(&w->zones.state, &a->world.zones.state, sizeof w->zones.state);
         }
-        assert_true(a->world.zones.state.corrected.scale > 0.0);
+        assert_true(a->world.converted.corrected.scale > 0.0);
         for (int r = 0; r < 3; r++) run_end(all[r]);
     }
 }
@@ -761,7 +763,7 @@ static void a_run_reports_the_change_of_angular_momentum_by_conversion(void **st
     for (int k = 0; k < 2; k++) {
         gn_warnings list;
         gn_run *run = turned_run(&blocks[k]);
-        const gn_corrections *c = &run->world.zones.state.corrected;
+        const gn_corrections *c = &run->world.converted.corrected;
         const char *said = said_of(run, "conversion_missed", &list);
         double share = 0.0, inertia = 0.0;
         print_message("# %g of %g N m s, inertia %g: %s\n", c->most, c->scale, c->inertia,

@@ -39,7 +39,7 @@ static void slaved_spins_of_new_zones_are_in_the_step(void **state) {
     char time[96];
     gn_world *w = spun(NULL);
     const double stable = w->ctx.stable,
-                 sides = fmin(w->dem.stable, gn_elements_stable(&w->solids));
+                 sides = fmin(w->ctx.choice.stable, gn_elements_stable(&w->solids));
     assert_true(stable < 0.5 * sides);
     assert_near(w->ctx.dt, w->ctx.scene.safety * stable, 1e-12 * stable);
     assert_near(energy_after(w, 2000), 1.0, 1e-4);
@@ -199,7 +199,7 @@ static void changes_of_the_whole_body_by_conversions_are_summed(void **state) {
             double size[2] = {0.0};
             own sum;
             gn_world *w = convert_and_sum(&blocks[k], motions[m], &of, &sum, size);
-            const gn_corrections *c = &w->zones.state.corrected;
+            const gn_corrections *c = &w->converted.corrected;
             const whole now = whole_of(w);
             const double rounding = 1e-11 * sqrt(2.0 * now.mass * now.energy) * 0.03;
             print_message("# block %d, motion %d: %.3g of %.3g N m s, %.3g m, %.3g\n", k, m,
@@ -227,7 +227,7 @@ static void a_rigidly_moving_body_keeps_its_spin(void **state) {
         double size[2] = {0.0};
         own sum;
         gn_world *w = convert_and_sum(&s, fly, &way, &sum, size);
-        const gn_corrections *c = &w->zones.state.corrected;
+        const gn_corrections *c = &w->converted.corrected;
         change[k] = c->turned[2];
         assert_true(fabs(c->inertia) > 1e-6);
         assert_near(c->turned[2] / c->scale, c->inertia, 1e-3 * fabs(c->inertia));
@@ -283,7 +283,7 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
         measured_step(w);
         stress += 0.5 * w->ledger.stress[4 * axis] / (m * size);
         energy += 0.5 * (1.0 - booked / (0.5 * m * size * size * volume));
-        const gn_conversion_parts *p = &w->zones.state.parts;
+        const gn_conversion_parts *p = &w->converted.parts;
         alike += 0.5 * p->alike[1] / p->alike[0];
         assert_near(p->stiffness, booked, 1e-5 * fabs(booked));
         assert_near(sum_of(p), booked, 1e-12 * p->alike[0]);
@@ -331,7 +331,7 @@ static void springs_of_another_stiffness_are_reported_with_their_ratio(void **st
         gn_world *w = lattice_of(cases[k].stiffer, cases[k].kratio, "");
         set_elements(w, strain, cases[k].gradient);
         convert(w, 12e-3, 18e-3, 6e-3, 10e-3);
-        const gn_conversion_parts *p = &w->zones.state.parts;
+        const gn_conversion_parts *p = &w->converted.parts;
         print_message("# held %.6g times as much; stiffness %.3g, volume %.2g, uneven %.2g, "
                       "balance %.2g of %.3g J\n",
                       p->alike[1] / p->alike[0], p->stiffness, p->sampled, p->uneven, p->balance,
@@ -369,10 +369,10 @@ static void parts_of_the_booked_energy_add_up(void **state) {
         run_steps(w, 1);
         convert(w, 12e-3, 16e-3, 6e-3, 16e-3);
         const double first = w->ledger.energy.conversion;
-        assert_near(sum_of(&w->zones.state.parts), first, 1e-10 * fabs(first));
+        assert_near(sum_of(&w->converted.parts), first, 1e-10 * fabs(first));
         run_steps(w, 20);
         convert(w, 10e-3, 20e-3, 4e-3, 16e-3);
-        const gn_conversion_parts *p = &w->zones.state.parts;
+        const gn_conversion_parts *p = &w->converted.parts;
         print_message("# stiffness %.3g, volume %.2g, uneven %.2g, balance %.2g, motion %.2g, step "
                       "%.2g: %.3g J\n",
                       p->stiffness, p->sampled, p->uneven, p->balance, p->motion, p->step,
@@ -380,7 +380,7 @@ static void parts_of_the_booked_energy_add_up(void **state) {
         assert_true(fabs(w->ledger.energy.conversion - first) > 0.1 * fabs(first));
         assert_near(sum_of(p), w->ledger.energy.conversion,
                     1e-10 * fabs(w->ledger.energy.conversion));
-        assert_near(p->motion, w->zones.state.corrected.energy, 1e-12 * fabs(p->motion));
+        assert_near(p->motion, w->converted.corrected.energy, 1e-12 * fabs(p->motion));
         assert_true(p->uneven != 0.0 && (k < 2) == (p->balance != 0.0));
         world_end(w);
     }
@@ -551,7 +551,8 @@ static void places_that_are_looked_at_stay_as_they_were(void **state) {
         const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = thin[k]};
         gn_world *w = block_of(&fine);
         const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
-        assert_int_equal(gn_conversion_check_places(w, &seen, &error), GNEISS_OK);
+        const gn_convertible model = gn_world_convertible(w);
+        assert_int_equal(gn_conversion_check_places(&model, &seen, &error), GNEISS_OK);
         print_message("# zone of %g m: %zu places, at %zu others go along, %zu cannot\n", thin[k],
                       seen.looked, seen.along, seen.too_few);
         assert_true(seen.looked >= 50 && seen.looked <= 100);

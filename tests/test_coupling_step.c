@@ -1,6 +1,6 @@
 /* The limit of the step of particles and elements as one system. */
 #include "coupling_helpers.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"
 
@@ -167,9 +167,9 @@ static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
+        const double sharp = gn_world_sharp_limit(&w->ctx, &w->solids),
                      bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
-        const double sides = fmin(w->dem.limit.sharp, w->solids.elements[0]->limit.sharp);
+        const double sides = fmin(w->ctx.choice.limit.sharp, w->solids.elements[0]->limit.sharp);
         const gn_whole_limit *whole = gn_coupled_whole(&w->ctx, &w->zones);
         assert_non_null(whole);
         assert_true(sharp == whole->sharp);
@@ -204,7 +204,7 @@ static double energy_at(const model *m, double part, int steps) {
     char time[96];
     gneiss_error error = {0};
     gn_world *w = made(m, NULL, NULL);
-    double limit = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones), grown = 0.0;
+    double limit = gn_world_sharp_limit(&w->ctx, &w->solids), grown = 0.0;
     const double space = w->ctx.scene.dimension == 3 ? 1.0 : 0.0;
     world_end(w);
     snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
@@ -254,7 +254,7 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones);
+        const double sharp = gn_world_sharp_limit(&w->ctx, &w->solids);
         assert_near(w->ctx.stable, sharp, 1e-12 * sharp);
         assert_near(w->ctx.dt, w->ctx.scene.safety * sharp, 1e-12 * sharp);
         world_end(w);
@@ -268,10 +268,10 @@ static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
     for (int k = 4; k < 7; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
         double sides =
-            gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->dem.stable);
+            gn_limit_of_all(&w->ctx, &w->dem, &w->solids, &w->zones, w->ctx.choice.stable);
         print_message("# %s: %.3f of what each holds\n", models[k].name,
-                      gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) / sides);
-        assert_true(gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) > 1.01 * sides);
+                      gn_world_sharp_limit(&w->ctx, &w->solids) / sides);
+        assert_true(gn_world_sharp_limit(&w->ctx, &w->solids) > 1.01 * sides);
         world_end(w);
     }
 }
@@ -284,7 +284,7 @@ static void the_side_with_the_fastest_mode_is_named(void **state) {
     assert_true(gn_coupled_whole(&w->ctx, &w->zones)->side == GN_SIDE_PARTICLES);
     assert_non_null(strstr(gn_whole_culprit(gn_coupled_whole(&w->ctx, &w->zones), who, sizeof who),
                            "the particles, particle "));
-    assert_null(gn_elements_lead(&w->ctx, &w->dem, &w->solids, &w->zones));
+    assert_null(gn_elements_lead(&w->ctx, &w->solids, &w->zones));
     world_end(w);
 }
 
@@ -293,8 +293,8 @@ static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
     for (int k = 0; k < MODELS; k++) {
         gn_world *a = made(&models[k], NULL, "run: {threads: 1}\n"),
                  *b = made(&models[k], NULL, "run: {threads: 2}\n");
-        assert_true(gn_world_sharp_limit(&a->ctx, &a->dem, &a->solids, &a->zones) ==
-                        gn_world_sharp_limit(&b->ctx, &b->dem, &b->solids, &b->zones) &&
+        assert_true(gn_world_sharp_limit(&a->ctx, &a->solids) ==
+                        gn_world_sharp_limit(&b->ctx, &b->solids) &&
                     a->ctx.dt == b->ctx.dt);
         world_end(a);
         world_end(b);
@@ -311,8 +311,7 @@ static double damped_energy(const char *more, double part, int steps) {
     s.rest = "damping: {contact: {restitution: 0.5}}\nrun: {threads: 1}\n";
     gn_world *w = strip_of(&s);
     const double limit = w->ctx.stable;
-    assert_true(limit <=
-                gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) * (1.0 + 1e-12));
+    assert_true(limit <= gn_world_sharp_limit(&w->ctx, &w->solids) * (1.0 + 1e-12));
     world_end(w);
     snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
     s.time = time;
@@ -401,7 +400,7 @@ static double asked_by_softening(const char *couple) {
         "bonds: {interaction_range: 0.1}\n%s"
         "time: {end: 1}\nrun: {threads: 1}\n",
         couple);
-    const double step = w->dem.resolution.step;
+    const double step = w->ctx.choice.resolution.step;
     world_end(w);
     return step;
 }
@@ -459,10 +458,10 @@ static void small_elements_that_turn_particles_are_in_bound_and_step(void **stat
     for (int k = 0; k < TURNED; k++) {
         const model *m = &turned_models[k];
         gn_world *w = made(m, NULL, NULL);
-        const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
+        const double sharp = gn_world_sharp_limit(&w->ctx, &w->solids),
                      bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
-        const double sides = gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                             w->dem.stable),
+        const double sides = gn_limit_of_all(&w->ctx, &w->dem, &w->solids, &w->zones,
+                                             w->ctx.choice.stable),
                      stable = w->ctx.stable;
         const double dt = w->ctx.dt, safety = w->ctx.scene.safety;
         world_end(w);

@@ -142,14 +142,15 @@ static gn_world *bed(const char *step) {
 static void the_limit_includes_contacts_with_nodes(void **state) {
     (void)state;
     gn_world *w = bed("step: auto");
-    double alone = fmin(w->dem.stable, w->solids.elements[0]->stable), most = 0.0, work = 0.0;
-    assert_true(w->boundary.vertex_rate * alone > 2.0 && w->ctx.dt < 0.5 * alone);
+    double alone = fmin(w->ctx.choice.stable, w->solids.elements[0]->stable), most = 0.0,
+           work = 0.0;
+    assert_true(w->ctx.choice.vertex_rate * alone > 2.0 && w->ctx.dt < 0.5 * alone);
     for (int n = 0; n < 20000; n++) {
         gn_energy e = measured_step(w);
         most = fmax(most, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
         work = fmax(work, e.work_gravity);
     }
-    assert_true(w->boundary.vertex_rate > 0.0);
+    assert_true(w->ctx.choice.vertex_rate > 0.0);
     assert_true(most < 0.05 * work); /* contacts open and close within steps near the limit */
     world_end(w);
     char step_text[64];

@@ -1,7 +1,7 @@
 /* The element kernels: every variant of every instruction set against the scalar one, and the
  * scalar one against the mechanics written down anew in plain doubles. */
 #include "fem_helpers.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 
 #include <float.h>
 

@@ -2,7 +2,7 @@
 #include "world_helpers.h"
 
 #include "run/parts.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/features.h"
 
 #include <unistd.h>

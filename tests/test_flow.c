@@ -2,7 +2,7 @@
 #include "inflow/sources.h"
 #include "world_helpers.h"
 
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "particles/sets.h"
 #include "run/run.h"
 

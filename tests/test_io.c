@@ -1,7 +1,7 @@
 #include "io_helpers.h"
 
-#include "io/files.h"
 #include "io/h5.h"
+#include "io/io.h"
 #include "io/listing.h"
 #include "io/packing.h"
 #include "io/snapshot.h"

@@ -1,6 +1,6 @@
 /* The contact kernels: every variant of every instruction set against the scalar one,
  * and the scalar one against the formulas written down anew in plain doubles. */
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "partials_help.h"
 #include "soa/single.h"
 #include "world_helpers.h"

@@ -1785,8 +1785,10 @@ def a_membrane_may_end_a_stage(folder):
 @fact
 def stops_that_no_row_would_show_are_refused(folder):
     for stop in ("peak_drop", "strain", "unbalanced"):
-        given = disc(2, 100, time={"end": 1e-3, "stop": {stop: 0.1}}, output={"history_rows": 0})
-        refused(folder, given, f"time.stop.{stop}: expected output.history_rows above 0, as it is evaluated in rows of the history, found 0")
+        for rows in (0, 1):
+            given = disc(2, 100, time={"end": 1e-3, "stop": {stop: 0.1}}, output={"history_rows": rows})
+            refused(folder, given, f"time.stop.{stop}: expected output.history_rows above 1, as it is evaluated in rows of the history, "
+                    f"found {rows}")
 
 
 # --- the scenes of the folder ---------------------------------------------------------------------------

@@ -1,5 +1,5 @@
 /* Masses raised for a longer step: as much as the wanted step needs, no weight, no lost energy. */
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world_helpers.h"
 
 #include "kernels/dashpot.h"
@@ -37,7 +37,7 @@ static void a_pair_gets_the_square_of_the_factor(void **state) {
     gn_world *w = pair_with("estimate: bound, mass_scaling: {factor: 1.5}", "");
     for (int p = 0; p < 2; p++) assert_close(mass_of(w, p), 2.25 * m, 1e-12);
     assert_close(w->ctx.dt, 1.5 * 0.9 * 2.0 / sqrt(2e6 / m), 1e-12);
-    assert_close(w->dem.scaling.added, 2.0 * 1.25 * m, 1e-12);
+    assert_close(w->dem.raised.added, 2.0 * 1.25 * m, 1e-12);
     assert_close(gn_world_mass(&w->dem, &w->solids), 2.0 * m, 1e-12);
     world_end(w);
     /* Found by iteration, to half a percent of the step. */
@@ -52,8 +52,8 @@ static void a_step_that_is_there_already_adds_nothing(void **state) {
     text t = {0};
     add(&t, "mass_scaling: {step: %.17g}", 0.9 * plain->ctx.dt);
     w = pair_with(t.s, "");
-    assert_true(w->ctx.dt == plain->ctx.dt && w->dem.scaling.added == 0.0 &&
-                w->dem.scaling.raised == 0);
+    assert_true(w->ctx.dt == plain->ctx.dt && w->dem.raised.added == 0.0 &&
+                w->dem.raised.count == 0);
     for (int p = 0; p < 2; p++) assert_true(mass_of(w, p) == mass_of(plain, p));
     world_end(plain);
     world_end(w);
@@ -72,11 +72,11 @@ static void masses_are_raised_where_it_is_needed_and_never_lowered(void **state)
         assert_close(vel_of(w, p)[3] / spin_of(w, p)[3], vel_of(plain, p)[3] / spin_of(plain, p)[3],
                      1e-15);
     }
-    assert_int_equal(n - same, w->dem.scaling.raised);
-    assert_true(same > n / 4 && w->dem.scaling.raised > 0);
+    assert_int_equal(n - same, w->dem.raised.count);
+    assert_true(same > n / 4 && w->dem.raised.count > 0);
     assert_close(w->ctx.dt, 1.4 * plain->ctx.dt, 1e-9);
     /* the trusted accuracy of Lanczos */
-    assert_true(w->ctx.dt <= 0.9 * w->dem.limit.sharp * (1.0 + 1e-3));
+    assert_true(w->ctx.dt <= 0.9 * w->ctx.choice.limit.sharp * (1.0 + 1e-3));
     world_end(plain);
     world_end(w);
 }
@@ -109,7 +109,7 @@ static void dashpots_are_those_of_the_raised_mass(void **state) {
             w->dem.particles.vel[4 * b->i[c] + 3] + w->dem.particles.vel[4 * b->j[c] + 3];
         assert_close(b->cn[c], gn_dashpot(b->kn[c], inverse, 0.3, w->ctx.dt), 1e-12);
     }
-    assert_true(w->dem.scaling.raised > 0);
+    assert_true(w->dem.raised.count > 0);
     assert_close(w->ctx.dt, 1.4 * plain->ctx.dt, 1e-9);
     world_end(w);
     world_end(plain);

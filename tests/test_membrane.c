@@ -28,7 +28,8 @@ static void move(gn_world *w, const double f[9]) {
 
 static void press(gn_world *w) {
     gneiss_error error = {0};
-    if (gn_membrane_apply(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_membrane_apply(&w->ctx, &w->dem, &w->membrane, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
 }
 
 /* Areas of the start, to be freed. */
@@ -196,17 +197,18 @@ static double force_across(const gn_world *w, const double centre[3]) {
 /* Pa: of forces at centres and ways to the surface, over the volume that it encloses. */
 static void mean_stress(const gn_world *w, double stress[9]) {
     const gn_particles *q = &w->dem.particles;
-    const double volume =
-        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
+    const double volume = gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                          &w->box, &w->approach);
     double force[3];
     for (int k = 0; k < 9; k++) stress[k] = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         force_on(w, p, force);
         for (int k = 0; k < 9; k++) stress[k] += force[k / 3] * q->pos[4 * p + k % 3] / volume;
     }
-    gn_membrane_stress(
-        &w->ctx, &w->dem,
-        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach), stress);
+    gn_membrane_stress(&w->ctx, &w->membrane,
+                       gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                       &w->box, &w->approach),
+                       stress);
 }
 
 /* In a lattice of n^3 spheres each chain along an axis carries the pressure on a face of a cell, so
@@ -229,7 +231,7 @@ static void a_lattice_is_pressed_on_the_faces_of_its_cells(void **state) {
                     const double want = fabs(at) > 0.9 * last ? copysign(face, at) : 0;
                     assert_near(q->skin[4 * p + a], want, 0.005 * face);
                 }
-            assert_close(w->dem.membrane->enclosed, pow(side * pitch, dimension), 0.005);
+            assert_close(w->membrane.state->enclosed, pow(side * pitch, dimension), 0.005);
             world_end(w);
         }
 }
@@ -428,7 +430,7 @@ static void stress_at_start(gn_world *w, double volume, double stress[9]) {
     for (size_t p = 0; p < q->soa.count; p++)
         memcpy(q->pos + 4 * p, q->start + 4 * p, 3 * sizeof *q->pos);
     mean_stress(w, stress);
-    for (int k = 0; k < 9; k++) stress[k] *= gn_membrane_volume(&w->ctx, &w->dem) / volume;
+    for (int k = 0; k < 9; k++) stress[k] *= gn_membrane_volume(&w->ctx, &w->membrane) / volume;
 }
 
 /* A block without a shape has cubic cells: the remaining one has ten per side, twelve edges with

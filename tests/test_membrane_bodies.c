@@ -9,7 +9,8 @@ static const double rotation[9] = {0.6, 0, 0.8, 0.64, 0.6, -0.48, -0.48, 0.8, 0.
 static void press_at(gn_world *w, int64_t step) {
     gneiss_error error = {0};
     w->ctx.step = step;
-    if (gn_membrane_apply(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_membrane_apply(&w->ctx, &w->dem, &w->membrane, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
 }
 
 /* Two blocks of 4 x 4 x 4 that touch nothing of one another; the one is stretched, the other bent
@@ -38,7 +39,7 @@ static void areas_turn_with_the_body_that_they_are_of(void **state) {
     double *start = calloc(4 * q->soa.count, sizeof *start);
     assert_non_null(start);
     memcpy(start, q->skin, 4 * q->soa.count * sizeof *start);
-    assert_true(w->dem.membrane->bodies == 2);
+    assert_true(w->membrane.state->bodies == 2);
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
             if (q->id[p] < 64) q->pos[4 * p + a] = gn_dot3(rotation + 3 * a, q->start + 4 * p);
@@ -70,7 +71,7 @@ static void bodies_that_drift_apart_keep_their_areas(void **state) {
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
             assert_near(q->applied[4 * p + a], -7e6 * start[4 * p + a], 1e-9 * 7e6 * face);
-    assert_true(w->dem.membrane->unlike == 0);
+    assert_true(w->membrane.state->unlike == 0);
     free(start);
     world_end(w);
 }

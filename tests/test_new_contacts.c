@@ -4,7 +4,7 @@
 
 #include "particles/law.h"
 #include "scene/read.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 static double residual_after(gn_world *w, double end) {
     double residual = 0.0;
@@ -80,7 +80,7 @@ static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **sta
         assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
                                              &w->ledger, true, &error),
                          GNEISS_OK);
-        assert_true(w->ctx.dt < w->dem.resolution.step);
+        assert_true(w->ctx.dt < w->ctx.choice.resolution.step);
         assert_true(fabs(residual_after(w, 5e-4)) < 0.1);
         world_end(w);
     }
@@ -106,7 +106,7 @@ static void a_closing_box_of_loose_spheres_keeps_its_ledger(void **state) {
             k % 2 ? -0.2 : 0.2);
     }
     gn_world *w = world_of("%s", t.s);
-    assert_true(w->dem.limit.sharp == INFINITY);
+    assert_true(w->ctx.choice.limit.sharp == INFINITY);
     assert_true(fabs(residual_after(w, 4.3e-3)) < 0.01);
     world_end(w);
 }
@@ -146,7 +146,7 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
                 "domain: {min: [-10, -10, -10], max: [10, 10, 10]}\n"
                 "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\n",
                 1e-3 + large + gap, large);
-            double least = 2.0 * w->dem.resolution.contact + gap, limit = 20.0 * least;
+            double least = 2.0 * w->ctx.choice.resolution.contact + gap, limit = 20.0 * least;
             while (w->ctx.time < limit && vel_of(w, 0)[0] > 0.0) run_steps(w, 1);
             run_steps(w, (int64_t)gn_world_contact_steps(&w->ctx) + 2);
             double speed = vel_of(w, 1)[0] - vel_of(w, 0)[0];
@@ -168,8 +168,8 @@ static void one_tiny_particle_counts_as_it_is(void **state) {
         "0}]\nlaw: {stiffness: uniform}\ntime: {end: 1}\nrun: {threads: 1}\n");
     double square = 1e5 * (1.0 / mass_of(w, 2) + 1.0 / mass_of(w, 0));
     assert_close(w->ctx.stable, 2.0 / sqrt(square), 1e-12);
-    assert_close(w->dem.resolution.contact, pi / sqrt(square), 1e-12);
-    assert_close(w->ctx.dt, w->dem.resolution.step, 1e-15);
+    assert_close(w->ctx.choice.resolution.contact, pi / sqrt(square), 1e-12);
+    assert_close(w->ctx.dt, w->ctx.choice.resolution.step, 1e-15);
     world_end(w);
 }
 
@@ -207,7 +207,7 @@ static void the_stiffest_pair_in_flight_is_found_among_the_extremes(void **state
                 double b = count > 3 && j == 1 ? 0.0 : vel_of(w, j)[3];
                 most = fmax(most, gn_pair_spring(&w->ctx, &w->dem, p, q).kn * (a + b));
             }
-        assert_close(w->dem.resolution.contact, pi / sqrt(most), 1e-12);
+        assert_close(w->ctx.choice.resolution.contact, pi / sqrt(most), 1e-12);
         world_end(w);
     }
 }
@@ -226,15 +226,15 @@ static void the_sharp_limit_follows_a_row_that_is_pressed(void **state) {
         "]}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]"
         "\nlaw: {stiffness: uniform}\ntime: {end: 1}\nrun: {threads: 1}\n");
     gn_world *w = world_of("%s", t.s);
-    double unit = sqrt(mass_of(w, 0) / 1e5), before = w->dem.limit.sharp,
-           bound = w->dem.limit.bound;
+    double unit = sqrt(mass_of(w, 0) / 1e5), before = w->ctx.choice.limit.sharp,
+           bound = w->ctx.choice.limit.bound;
     assert_close(before, 2.0 / sqrt(3.0) * unit, 1e-3);
     for (int k = 0; k < 12; k++) pos_of(w, 3 + k)[0] = 1.9999e-3 * k;
     assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
                                          &w->ledger, false, &error),
                      GNEISS_OK);
-    assert_close(w->dem.limit.bound, bound, 1e-12);
-    assert_close(w->dem.limit.sharp, unit / sin(pi * 11.0 / 24.0), 1e-3);
+    assert_close(w->ctx.choice.limit.bound, bound, 1e-12);
+    assert_close(w->ctx.choice.limit.sharp, unit / sin(pi * 11.0 / 24.0), 1e-3);
     world_end(w);
 }
 
@@ -275,8 +275,8 @@ static void bonded_tests_keep_their_step(void **state) {
     static const char *const names[] = {"ucs-rock.yaml", "ucs-discs.yaml"};
     for (int k = 0; k < 2; k++) {
         gn_world *w = loaded(names[k]);
-        assert_true(w->dem.resolution.step > w->ctx.dt && w->dem.listed == INFINITY);
-        assert_close(w->ctx.dt, 0.9 / sqrt(1.7) * w->dem.limit.sharp, 1e-12);
+        assert_true(w->ctx.choice.resolution.step > w->ctx.dt && w->ctx.choice.listed == INFINITY);
+        assert_close(w->ctx.dt, 0.9 / sqrt(1.7) * w->ctx.choice.limit.sharp, 1e-12);
         world_end(w);
     }
 }
@@ -301,7 +301,7 @@ static void an_unbonded_particle_in_a_pore_is_not_resolved(void **state) {
         for (int k = 0; k < 8; k++) assert_int_equal(w->dem.loose[k], 0);
         assert_int_equal(w->dem.loose[8], !group);
         assert_int_equal(w->dem.loose[9], 1);
-        assert_true(w->dem.resolution.step < INFINITY);
+        assert_true(w->ctx.choice.resolution.step < INFINITY);
         world_end(w);
     }
 }
@@ -333,10 +333,10 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
                 double contact = pi * sqrt(mass_of(w, 0) / 5e5);
                 double steps = passive ? 3.2 : 5.0;
                 if (stiff)
-                    assert_near(w->dem.resolution.step, contact / steps, 1e-12 * contact);
+                    assert_near(w->ctx.choice.resolution.step, contact / steps, 1e-12 * contact);
                 else
-                    assert_true(w->dem.resolution.step == INFINITY);
-                assert_true(w->ctx.dt <= w->dem.resolution.step);
+                    assert_true(w->ctx.choice.resolution.step == INFINITY);
+                assert_true(w->ctx.dt <= w->ctx.choice.resolution.step);
                 world_end(w);
             }
 }
@@ -355,12 +355,12 @@ static void detached_particles_are_resolved_as_unbonded_ones(void **state) {
             "run: {threads: 1}\n",
             more ? ", [9e-3, 0, 0, 1e-3], [11e-3, 0, 0, 1e-3], [13e-3, 0, 0, 1e-3]" : "");
         double start = w->ctx.dt, contact = pi * sqrt(mass_of(w, 0) / 2e5);
-        assert_true(w->dem.resolution.step == INFINITY && start > 0.11 * contact);
+        assert_true(w->ctx.choice.resolution.step == INFINITY && start > 0.11 * contact);
         int64_t lists = w->dem.verlet.rebuilds;
         while (w->dem.verlet.rebuilds == lists || w->dem.broken_tension == 0) run_steps(w, 1);
         assert_int_equal(w->dem.broken_tension, 1);
         if (more)
-            assert_true(w->dem.resolution.step == INFINITY && w->ctx.dt == start);
+            assert_true(w->ctx.choice.resolution.step == INFINITY && w->ctx.dt == start);
         else
             assert_near(w->ctx.dt, contact / 10.0, 1e-12 * contact);
         world_end(w);
@@ -428,7 +428,7 @@ static void bodies_that_break_between_lists_are_resolved_at_once(void **state) {
         "time: {end: 1}\nrun: {threads: 1}\n");
     const int64_t all = (int64_t)w->dem.bonds.contacts.soa.count, lists = w->dem.verlet.rebuilds;
     double contact = pi * sqrt(mass_of(w, 0) / 2e5);
-    assert_true(w->dem.resolution.step == INFINITY && w->ctx.dt > 0.11 * contact);
+    assert_true(w->ctx.choice.resolution.step == INFINITY && w->ctx.dt > 0.11 * contact);
     for (int k = 0; k < 400 && w->dem.broken_tension + w->dem.broken_shear < all; k++)
         run_steps(w, 1);
     assert_int_equal(w->dem.broken_tension + w->dem.broken_shear, all);
@@ -462,7 +462,7 @@ static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
     for (int k = 0; k < 6; k++) {
         gn_world *w = rattling(spacing[k], restitution[k], background[k]);
         double contact = pi * sqrt(mass_of(w, 0) / 2e5);
-        assert_near(w->dem.resolution.contact, contact, 1e-9 * contact);
+        assert_near(w->ctx.choice.resolution.contact, contact, 1e-9 * contact);
         assert_near(w->ctx.dt, contact / steps[k], 1e-9 * contact);
         world_end(w);
     }
@@ -485,7 +485,7 @@ static void contact_steps_can_be_asked_for(void **state) {
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]]}\n"
         "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]\n"
         "law: {stiffness: uniform}\ntime: {end: 1, contact_steps: 33}\nrun: {threads: 1}\n");
-    assert_close(w->ctx.dt, w->dem.resolution.contact / 33.0, 1e-15);
+    assert_close(w->ctx.dt, w->ctx.choice.resolution.contact / 33.0, 1e-15);
     world_end(w);
 }
 
@@ -501,8 +501,8 @@ static void a_wall_counts_as_immovable_and_a_light_body_gives_way(void **state) 
                    "-1e-3], stiffness: 1e5, free: true, density: 1000}]\n"
                  : "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]\n");
         double inverse = 1.0 / mass_of(w, 0) + (body ? 1.0 / 16e-6 : 0.0);
-        assert_close(w->dem.resolution.contact, pi / sqrt(1e5 * inverse), 1e-9);
-        assert_true(w->dem.resolution.second < 0);
+        assert_close(w->ctx.choice.resolution.contact, pi / sqrt(1e5 * inverse), 1e-9);
+        assert_true(w->ctx.choice.resolution.second < 0);
         world_end(w);
     }
 }
@@ -516,7 +516,7 @@ static void a_given_step_that_does_not_resolve_collisions_warns(void **state) {
             "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]\n"
             "law: {stiffness: uniform}\ntime: {end: 1, step: %g}\nrun: {threads: 1}\n",
             fine ? 1e-7 : 1e-5);
-        gn_world_step_warning(&w->ctx, &w->dem, warning, sizeof warning);
+        gn_world_step_warning(&w->ctx, warning, sizeof warning);
         if (fine) assert_string_equal(warning, "");
         if (!fine) assert_non_null(strstr(warning, "time.contact_steps"));
         assert_close(w->ctx.dt, fine ? 1e-7 : 1e-5, 1e-15);

@@ -210,7 +210,8 @@ def a_beam_of_elements_gets_finer_cells_for_a_smaller_error(folder):
 @fact
 def options_of_the_plan_are_refused_elsewhere_and_without_an_error(folder):
     scene = rock(folder)
-    expect(gneiss("run", scene, "--error", "5%"), 2, "gneiss run: --error is for gneiss plan")
+    expect(gneiss("check", scene, "--error", "5%"), 2, "gneiss check: --error is for gneiss plan and gneiss run")
+    expect(gneiss("run", scene, "--reading", "stiffness"), 2, "gneiss run: --reading: expected --error beside it")
     expect(gneiss("plan", scene, "--write", "x"), 2, "--write: expected --error beside it")
     expect(gneiss("plan", scene, "--error", "5%", "--reading", "colour"), 2, "expected strength or stiffness, found 'colour'")
     expect(gneiss("plan", scene, "--error", "5%", "--particles", "7"), 2, "--particles: expected any")
@@ -338,6 +339,59 @@ def seeds_measure_the_scatter_and_say_what_is_left_of_the_error(folder):
     assert len(runs) == 3 and float(mean["peak_stress rest [Pa]"]) == rest, (mean, rest)
     with h5py.File(os.path.join(folder, "out", "sweep.h5")) as file:
         assert file["statistics/peak_stress/rest"][0] == rest
+
+
+@fact
+def a_run_with_an_error_is_that_of_the_planned_scene(folder):
+    scene, fast, out = rock(folder), os.path.join(folder, "fast.yaml"), os.path.join(folder, "out")
+    given = ("--error", "20%", "--set", "materials.rock.friction=0.4")
+    plan(scene, *given, "--write", fast)
+    run(fast, os.path.join(folder, "by-hand"))
+    done = expect(gneiss("run", scene, "--threads", 1, *given, "--out", out), 0)
+    assert "proposed for the strength" in done.stdout and "peak stress" in done.stdout, done.stdout
+    assert state_hash(out) == state_hash(os.path.join(folder, "by-hand"))
+    with open(fast) as one, open(out + ".yaml") as other:
+        assert one.read() == other.read()
+
+
+@fact
+def a_planned_run_is_named_after_its_scene_and_may_be_repeated(folder):
+    scene = rock(folder)
+    given = ("--error", "20%", "--threads", 1)
+    done = expect(gneiss("run", scene, *given, "--quiet", cwd=folder), 0)
+    assert "proposed" not in done.stdout and "written:" not in done.stdout, done.stdout
+    name = os.path.splitext(os.path.basename(scene))[0] + "-planned"
+    assert sorted(os.listdir(os.path.join(folder, "runs"))) == [name, name + ".yaml"]
+    expect(gneiss("run", scene, *given, cwd=folder), 0)
+    planned = os.path.join(folder, "runs", name + ".yaml")
+    with open(planned, "w") as file:
+        file.write("# another\n")
+    expect(gneiss("run", scene, *given, cwd=folder), 2, "expected no file, found one: --force replaces it")
+    with open(planned) as file:
+        assert file.read() == "# another\n"
+
+
+@fact
+def a_planned_run_makes_as_many_packings_as_the_plan(folder):
+    text = TEXT.replace("file: rock.txt", "cylinder: {diameter: 23 mm, height: 46 mm}\n  particles: 300")
+    scene, out = write_scene(folder, text.replace("{peak_drop: 0.2}", "none")), os.path.join(folder, "out")
+    given = ("--error", "4%", "--reading", "stiffness", "--set", "time.end=0.2 ms")
+    wanted = proposed(scene, *given)["packings"]
+    assert wanted > 1, wanted
+    done = expect(gneiss("run", scene, *given, "--threads", 1, "--jobs", 1, "--out", out), 0)
+    assert f"{wanted} runs" in done.stdout, done.stdout
+    assert len(glob.glob(os.path.join(out, "*", "results.h5"))) == wanted
+
+
+@fact
+def planned_runs_refuse_what_the_plan_decides(folder):
+    scene = rock(folder)
+    for option, words in ((("--seeds", "3"), "--seeds: the plan chooses"), (("--write", "x"), "--write: the scene is written beside"),
+                          (("--dry-run",), "--dry-run: gneiss plan --error prints")):
+        expect(gneiss("run", scene, "--error", "9%", *option), 2, words)
+    expect(gneiss("run", scene, "--error", "0.01%", "--out", os.path.join(folder, "out")), 2, "cannot be reached, the least is")
+    expect(gneiss("run", write_scene(folder, LOOSE), "--error", "9%", "--out", os.path.join(folder, "out")), 2, "no plan: the scene has no test")
+    assert not [name for name in os.listdir(folder) if name.startswith("out")], os.listdir(folder)
 
 
 @fact

@@ -1,7 +1,7 @@
 /* Particles that elements turn into are brought into balance within the instant. */
 #include "conversion/conversion_private.h"
 #include "conversion_helpers.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "run_helpers.h"
 
 /* A block of elements of 2 mm, held all around, and a lattice in it whose particles are shifted by
@@ -190,8 +190,7 @@ static void a_disordered_packing_is_in_balance_afterwards(void **state) {
             const packed relaxed = with(&as_it_was, wanted[k]);
             gn_world *w = converted(&relaxed, strain, stretched);
             if (!(unbalanced(w) <= 1.001 * most[k])) fail_msg("%d %g", space, unbalanced(w));
-            assert_true(w->zones.state.relaxed.count == 1.0 &&
-                        w->zones.state.relaxed.missed == 0.0);
+            assert_true(w->converted.relaxed.count == 1.0 && w->converted.relaxed.missed == 0.0);
             assert_true(moved(w, before) > 0.0 && moved(w, before) < 1e-6);
             world_end(w);
         }
@@ -264,10 +263,10 @@ static void a_lattice_in_uniform_strain_stays(void **state) {
         gn_world *a = converted(&as_it_was, strain, swollen),
                  *b = converted(&relaxed, strain, swollen), *c = converted(&more, strain, swollen);
         assert_true(unbalanced(a) < ghost);
-        assert_true(b->zones.state.relaxed.count == 0.0 &&
+        assert_true(b->converted.relaxed.count == 0.0 &&
                     gn_world_hash(&a->ctx, &a->dem, &a->boundary, &a->solids, &a->box) ==
                         gn_world_hash(&b->ctx, &b->dem, &b->boundary, &b->solids, &b->box));
-        assert_true(c->zones.state.relaxed.count == 1.0 && c->zones.state.relaxed.missed == 0.0);
+        assert_true(c->converted.relaxed.count == 1.0 && c->converted.relaxed.missed == 0.0);
         assert_true(moved(c, a) < ghost * 1e-5 * 4e-3);
         world_end(a);
         world_end(b);
@@ -355,10 +354,9 @@ static void no_bond_breaks_by_it(void **state) {
     weak.strength = strength;
     gn_world *w = converted(&weak, strain, stretched);
     assert_true(most_borne(w) < 1.0);
-    assert_true(w->zones.state.relaxed.kept >= 2.0);
-    assert_true(w->zones.state.relaxed.missed == 1.0);
-    assert_true(w->zones.state.relaxed.worst > 1e-3 &&
-                w->zones.state.relaxed.worst < unbalanced(a));
+    assert_true(w->converted.relaxed.kept >= 2.0);
+    assert_true(w->converted.relaxed.missed == 1.0);
+    assert_true(w->converted.relaxed.worst > 1e-3 && w->converted.relaxed.worst < unbalanced(a));
     assert_true(stored(w) < stored(a));
     run_steps(w, 1);
     assert_int_equal(w->dem.broken_tension + w->dem.broken_shear, 0);
@@ -430,8 +428,8 @@ static void conversion_makes_no_energy_where_contacts_close(void **state) {
         if (!(more > -0.01 * gn_energy_stored(&w->ledger.reading))) fail_msg("%g J", more);
         booked += more;
     }
-    assert_true(w->zones.state.relaxed.count >= 4.0 &&
-                w->zones.state.relaxed.stopped_by_bond_failure >= 1.0);
+    assert_true(w->converted.relaxed.count >= 4.0 &&
+                w->converted.relaxed.stopped_by_bond_failure >= 1.0);
     assert_true(w->dem.broken_tension + w->dem.broken_shear > 0);
     assert_true(fabs(gn_energy_residual(&w->ledger.reading)) < 1e-4);
     world_end(w);
@@ -441,8 +439,8 @@ static void iterations_end_where_they_are_to(void **state) {
     (void)state;
     const packed few = with(&packed_plate, "relax: 1e-3, relax_iterations: 4");
     gn_world *w = converted(&few, strain, stretched);
-    assert_true(w->zones.state.relaxed.iterations == 4.0 && w->zones.state.relaxed.missed == 1.0);
-    assert_true(w->zones.state.relaxed.worst > 1e-3);
+    assert_true(w->converted.relaxed.iterations == 4.0 && w->converted.relaxed.missed == 1.0);
+    assert_true(w->converted.relaxed.worst > 1e-3);
     world_end(w);
 }
 
@@ -524,8 +522,8 @@ static void threads_precision_and_resumption_give_the_same_bits(void **state) {
     for (int k = 0; k < 4; k++) {
         const char *precision = k % 2 ? "mixed" : "double";
         gn_run *a = busy_run(k / 2, 1, precision), *b = busy_run(k / 2, 2, precision);
-        assert_true(a->world.zones.state.relaxed.count == 1.0 &&
-                    a->world.zones.state.relaxed.missed == 0.0);
+        assert_true(a->world.converted.relaxed.count == 1.0 &&
+                    a->world.converted.relaxed.missed == 0.0);
         gn_run *const all[] = {a, b, resumed_of(a)};
         for (int r = 0; r < 3; r++) {
             gn_world *w = &all[r]->world;
@@ -535,8 +533,7 @@ static void threads_precision_and_resumption_give_the_same_bits(void **state) {
             assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) ==
                         gn_world_hash(&a->world.ctx, &a->world.dem, &a->world.boundary,
                                       &a->world.solids, &a->world.box));
-            assert_true(w->zones.state.relaxed.iterations ==
-                        a->world.zones.state.relaxed.iterations);
+            assert_true(w->converted.relaxed.iterations == a->world.converted.relaxed.iterations);
         }
         for (int r = 0; r < 3; r++) run_end(all[r]);
     }

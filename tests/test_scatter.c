@@ -141,7 +141,7 @@ static void bonds_draw_by_the_ids_of_their_ends(void **state) {
             assert_true(strength != 1.0 && stiffness != 1.0);
         }
         /* The step is that of the stiffest: the limit falls with it. */
-        assert_true(w->dem.limit.sharp < plain->dem.limit.sharp);
+        assert_true(w->ctx.choice.limit.sharp < plain->ctx.choice.limit.sharp);
         world_end(plain);
         world_end(w);
     }
@@ -183,7 +183,7 @@ static gn_world *shaken(double step) {
 static void the_limit_is_that_of_the_drawn_stiffness(void **state) {
     (void)state;
     gn_world *w = shaken(0.0);
-    double limit = w->dem.limit.sharp;
+    double limit = w->ctx.choice.limit.sharp;
     world_end(w);
     const double shares[] = {0.99, 1.05};
     for (int k = 0; k < 2; k++) {
@@ -369,7 +369,7 @@ static void the_first_step_includes_the_stiffness_of_pairs(void **state) {
             "%ssets: [{name: s, select: {ids: [1]}, material: b}]\ntime: {end: 1}\n"
             "run: {threads: 1}\n",
             k ? "contacts: [{between: [b, a], normal_stiffness: 4e6}]\n" : "");
-        stable[k] = w->dem.stable;
+        stable[k] = w->ctx.choice.stable;
         world_end(w);
     }
     assert_close(stable[1], 0.5 * stable[0], 1e-12);

@@ -1092,8 +1092,8 @@ static void wrong_stages_are_refused_at_their_line(void **state) {
             "expected a wall or a periodic box with a servo");
     refused("stages:\n- {name: a, end: {strain: 0.1}}\n",
             "s.yaml:18:27: stages[0].end.strain: expected a motion or load in this stage");
-    refused("stages:\n- {name: a, output: {history_rows: 0}, end: {unbalanced: 0.1}}\n",
-            "stages[0].end.unbalanced: expected output.history_rows above 0, as it is evaluated");
+    refused("stages:\n- {name: a, output: {history_rows: 1}, end: {unbalanced: 0.1}}\n",
+            "stages[0].end.unbalanced: expected output.history_rows above 1, as it is evaluated");
     refused("stages:\n- {name: a, end: {time: 0.7}}\n- {name: b, end: {time: 0.7}}\n",
             "s.yaml:19:25: stages[1].end.time: expected an end before time.end, 1 s, which ends "
             "the run, found at least 1.4 s");

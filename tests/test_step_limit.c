@@ -166,7 +166,8 @@ static void an_automatic_step_is_its_share_of_the_limit(void **state) {
                  "law: {stiffness: arithmetic}\nbonds: {}\ntime: {safety: 0.8, end: 100}\n"
                  "run: {threads: 1}\n");
     assert_close(w->ctx.dt, 0.8 * w->ctx.stable, 1e-15);
-    assert_true(w->ctx.stable <= w->dem.limit.sharp && w->dem.limit.bound <= w->dem.limit.sharp);
+    assert_true(w->ctx.stable <= w->ctx.choice.limit.sharp &&
+                w->ctx.choice.limit.bound <= w->ctx.choice.limit.sharp);
     world_end(w);
 }
 

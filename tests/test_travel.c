@@ -1,6 +1,6 @@
 /* Lists that are wide enough: bounds on the approach of pairs that were not listed. */
-#include "particles/dem.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "world_helpers.h"
 
 /* Grains in a periodic box, loose and thinly spread, that stream along x and have `own` m/s of

@@ -98,8 +98,8 @@ def steps_and_rates_of_a_checkpoint_far_from_those_of_its_run_are_named(folder):
     with h5py.File(checkpoint) as file:
         step = file["run/world_ctx_dt"][0]
     for name, value, pattern in (("world_ctx_dt", 1e-6 * step, "at least .* of the mean step so far, found"),
-                                 ("world_boundary_surface_rate", 1e12, "a rate of at most .* found 1e"),
-                                 ("world_boundary_vertex_rate", 1e12, "a rate of at most .* found 1e")):
+                                 ("world_dem_surface_rate", 1e12, "a rate of at most .* found 1e"),
+                                 ("world_dem_vertex_rate", 1e12, "a rate of at most .* found 1e")):
         change(checkpoint, "run/" + name, 0, value, anew=True)
         expect(go_on(folder), 2, rf"{os.path.basename(checkpoint)}: run/{name}: expected {pattern}")
         with open(checkpoint, "wb") as file:

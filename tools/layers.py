@@ -2,10 +2,9 @@
 
 A folder may include itself, base, and what its row names; a row names only folders above it, so that there is no circle.
 A name with a slash is one header; `A to B` stands for all rows from A to B. No folder includes a <folder>_private.h of another.
-Includes that break these rules and are left stand in tools/layers_upward.txt; a line there that no file needs is refused, so that the list only
-shrinks. A function is declared in a header of the folder that defines it, so that calls follow the includes. Fields of the parts (PARTS) are written
-in the folder of the part; tools/layers_writes.txt has the numbers of other writes that are left, which may only fall. Functions above 60 lines are
-refused as well.
+A function is declared in a header of the folder that defines it, so that calls follow the includes. Fields of the parts (PARTS) are assigned
+in the folder of the part alone. A header that more than 15 files of other folders include is a door, <folder>/<folder>.h, or one of OPEN.
+Functions above 60 lines are refused as well.
 Prints file:line of whatever is not so.
 """
 import re
@@ -15,15 +14,18 @@ from pathlib import Path
 
 ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
 TABLE = ROOT / "docs" / "design.md"
-UPWARD = ROOT / "tools" / "layers_upward.txt"
-WRITES = ROOT / "tools" / "layers_writes.txt"
-PARTS = {"dem": "particles", "boundary": "boundary", "solids": "solids", "zones": "zones"}
+PARTS = {"dem": "particles", "boundary": "boundary", "solids": "solids", "membrane": "membrane", "zones": "zones"}
 LONGEST = 60
+READERS = 15
+OPEN = ("base", "soa", "frame/parts.h")
 INCLUDE = re.compile(r'\s*#\s*include\s+[<"]([^">]+)[">]')
 COMMENT = re.compile(r"/\*.*?\*/", re.S)
 FUNCTION = re.compile(r"^(?!static|typedef|extern)[A-Za-z_][\w \*]*?[ \*](gn_\w+)\((?:[^(){};]|\([^()]*\))*\)\s*([;{])", re.M)
-WRITE = re.compile(r"(?:\b(?P<own>dem|boundary|solids|zones)->|\b(?:w|world)(?:->|\.)(?P<of>dem|boundary|solids|zones)\.)"
-                   r"[\w.]+(?:->\w+|\[(?:[^\[\]]|\[[^\]]*\])*\]|\.\w+)*\s*(?:[-+*/|&^]=|=(?!=)|\+\+|--)")
+PART = "|".join(PARTS)
+POINTER = re.compile(rf"\bgn_({PART}) \*(\w+)")
+WRITTEN = r"[\w.]+(?:->\w+|\[(?:[^\[\]]|\[[^\]]*\])*\]|\.\w+)*\s*(?:[-+*/|&^]=|=(?!=)|\+\+|--)"
+MEMBER_WRITE = re.compile(rf"\b(?:w|world)(?:->|\.)({PART})\.{WRITTEN}")
+POINTER_WRITE = re.compile(rf"(?<![\w.>])(\w+)->{WRITTEN}")
 
 
 def uses_of(cell, above):
@@ -64,7 +66,7 @@ def room_of(path):
     return parts[1] if parts[0] == "src" else parts[0]
 
 
-def check_includes(path, table, known, needed):
+def check_includes(path, table):
     room = room_of(path)
     allowed = {room, "base", *table.get(room, (0, []))[1]}
     for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -75,9 +77,6 @@ def check_includes(path, table, known, needed):
         target = "include/gneiss" if header.startswith("gneiss/") else header.split("/")[0]
         private = header.endswith("_private.h") and target != room
         if target in table and (private or not {target, header} & allowed):
-            needed.add(f"{room} {header}")
-            if f"{room} {header}" in known:
-                continue
             yield f"{path.relative_to(ROOT)}:{number}: {room} includes {header}, which its row does not name"
 
 
@@ -91,18 +90,28 @@ def check_declarations(sources):
                 yield f"{path.relative_to(ROOT)}: declares {name}, which {defined[name].relative_to(ROOT)} defines: expected one folder"
 
 
-def check_writes(sources):
-    """Counts assignments to fields of a part in other folders; locals that point into a part are not seen."""
-    found = Counter()
-    for path in sources:
-        for write in WRITE.finditer(COMMENT.sub("", path.read_text())) if path.suffix == ".c" else ():
-            part = write["own"] or write["of"]
-            if room_of(path) != PARTS[part]:
-                found[f"{room_of(path)} {part}"] += 1
-    known = {line.rsplit(" ", 1)[0]: int(line.rsplit(" ", 1)[1]) for line in WRITES.read_text().splitlines()}
-    for key in sorted(set(known) | set(found)):
-        if found[key] != known.get(key, 0):
-            yield f"{WRITES.relative_to(ROOT)}: {key}: expected {known.get(key, 0)} writes to a field of the part, found {found[key]}"
+def check_writes(path):
+    """Refuses assignments to fields of a part in other folders, by the world or by a pointer to the part under any name."""
+    text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), path.read_text())
+    line = 1
+    for function in re.split(r"(?<=\n}\n)", text):
+        pointers = {name: part for part, name in POINTER.findall(function)}
+        writes = [(write, write[1]) for write in MEMBER_WRITE.finditer(function)]
+        writes += [(write, pointers.get(write[1])) for write in POINTER_WRITE.finditer(function)]
+        for write, part in writes:
+            if part and PARTS[part] != room_of(path):
+                yield (f"{path.relative_to(ROOT)}:{line + function.count(chr(10), 0, write.start())}: writes to a field of the part {part}: "
+                       f"expected a function of src/{PARTS[part]} that does it")
+        line += function.count("\n")
+
+
+def check_doors(sources):
+    readers = Counter(header for path in sources for header in set(INCLUDE.findall(path.read_text()))
+                      if "/" in header and header.split("/")[0] not in (room_of(path), "gneiss"))
+    for header, count in sorted(readers.items()):
+        folder, name = header.split("/", 1)
+        if count > READERS and name != f"{folder}.h" and not {folder, header} & set(OPEN):
+            yield f"src/{header}: {count} files of other folders include it, expected at most {READERS}, or src/{folder}/{folder}.h that includes it"
 
 
 def check_lengths(path):
@@ -119,17 +128,17 @@ def check_lengths(path):
 def main():
     table = rows(TABLE.read_text())
     problems = list(check_table(table))
-    known, needed = set(UPWARD.read_text().splitlines()), set()
     sources = [path for folder in ("src", "bench", "validate") for path in sorted((ROOT / folder).rglob("*"))
                if path.suffix in (".c", ".h", ".cc", ".cpp")]
     if len(table) < 10 or len(sources) < 100:
         problems.append(f"{len(table)} rows and {len(sources)} files were read: the table or the tree is not what this expects")
     for path in sources:
-        problems += check_includes(path, table, known, needed)
+        problems += check_includes(path, table)
         problems += check_lengths(path)
     code = [path for path in sources if path.relative_to(ROOT).parts[0] == "src"]
-    problems += [*check_declarations(code), *check_writes(code)]
-    problems += [f"{UPWARD.relative_to(ROOT)}: no file needs '{line}'" for line in sorted(known - needed)]
+    problems += [*check_declarations(code), *check_doors(code)]
+    for path in code:
+        problems += check_writes(path) if path.suffix == ".c" else ()
     print(*problems, sep="\n", end="\n" if problems else "")
     return bool(problems)
 

@@ -3,7 +3,7 @@
 #ifndef GN_VALIDATE_FEM_CASES_H
 #define GN_VALIDATE_FEM_CASES_H
 
-#include "fem/solid.h"
+#include "fem/fem.h"
 
 typedef struct fem_case_spec {
     const char *name;     /* cook, block */

@@ -387,7 +387,9 @@ static const char *cover_particles(const gn_step_context *ctx, const gn_dem *dem
     groups->bonds = bonds_of(scene);
     groups->particles = (double)dem->particles.soa.count;
     groups->across = particles_across(ctx, dem);
-    groups->step_ratio = dem->scaling.step > 0.0 ? dem->scaling.step / dem->scaling.unscaled : 1.0;
+    groups->step_ratio = ctx->choice.scaling.step > 0.0
+                             ? ctx->choice.scaling.step / ctx->choice.scaling.unscaled
+                             : 1.0;
     groups->first_break = scene->start == GN_START_FIRST_BREAK;
     groups->damping = damping_of(scene);
     return NULL;

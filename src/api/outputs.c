@@ -4,7 +4,7 @@
 #include "particles/observe.h"
 #include "run/output_fields.h"
 #include "run/parts.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 
 #include <string.h>
 

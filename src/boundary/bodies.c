@@ -6,7 +6,7 @@
  * symplectic, reversible and of second order, of fourth order in steps with large rotations. */
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
@@ -14,12 +14,9 @@
 #include "boundary/boundary_private.h"
 #include "boundary/overlap.h"
 #include "boundary/surface.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "surfaces/body_shape.h"
 #include "surfaces/facet.h"
 
@@ -419,9 +416,7 @@ gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *bounda
                                  size_t deforming, gneiss_error *error) {
     size_t corners = (size_t)ctx->scene.dimension, vertex = 0, corner = 0;
     if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
-    boundary->surfaces =
-        gn_alloc_array(ctx->scene.body_count + deforming + 1, sizeof *boundary->surfaces);
-    if (!boundary->surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
+    GN_TRY(gn_new(&boundary->surfaces, ctx->scene.body_count + deforming + 1, "surfaces", error));
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
         const gn_body_def *def = &ctx->scene.bodies[k];
         const int64_t *shape = boundary->body_shape[k];

@@ -1,7 +1,7 @@
 #include "boundary/body_pairs.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/body_walls.h"
@@ -9,12 +9,10 @@
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
+#include "frame/frame.h"
 #include "kernels/dashpot.h"
-#include "kernels/law.h"
 #include "particles/body_springs.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "surfaces/convex.h"
@@ -88,8 +86,7 @@ gneiss_status gn_body_pairs_prepare(const gn_step_context *ctx, gn_boundary *bou
     for (size_t a = 0; a < bodies && !any; a++)
         for (size_t b = 0; b < a && !any; b++) any = may_meet(ctx, boundary, a, b);
     if (!any) return GNEISS_OK;
-    p->convex = gn_alloc_array(bodies, sizeof *p->convex);
-    if (!p->convex) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bodies", bodies);
+    GN_TRY(gn_new(&p->convex, bodies, "bodies", error));
     p->bodies = bodies;
     for (size_t k = 0; k < bodies; k++) {
         const gn_surface *s = &boundary->surfaces[k];
@@ -222,9 +219,9 @@ static bool is_near(const gn_dem *dem, const gn_boundary *boundary, size_t a, si
 
 static gneiss_status make_room(gn_body_pairs *p, gneiss_error *error) {
     if (p->count < p->most) return GNEISS_OK;
-    size_t most = 2 * p->most + 8;
-    gn_body_pair *now = gn_alloc_array(most, sizeof *now);
-    if (!now) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu pairs of bodies", most);
+    size_t most = 2 * p->count + 8;
+    gn_body_pair *now = NULL;
+    GN_TRY(gn_new(&now, most, "pairs of bodies", error));
     if (p->count) memcpy(now, p->pair, p->count * sizeof *now);
     gn_free(p->pair);
     p->pair = now;

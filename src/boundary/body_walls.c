@@ -1,19 +1,17 @@
 #include "boundary/body_walls.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
+#include "frame/frame.h"
 #include "kernels/dashpot.h"
-#include "kernels/law.h"
 #include "particles/body_springs.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "soa/field.h"
@@ -66,7 +64,9 @@ static void plane_parts(const gn_facet_set *s, size_t vertices, double *part) {
     for (size_t v = 0; v < vertices && round < 0.0; v++) part[v] = -part[v];
 }
 
-bool gn_body_meets_walls(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
+/* Tells whether a body can touch walls: it is free and, by Hertz's law, has a stiffness of its
+ * own. */
+static bool body_meets_walls(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
     bool springs = !(ctx->effects & GN_FX_HERTZ) || ctx->scene.bodies[k].stiffness > 0.0;
     return ctx->scene.wall_count && ctx->scene.bodies[k].free && springs &&
            gn_surface_yields(boundary, &boundary->surfaces[k]);
@@ -74,7 +74,7 @@ bool gn_body_meets_walls(const gn_step_context *ctx, const gn_boundary *boundary
 
 bool gn_body_passes_walls(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
     const gn_rigid *b = &boundary->bodies[k];
-    if (!ctx->scene.bodies[k].free || gn_body_meets_walls(ctx, boundary, k)) return false;
+    if (!ctx->scene.bodies[k].free || body_meets_walls(ctx, boundary, k)) return false;
     for (size_t n = 0; n < ctx->scene.wall_count; n++)
         if (fmin(gn_wall_distance(&boundary->walls[n], b->position),
                  gn_wall_distance(&boundary->walls[n], b->start)) <= b->reach)
@@ -93,14 +93,11 @@ gneiss_status gn_body_walls_prepare(const gn_step_context *ctx, gn_boundary *bou
     const double rounding = 1e-12; /* of the angles around a vertex within a face */
     gn_boundary *b = boundary;
     size_t first = 0;
-    b->vertex_part = gn_alloc_array(b->body_vertex_count + 1, sizeof *b->vertex_part);
-    if (!b->vertex_part)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices",
-                       b->body_vertex_count);
+    GN_TRY(gn_new(&b->vertex_part, b->body_vertex_count + 1, "vertices", error));
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
         const gn_surface *s = &b->surfaces[k];
         double *part = b->vertex_part + first;
-        if (gn_body_meets_walls(ctx, boundary, k))
+        if (body_meets_walls(ctx, boundary, k))
             (s->facets.corners == 3 ? space_parts : plane_parts)(&s->facets, s->vertices, part);
         for (size_t v = 0; v < s->vertices; v++)
             if (!(part[v] > rounding)) part[v] = 0.0;
@@ -115,8 +112,7 @@ gneiss_status gn_body_walls_check(const gn_step_context *ctx, const gn_boundary 
         const gn_body_def *def = &ctx->scene.bodies[k];
         const gn_rigid *b = &boundary->bodies[k];
         char at[GN_POINT_SIZE];
-        for (size_t n = 0; n < ctx->scene.wall_count && gn_body_meets_walls(ctx, boundary, k);
-             n++) {
+        for (size_t n = 0; n < ctx->scene.wall_count && body_meets_walls(ctx, boundary, k); n++) {
             double distance = gn_wall_distance(&boundary->walls[n], b->position);
             if (!(distance < 0.0)) continue;
             return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -177,7 +173,7 @@ static size_t near_walls(const gn_step_context *ctx, const gn_dem *dem, const gn
                          bool first, gn_wall_contacts *to) {
     size_t count = 0;
     for (size_t k = 0; k < ctx->scene.body_count; k++)
-        for (size_t n = 0; gn_body_meets_walls(ctx, boundary, k) && n < ctx->scene.wall_count; n++)
+        for (size_t n = 0; body_meets_walls(ctx, boundary, k) && n < ctx->scene.wall_count; n++)
             count += near_wall(ctx, dem, boundary, k, n, first, to, count);
     return count;
 }

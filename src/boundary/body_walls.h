@@ -10,9 +10,8 @@
 
 #include "base/effects.h"
 #include "base/error.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,9 +23,8 @@ gneiss_status gn_body_walls_prepare(const gn_step_context *ctx, gn_boundary *bou
 /* Checks that no free body has its centre of mass behind a wall. */
 gneiss_status gn_body_walls_check(const gn_step_context *ctx, const gn_boundary *boundary,
                                   gneiss_error *error);
-/* Tells whether a body can touch walls: it is free and, by Hertz's law, has a stiffness of its own;
- * and whether a free one that cannot is, or was at the start, near one. */
-bool gn_body_meets_walls(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
+/* Tells whether a free body that cannot touch walls, as it has no stiffness of its own by Hertz's
+ * law, is near one, or was at the start. */
 bool gn_body_passes_walls(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 
 /* Effects whose columns these contacts have. */

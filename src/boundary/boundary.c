@@ -2,20 +2,17 @@
 #include "boundary/boundary.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
 #include "frame/balance.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
+#include "frame/frame.h"
 #include "kernels/partials.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
@@ -99,13 +96,14 @@ gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_bo
     return gn_body_pairs_find(ctx, dem, boundary, first, error);
 }
 
-gneiss_status gn_boundary_restore(gn_dem *dem, gn_boundary *boundary, gneiss_error *error) {
+gneiss_status gn_boundary_restore(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gneiss_error *error) {
     size_t n = dem->particles.soa.count;
     gn_boundary *b = boundary;
-    b->first = gn_alloc_array(n + 2, sizeof *b->first);
-    if (!b->first) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
+    GN_TRY(gn_new(&b->first, n + 2, "wall contacts", error));
     for (size_t c = 0; c < b->contacts.soa.count; c++) b->first[b->contacts.i[c] + 1]++;
     for (size_t p = 1; p <= n; p++) b->first[p] += b->first[p - 1];
+    GN_TRY(gn_walls_list_normals(ctx, boundary, error));
     return ready_sums(dem, boundary, error);
 }
 

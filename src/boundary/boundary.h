@@ -10,7 +10,6 @@
 #include "frame/balance.h"
 #include "frame/parts.h"
 #include "frame/periodic_box.h"
-#include "kernels/contact.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
 #include "soa/records.h"
@@ -69,9 +68,6 @@ struct gn_boundary {
     gn_body_pairs pairs;            /* of bodies with each other */
 
     gn_holder holder;
-
-    double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
-    double vertex_rate;  /* 1/s: the same of what contacts do to nodes of finite elements */
 };
 
 /* Creates walls, bodies and their surfaces; those of finite elements are added later
@@ -99,7 +95,8 @@ gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_bo
 /* Frees arrays that depend on the number of particles; they are made with the next lists. */
 void gn_boundary_resized(gn_boundary *boundary);
 /* Makes everything that follows from contacts that were read. */
-gneiss_status gn_boundary_restore(gn_dem *dem, gn_boundary *boundary, gneiss_error *error);
+gneiss_status gn_boundary_restore(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gneiss_error *error);
 /* Renumbers particles: place[old] is the new number. */
 gneiss_status gn_boundary_renumber(gn_boundary *boundary, const int32_t *place,
                                    gneiss_error *error);
@@ -139,6 +136,8 @@ double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, s
                       double time);
 /* Finds the stiffness behind servo walls after lists have been made. */
 void gn_walls_listed(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
+/* Sets the velocities of walls to those that their tables prescribe at the present time. */
+void gn_walls_take_velocities(const gn_step_context *ctx, gn_boundary *boundary);
 /* Energy, J, of the spring of a contact with a wall, less half a step of its power on particle and
  * wall at the velocities that led here; linear law. */
 double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,

@@ -28,6 +28,9 @@ double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);
+/* Fills wall_normals, which measures read. */
+gneiss_status gn_walls_list_normals(const gn_step_context *ctx, gn_boundary *boundary,
+                                    gneiss_error *error);
 gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                     bool first, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
@@ -38,8 +41,6 @@ void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary 
  * positions and velocities alone. */
 void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      size_t row, double force[3]);
-/* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
-double gn_wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall);
 /* Surfaces (surface_lists.c): facets within reach of a particle, as gn_wall_contacts.wall counts
  * them, ascending into `found` (NULL: only counted). */
 size_t gn_surfaces_near(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,

@@ -6,10 +6,9 @@
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "kernels/partials.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/sides.h"
 #include "soa/records.h"
 

@@ -1,17 +1,17 @@
 #include "boundary/overlap.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
 #include "boundary/surfaces.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
 #include "pack/domain.h"
 #include "particles/bonds.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/acts.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -48,8 +48,8 @@ static void fill_rims(const gn_facet_set *s, rim *rims) {
 /* A surface is closed if every edge belongs to an even number of facets. */
 static gneiss_status is_closed(const gn_facet_set *s, bool *closed, gneiss_error *error) {
     const size_t count = (size_t)s->corners * s->count;
-    rim *rims = gn_alloc_array(count + 1, sizeof *rims);
-    if (!rims) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu edges", count);
+    rim *rims = NULL;
+    GN_TRY(gn_new(&rims, count + 1, "edges", error));
     fill_rims(s, rims);
     qsort(rims, count, sizeof *rims, by_corners);
     *closed = true;

@@ -1,6 +1,6 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
@@ -8,18 +8,14 @@
 #include "boundary/contact_rows.h"
 #include "boundary/surfaces.h"
 #include "drive/servo.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
 #include "kernels/dashpot.h"
-#include "kernels/law.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
 #include "particles/expected_overlap.h"
 #include "particles/law.h"
+#include "particles/particles.h"
 #include "scene/acts.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
@@ -37,13 +33,20 @@ static void take_near_point(const gn_dem *dem, gn_wall *wall) {
     for (int a = 0; a < 3; a++) wall->point[a] = distance * wall->normal[a];
 }
 
+gneiss_status gn_walls_list_normals(const gn_step_context *ctx, gn_boundary *boundary,
+                                    gneiss_error *error) {
+    const size_t count = ctx->scene.wall_count;
+    boundary->wall_normals = gn_alloc_array(count + 1, 4 * sizeof *boundary->wall_normals);
+    if (!boundary->wall_normals) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    for (size_t k = 0; k < count; k++)
+        memcpy(boundary->wall_normals + 4 * k, boundary->walls[k].normal, 3 * sizeof(double));
+    return GNEISS_OK;
+}
+
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error) {
     size_t count = ctx->scene.wall_count;
-    boundary->walls = gn_alloc_array(count + 1, sizeof *boundary->walls);
-    boundary->wall_normals = gn_alloc_array(count + 1, 4 * sizeof *boundary->wall_normals);
-    if (!boundary->walls || !boundary->wall_normals)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    GN_TRY(gn_new(&boundary->walls, count + 1, "walls", error));
     for (size_t k = 0; k < count; k++) {
         gn_wall *wall = &boundary->walls[k];
         const gn_wall_def *def = &ctx->scene.walls[k];
@@ -51,10 +54,9 @@ gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_
         memcpy(wall->normal, def->normal, sizeof wall->normal);
         take_near_point(dem, wall);
         memcpy(wall->start, wall->point, sizeof wall->start);
-        memcpy(boundary->wall_normals + 4 * k, def->normal, sizeof def->normal);
         for (int a = 0; a < 3; a++) wall->velocity[a] = gn_table_at(&def->motion.velocity[a], 0.0);
     }
-    return GNEISS_OK;
+    return gn_walls_list_normals(ctx, boundary, error);
 }
 
 static double wall_gap(const gn_dem *dem, const gn_boundary *boundary, size_t particle,
@@ -387,7 +389,8 @@ static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
     return under == over ? over : force / low;
 }
 
-double gn_wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall) {
+/* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
+static double wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall) {
     gn_facing f;
     double area = ctx->scene.walls[wall].servo.area;
     if (!(area > 0.0) && gn_wall_covers_open_axis(&ctx->scene, wall)) return gn_box_section(ctx);
@@ -404,7 +407,7 @@ double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, s
                       double time) {
     const gn_servo *servo = &ctx->scene.walls[wall].servo;
     if (servo->force.count) return gn_table_at(&servo->force, time);
-    return gn_table_at(&servo->stress, time) * gn_wall_area(ctx, boundary, wall);
+    return gn_table_at(&servo->stress, time) * wall_area(ctx, boundary, wall);
 }
 
 /* Servo: the wall moves along its normal by the share `relaxation`, if that is stable, of the path
@@ -469,4 +472,11 @@ void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *b
         for (int a = 0; a < 3; a++) wall->point[a] += ctx->dt * wall->velocity[a];
         wall->travel += ctx->dt * fabs(gn_dot3(wall->velocity, wall->normal));
     }
+}
+
+void gn_walls_take_velocities(const gn_step_context *ctx, gn_boundary *boundary) {
+    for (size_t k = 0; k < ctx->scene.wall_count; k++)
+        for (int a = 0; a < 3; a++)
+            boundary->walls[k].velocity[a] =
+                gn_table_at(&ctx->scene.walls[k].motion.velocity[a], ctx->time);
 }

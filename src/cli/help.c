@@ -10,10 +10,13 @@ static const gn_command commands[] = {
     {"run", "SCENE", "run a scene", true, false,
      "Writes results.h5, summary.json and snapshots to runs/<scene name>. Ctrl-C writes "
      "a\ncheckpoint first; gneiss resume continues from it. With --seeds, or with several values "
-     "of\ntest.confinement, it makes one run for each value, side by side.\n",
+     "of\ntest.confinement, it makes one run for each value, side by side. "
+     "With\n--error it plans first, as gneiss plan does: the planned scene is "
+     "runs/<scene\nname>-planned.yaml, its results are in the folder of that name without .yaml.\n",
      "gneiss run scenes/ucs-rock.yaml\n"
      "gneiss run scenes/ucs-rock.yaml --out runs/fast --set walls.top.motion.vz=-1\n"
-     "gneiss run scenes/ucs-packed.yaml --seeds 5\n"},
+     "gneiss run scenes/ucs-packed.yaml --seeds 5\n"
+     "gneiss run scenes/ucs-packed.yaml --error 4%\n"},
     {"check", "SCENE", "read a scene and check its specimen, run nothing", true, false,
      "Builds the specimen, reports problems by file, line and column, and prints contacts "
      "and\noverlaps. It writes nothing.\n",
@@ -23,6 +26,13 @@ static const gn_command commands[] = {
      "at most this error.\n",
      "gneiss plan scenes/ucs-rock.yaml\n"
      "gneiss plan scenes/ucs-rock.yaml --error 5% --write cheaper.yaml\n"},
+    {"stiffness", "SCENE", "print elastic constants of a bonded packing, without a run", true,
+     false,
+     "Solves for the equilibrium of the bonds as springs: E and nu of the scene's test, the "
+     "stiffness\ntensor of the packing, and estimates by uniform strain and stress. It writes "
+     "nothing.\n",
+     "gneiss stiffness scenes/compression.yaml\n"
+     "gneiss stiffness scenes/compression.yaml --set materials.rock.kratio=5 --json\n"},
     {"pack", "FILE", "fill the shape of a specimen with particles, print and store its quality",
      true, false, "The file is a scene, or the part `specimen` of one alone.\n",
      "gneiss pack scenes/pack-uniform.yaml --out runs/pack-uniform\n"},
@@ -31,6 +41,11 @@ static const gn_command commands[] = {
      "the\ncommand completes the missing runs.\n",
      "gneiss sweep scenes/sweep-strength.yaml --dry-run\n"
      "gneiss sweep scenes/sweep-strength.yaml --jobs 2\n"},
+    {"calibrate", "TARGETS", "find the parameters that give a material the wanted readings", true,
+     false,
+     "The file names a specimen and wanted readings with tolerances (docs/calibrate.md). "
+     "Repeating\nthe command continues an interrupted calibration.\n",
+     "gneiss calibrate scenes/calibrate-sandstone.yaml --out runs/sandstone\n"},
     {"resume", "DIR", "continue from the newest checkpoint in an output folder", true, false,
      "--set takes keys of time, output and run, and ends of stages. A later time.end prolongs a\n"
      "finished run.\n",
@@ -61,22 +76,23 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 static const struct {
     const char *commands, *name, *text;
 } options[] = {
-    {"run check plan pack sweep", "--out DIR",
+    {"run check plan pack sweep calibrate", "--out DIR",
      "output folder (default: runs/ and the name of the scene or sweep file)"},
-    {"run check plan pack sweep resume", "--set KEY=VALUE",
+    {"run check plan stiffness pack sweep resume", "--set KEY=VALUE",
      "override a key of the scene: --set time.end=2ms, --set\nwalls.top.friction=0.2"},
-    {"run check plan pack sweep resume", "--threads N", "threads (default, and 0: all cores)"},
-    {"run check plan pack sweep", "--seed N", "seed of all random numbers"},
+    {"run check plan stiffness pack sweep calibrate resume", "--threads N",
+     "threads (default, and 0: all cores)"},
+    {"run check plan stiffness pack sweep", "--seed N", "seed of all random numbers"},
     {"run check plan sweep", "--precision P", "double or mixed"},
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
-    {"run pack plan sweep", "--force",
+    {"run pack plan sweep calibrate", "--force",
      "run: replace also the results of a run of more than a minute; run,\npack: files not written "
      "by gneiss; sweep: compute everything anew"},
-    {"run check plan pack sweep resume", "--allow-gmsh",
+    {"run check plan stiffness pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen given as geometry (.geo, .step, ...), which can\nmake it execute "
      "any command: only for trusted files"},
-    {"run sweep", "--seeds N",
+    {"run sweep calibrate", "--seeds N",
      "run, sweep: number of seeds (or a list: 3,7,11); mean and 95 % interval\nof every reading; "
      "run writes to runs/<scene name>-seeds"},
     {"run sweep", "--jobs N",
@@ -86,17 +102,23 @@ static const struct {
      "sweep, run of several: list the runs and their estimated cost, run nothing"},
     {"sweep", "--array [I/N]", "sweep: only shard I of N, or that of Slurm's job array"},
     {"sweep", "--collect", "sweep: only summarise the existing runs"},
-    {"plan", "--error E",
-     "plan: the cheapest settings for an error of 5%, its causes, and seconds"},
-    {"plan", "--reading R", "plan --error: error of the strength (default) or the stiffness"},
-    {"plan", "--particles any",
-     "plan --error: the number of particles may change as well, with\nrecalibrated contacts"},
+    {"run plan", "--error E",
+     "plan: the cheapest settings for an error of 5%, its causes, and seconds;\nrun: runs the "
+     "scene with them, as many packings as it takes"},
+    {"run plan", "--reading R", "--error: error of the strength (default) or the stiffness"},
+    {"run plan", "--particles any",
+     "--error: the number of particles may change as well, with\nrecalibrated contacts"},
     {"plan", "--write FILE",
      "plan --error: write the scene with the proposed settings (--force replaces\nFILE)"},
-    {"run check plan pack sweep resume", "--quiet",
+    {"stiffness", "--json", "stiffness: one JSON object on standard output"},
+    {"stiffness", "--strain E",
+     "stiffness: strain up to which the test is loaded (default 1e-5;\nbetween walls that of the "
+     "predicted peak)"},
+    {"run check plan pack sweep calibrate resume", "--quiet",
      "only results: readings and warnings, no progress and no profile"},
     {"run pack sweep resume", "--log json",
      "progress and summary as JSON lines on standard output"},
+    {"plan", "--log json", "plan --error: the result as one JSON line on standard output"},
     {"keys", "--markdown", "keys: as Markdown"},
     {"", "--help (-h), --version", ""},
 };
@@ -159,7 +181,7 @@ void gn_print_help(FILE *out, const gn_command *command) {
             "COMMAND [options]\n\ncommands:\n",
             gn_version());
     for (size_t k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-7s %-10s %s\n", commands[k].name, commands[k].arguments,
+        fprintf(out, "  %-9s %-10s %s\n", commands[k].name, commands[k].arguments,
                 commands[k].text);
     print_options(out, NULL);
     fputs("\nexit codes: 0 done, 1 defect of gneiss, 2 invalid input (or a missing scene or "

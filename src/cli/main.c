@@ -10,14 +10,16 @@
 #include "cli/plan_accuracy.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
+#include "cli/script.h"
 #include "cli/signals.h"
+#include "cli/stiffness.h"
 #include "cli/sweep.h"
 #include "conversion/conversion.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "run/folder.h"
 #include "scene/tree.h"
 #include "sweep/sweep.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/scale.h"
 
 #include <malloc.h>
@@ -33,7 +35,7 @@
 
 enum { SIZE_MOST = 16 << 20 };
 
-typedef enum kind { OTHER, SCENE, SWEEP, PACKING } kind;
+typedef enum kind { OTHER, SCENE, SWEEP, PACKING, TARGETS } kind;
 
 static bool has_any(const gn_node *root, const char *const *keys) {
     for (; *keys; keys++)
@@ -47,6 +49,7 @@ static kind kind_of_root(const gn_node *root) {
                              *const scene[] = {"materials", "law",  "time",   "elements", "walls",
                                                "bodies",    "test", "stages", NULL};
     if (!root || root->kind != GN_NODE_MAP) return OTHER;
+    if (gn_node_child(root, "targets")) return TARGETS;
     const bool swept = gn_node_child(root, "scene") || has_any(root, sweep);
     if (has_any(root, scene)) return swept ? OTHER : SCENE;
     if (gn_node_child(root, "specimen")) return swept ? OTHER : PACKING;
@@ -73,16 +76,19 @@ static bool is_one_of(const char *name, const char *const *list) {
     return false;
 }
 
-static const char *const takes_scene[] = {"run", "check", "plan", NULL},
+static const char *const takes_scene[] = {"run", "check", "plan", "stiffness", NULL},
                          *const takes_folder[] = {"resume", "report", NULL},
-                         *const takes_file[] = {"run", "check", "plan", "pack", "sweep", NULL};
+                         *const takes_file[] = {"run",  "check", "plan",      "stiffness",
+                                                "pack", "sweep", "calibrate", NULL};
 
 /* NULL: the command accepts such a file, and the problem is another. */
 static const char *found_text(const gn_options *options, kind found) {
-    const bool sweep = strcmp(options->command, "sweep") == 0;
+    const bool sweep = strcmp(options->command, "sweep") == 0,
+               calibrate = strcmp(options->command, "calibrate") == 0;
+    if (found == TARGETS && !calibrate) return "wanted readings of a material: gneiss calibrate";
     if (found == SWEEP && !sweep)
         return "a sweep file, which names a scene and values of its keys: gneiss sweep";
-    if (found == SCENE && (sweep || is_one_of(options->command, takes_folder)))
+    if (found == SCENE && (sweep || calibrate || is_one_of(options->command, takes_folder)))
         return "a scene: gneiss run";
     if (found == PACKING && strcmp(options->command, "pack") != 0)
         return "a specimen alone, without materials and time: gneiss pack";
@@ -90,10 +96,11 @@ static const char *found_text(const gn_options *options, kind found) {
 }
 
 static const char *expected_text(const gn_options *options) {
-    return is_one_of(options->command, takes_scene)    ? "a scene"
-           : is_one_of(options->command, takes_folder) ? "a folder of results"
-           : strcmp(options->command, "sweep") == 0    ? "a sweep file"
-                                                       : "a scene or a specimen";
+    return is_one_of(options->command, takes_scene)     ? "a scene"
+           : is_one_of(options->command, takes_folder)  ? "a folder of results"
+           : strcmp(options->command, "sweep") == 0     ? "a sweep file"
+           : strcmp(options->command, "calibrate") == 0 ? "a file of targets"
+                                                        : "a scene or a specimen";
 }
 
 /* After an input error: if the file or folder belongs to another command, replaces the message by
@@ -105,7 +112,10 @@ static void name_wrong_file(const gn_options *options, gneiss_error *error) {
         gn_fail(error, GNEISS_ERROR_INPUT,
                 "%.1000s: expected a %s file, found a folder: gneiss resume continues a run, "
                 "gneiss report shows it",
-                options->target, strcmp(options->command, "sweep") == 0 ? "sweep" : "scene");
+                options->target,
+                strcmp(options->command, "sweep") == 0       ? "sweep"
+                : strcmp(options->command, "calibrate") == 0 ? "targets"
+                                                             : "scene");
         return;
     }
     if (!S_ISREG(status.st_mode)) return;
@@ -264,16 +274,6 @@ static gneiss_status command_run(const gn_options *options, gneiss_error *error)
     return status;
 }
 
-static gneiss_status command_run_all(const gn_options *options, gneiss_error *error) {
-    bool several = false;
-    GN_TRY(gn_command_several(options, &several, error));
-    if (several) return GNEISS_OK;
-    if (options->jobs || options->dry_run)
-        return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, "run",
-                       options->jobs ? "--jobs" : "--dry-run");
-    return command_run(options, error);
-}
-
 static gneiss_status command_resume(const gn_options *options, gneiss_error *error) {
     char shown[GN_PATH_SIZE];
     GN_FREED gn_run *run = NULL;
@@ -306,8 +306,10 @@ static gneiss_status check_confinements(const gn_options *options, gneiss_error 
     return GNEISS_OK;
 }
 
-/* `plan` and `check` build the world and write nothing. */
-static gneiss_status command_look(const gn_options *options, bool plan, gneiss_error *error) {
+/* `plan` and `check` build the world and write nothing but a planned scene. `packings`: see
+ * gn_plan_accuracy. */
+static gneiss_status look(const gn_options *options, bool plan, int *packings,
+                          gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
     GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     int warnings = 0;
@@ -320,7 +322,7 @@ static gneiss_status command_look(const gn_options *options, bool plan, gneiss_e
     double before = gn_process_time();
     GN_TRY(gn_world_create(scene, world, error));
     double setup = gn_process_time() - before;
-    if (options->error) return gn_plan_accuracy(options, world, setup, error);
+    if (options->error) return gn_plan_accuracy(options, world, setup, packings, error);
     if (!plan) GN_TRY(gn_print_check(world, &warnings, error));
     GN_TRY(gn_print_plan(world, error));
     if (!plan)
@@ -329,35 +331,88 @@ static gneiss_status command_look(const gn_options *options, bool plan, gneiss_e
     return GNEISS_OK;
 }
 
-/* The report is a Python script: at the place of installation, in the program's source tree, or
- * moved along with the program. A folder `tools` beside an installed program may be unrelated. */
-static gneiss_status command_report(const gn_options *options, gneiss_error *error) {
-    struct stat target;
-    if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
-                       options->target);
-    const char *script = getenv("GNEISS_REPORT");
-    char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
-    if (!script) {
-        ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-        if (n > 0) self[n] = 0;
-        char *slash = strrchr(self, '/');
-        if (slash) *slash = 0;
-        const char *places[] = {"../share/gneiss/report.py", "../tools/report.py",
-                                "tools/report.py"};
-        for (size_t k = 0; k < 3 && !script; k++) {
-            snprintf(path, sizeof path, "%s/%s", self, places[k]);
-            if (access(path, R_OK) == 0) script = path;
-        }
+static gneiss_status command_run_once_or_more(const gn_options *options, gneiss_error *error) {
+    bool several = false;
+    GN_TRY(gn_command_several(options, &several, error));
+    if (several) return GNEISS_OK;
+    if (options->jobs || options->dry_run)
+        return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, "run",
+                       options->jobs ? "--jobs" : "--dry-run");
+    return command_run(options, error);
+}
+
+/* --- run --error --- */
+
+/* The planned scene is kept beside the folder of the results: <folder>.yaml. */
+static gneiss_status planned_paths(const gn_options *options, char folder[GN_PATH_SIZE],
+                                   char file[GN_PATH_SIZE], gneiss_error *error) {
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    char own[GN_PATH_SIZE];
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(
+        gn_scene_load(options->target, options->overrides, options->override_count, scene, error));
+    GN_TRY(gn_folder_choose(scene, options->out, own, error));
+    size_t length = strlen(own);
+    while (length > 1 && own[length - 1] == '/') own[--length] = '\0';
+    const char *ending = options->out ? "" : "-planned";
+    if (snprintf(folder, GN_PATH_SIZE, "%s%s", own, ending) >= GN_PATH_SIZE ||
+        snprintf(file, GN_PATH_SIZE, "%s%s.yaml", own, ending) >= GN_PATH_SIZE)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%.300s: expected a shorter path", own);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_planned_options(const gn_options *options, gneiss_error *error) {
+    const char *refused = options->write     ? "--write: the scene is written beside the results"
+                          : options->seeds   ? "--seeds: the plan chooses the number of packings"
+                          : options->dry_run ? "--dry-run: gneiss plan --error prints the plan"
+                                             : NULL;
+    if (!refused) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss run --error and %s", refused);
+}
+
+/* Writes the planned scene; the specimen of the plan is released before the run. */
+static gneiss_status plan_ahead(const gn_options *options, const char *file, int *packings,
+                                gneiss_error *error) {
+    GN_FREED char *parent = strdup(file);
+    gn_options plan = *options;
+    plan.write = file;
+    plan.force = plan.force || gn_plan_wrote(file, options->target);
+    if (!parent) return gn_no_memory(error, "a path");
+    char *slash = strrchr(parent, '/');
+    if (slash && slash > parent) {
+        *slash = '\0';
+        GN_TRY(gn_make_directory(parent, error));
     }
-    if (!script)
-        return gn_fail(error, GNEISS_ERROR_IO,
-                       "report.py is neither in ../share/gneiss nor in ../tools nor in tools "
-                       "beside the program (GNEISS_REPORT gives another place)");
-    /* Python finds its modules by its first argument: a bare name would lead to an active virtual
-     * environment. */
-    execl("/usr/bin/python3", "/usr/bin/python3", script, options->target, (char *)NULL);
-    return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
+    return look(&plan, true, packings, error);
+}
+
+/* Does what `gneiss plan --error --write` and `gneiss run` of its scene do. Overrides are in that
+ * scene; the number of threads also concerns how runs are made side by side. */
+static gneiss_status command_run_planned(const gn_options *options, gneiss_error *error) {
+    char folder[GN_PATH_SIZE], file[GN_PATH_SIZE], seeds[16];
+    int packings = 1;
+    GN_TRY(check_planned_options(options, error));
+    GN_TRY(planned_paths(options, folder, file, error));
+    GN_TRY(plan_ahead(options, file, &packings, error));
+    gn_options run = *options;
+    run.error = NULL;
+    run.target = file;
+    run.out = folder;
+    run.override_count = 0;
+    for (size_t k = 0; k < options->override_count; k++)
+        if (strcmp(options->overrides[k].key, "run.threads") == 0)
+            run.overrides[run.override_count++] = options->overrides[k];
+    snprintf(seeds, sizeof seeds, "%d", packings);
+    if (packings > 1)
+        run.seeds = seeds;
+    else
+        run.jobs = NULL;
+    return command_run_once_or_more(&run, error);
+}
+
+static gneiss_status command_run_all(const gn_options *options, gneiss_error *error) {
+    return options->error ? command_run_planned(options, error)
+                          : command_run_once_or_more(options, error);
 }
 
 /* Symbols of the linker: the start of the program in memory, and the end of its machine code. */
@@ -427,9 +482,11 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "sweep") == 0) return gn_command_sweep(options, error);
     if (strcmp(options->command, "pack") == 0) return gn_command_pack(options, error);
     if (strcmp(options->command, "resume") == 0) return command_resume(options, error);
-    if (strcmp(options->command, "check") == 0) return command_look(options, false, error);
-    if (strcmp(options->command, "plan") == 0) return command_look(options, true, error);
-    if (strcmp(options->command, "report") == 0) return command_report(options, error);
+    if (strcmp(options->command, "check") == 0) return look(options, false, NULL, error);
+    if (strcmp(options->command, "plan") == 0) return look(options, true, NULL, error);
+    if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
+    if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
+    if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
     if (strcmp(options->command, "info") == 0) {
         command_info();
         return GNEISS_OK;

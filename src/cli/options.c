@@ -58,9 +58,10 @@ static gneiss_status check_sweep_options(const gn_options *options, const gn_com
                        command->name, only_sweep);
     if (only_several && !several)
         return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, command->name, only_several);
-    if (options->seeds && !several)
+    if (options->seeds && !several && strcmp(command->name, "calibrate") != 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss %s: --seeds is for gneiss sweep and gneiss run", command->name);
+                       "gneiss %s: --seeds is for gneiss sweep, gneiss run and gneiss calibrate",
+                       command->name);
     if (options->array && options->collect)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss sweep: expected --array or --collect, found both");
@@ -75,17 +76,26 @@ static gneiss_status check_plan_options(const gn_options *options, const gn_comm
                         : options->write         ? "--write"
                         : options->any_particles ? "--particles"
                                                  : NULL;
-    if (given && strcmp(command->name, "plan") != 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan", command->name,
-                       given);
+    if (given && strcmp(command->name, "plan") != 0 && strcmp(command->name, "run") != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan and gneiss run",
+                       command->name, given);
     if (given && !options->error)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss plan: %s: expected --error beside it",
-                       given);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s: expected --error beside it",
+                       command->name, given);
     return GNEISS_OK;
 }
 
+/* Refuses options of `stiffness` for other commands. */
+static gneiss_status check_stiffness_options(const gn_options *options, const gn_command *command,
+                                             gneiss_error *error) {
+    const char *given = options->strain ? "--strain" : options->one_json ? "--json" : NULL;
+    if (!given || strcmp(command->name, "stiffness") == 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss stiffness%s",
+                   command->name, given, options->one_json ? "; --log json prints JSON lines" : "");
+}
+
 static bool reads_scenes(const gn_command *command) {
-    static const char *const without[] = {"report", "keys", "info"};
+    static const char *const without[] = {"calibrate", "report", "keys", "info"};
     for (size_t k = 0; k < sizeof without / sizeof *without; k++)
         if (strcmp(command->name, without[k]) == 0) return false;
     return true;
@@ -109,6 +119,7 @@ static gneiss_status check_target(const gn_options *options, int argc, char **ar
                        "gneiss %s: --allow-gmsh is for commands that read a scene", command->name);
     GN_TRY(check_sweep_options(options, command, error));
     GN_TRY(check_plan_options(options, command, error));
+    GN_TRY(check_stiffness_options(options, command, error));
     if (first + 1 < argc && !command->several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", command->name,
@@ -137,6 +148,8 @@ enum {
     OPT_READING,
     OPT_PARTICLES,
     OPT_WRITE,
+    OPT_STRAIN,
+    OPT_JSON,
     OPT_HELP,
     OPT_VERSION
 };
@@ -162,6 +175,8 @@ static const struct option long_options[] = {
     {"reading", required_argument, 0, OPT_READING},
     {"particles", required_argument, 0, OPT_PARTICLES},
     {"write", required_argument, 0, OPT_WRITE},
+    {"strain", required_argument, 0, OPT_STRAIN},
+    {"json", no_argument, 0, OPT_JSON},
     {"help", no_argument, 0, OPT_HELP},
     {"version", no_argument, 0, OPT_VERSION},
     {0, 0, 0, 0},
@@ -191,6 +206,12 @@ static gneiss_status apply_to_plan(gn_options *options, int option, const char *
         if (!*value)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--write: expected a file, found ''");
         options->write = value;
+        return GNEISS_OK;
+    case OPT_STRAIN:
+        options->strain = value;
+        return GNEISS_OK;
+    case OPT_JSON:
+        options->json = options->one_json = true;
         return GNEISS_OK;
     default:
         return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");

@@ -16,7 +16,7 @@ typedef struct gn_options {
     char **words;       /* [word_count] all words after the command */
     size_t word_count;
     const char *out;  /* --out */
-    bool quiet, json; /* --quiet, --log json */
+    bool quiet, json; /* --quiet, --log json and --json */
     bool force;       /* run: replaces a finished long run */
     bool markdown;    /* keys --markdown */
     bool allow_gmsh;  /* --allow-gmsh: a geometry may be meshed, which may execute commands */
@@ -26,6 +26,8 @@ typedef struct gn_options {
     /* plan: --error, --reading, --write; NULL: not given */
     const char *error, *reading, *write;
     bool any_particles; /* plan: --particles any */
+    bool one_json;      /* stiffness: --json */
+    const char *strain; /* stiffness: --strain; NULL: not given */
     gn_override overrides[GN_MAX_OVERRIDES];
     size_t override_count;
     char *held[GN_MAX_OVERRIDES]; /* copies of the keys of --set key=value */

@@ -8,7 +8,7 @@
 #include "cli/line.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "io/listing.h"
 #include "pack/shape.h"
 #include "pack/sizes.h"

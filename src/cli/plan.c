@@ -18,9 +18,10 @@
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
 #include "particles/bonds.h"
+#include "particles/dormant.h"
 #include "particles/specimen.h"
 #include "scene/stages.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/scale.h"
 
 #include <math.h>
@@ -98,7 +99,7 @@ static void print_kernels(const gn_world *world) {
 
 /* Prints the reasons why the step's limit is below that of the springs in contact. */
 static void print_lowered(const gn_world *world) {
-    double share = gn_world_nonviscous_share(&world->ctx), particles = world->dem.stable;
+    double share = gn_world_nonviscous_share(&world->ctx), particles = world->ctx.choice.stable;
     if (world->solids.count) return;
     if (share < 1.0)
         printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
@@ -110,43 +111,46 @@ static void print_lowered(const gn_world *world) {
 }
 
 static void print_particle_limits(const gn_world *world) {
-    double sharp = world->dem.limit.sharp;
+    double sharp = world->ctx.choice.limit.sharp;
     if (world->solids.count) printf("  particles\n");
-    if (world->dem.limit.bound == INFINITY && world->dem.stable == INFINITY) {
+    if (world->ctx.choice.limit.bound == INFINITY && world->ctx.choice.stable == INFINITY) {
         printf("  contacts         none that could limit the step: no particle can move\n");
         return;
     }
-    if (world->dem.limit.bound == INFINITY) {
-        printf("  contacts to come %.6g s, as there are no contacts yet\n", world->dem.stable);
+    if (world->ctx.choice.limit.bound == INFINITY) {
+        printf("  contacts to come %.6g s, as there are no contacts yet\n",
+               world->ctx.choice.stable);
         print_lowered(world);
         return;
     }
-    if (world->dem.limit.iterations == 0)
+    if (world->ctx.choice.limit.iterations == 0)
         printf(
             "  sharp limit      not computed: the rigorous bound suffices and replaces it below\n");
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n",
-               sharp, world->dem.limit.iterations, world->dem.limit.sharp_id);
+               sharp, world->ctx.choice.limit.iterations, world->ctx.choice.limit.sharp_id);
     print_lowered(world);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n",
-           world->dem.limit.bound, world->dem.limit.bound / sharp, world->dem.limit.bound_id);
+           world->ctx.choice.limit.bound, world->ctx.choice.limit.bound / sharp,
+           world->ctx.choice.limit.bound_id);
     printf("  literature       %.6g s  = %.3f of the sharp limit (min 2 sqrt(m/k), one spring); "
            "with its factor "
            "%.2f: %.3f\n",
-           world->dem.limit.literature, world->dem.limit.literature / sharp,
+           world->ctx.choice.limit.literature, world->ctx.choice.limit.literature / sharp,
            world->ctx.scene.dimension == 3 ? 0.17 : 0.3,
-           (world->ctx.scene.dimension == 3 ? 0.17 : 0.3) * world->dem.limit.literature / sharp);
+           (world->ctx.scene.dimension == 3 ? 0.17 : 0.3) * world->ctx.choice.limit.literature /
+               sharp);
 }
 
 /* Prints the limits from collisions, and from particles that may touch before the lists are
  * rebuilt. */
 static void print_contacts_to_come(const gn_world *world) {
-    const gn_resolution *r = &world->dem.resolution;
+    const gn_resolution *r = &world->ctx.choice.resolution;
     char text[GNEISS_MESSAGE_SIZE];
     if (r->step < INFINITY)
         printf("  collisions       %.6g s resolves the shortest, %.6g s between %s, in %.4g steps; "
                "it gets %.4g\n",
-               r->step, r->contact, gn_resolution_text(&world->ctx, &world->dem, text, sizeof text),
+               r->step, r->contact, gn_resolution_text(&world->ctx, text, sizeof text),
                r->contact / r->step, r->contact / world->ctx.dt);
     else
         printf("  collisions       none that need to be resolved\n");
@@ -154,15 +158,15 @@ static void print_contacts_to_come(const gn_world *world) {
         world->ctx.scene.step == 0.0 && gn_world_is_underdamped(&world->ctx, &world->dem))
         printf("  debris           undamped: once bonds have broken, wedged particles may need "
                "steps up to four times shorter\n");
-    if (world->dem.listed < INFINITY)
+    if (world->ctx.choice.listed < INFINITY)
         printf("  near contacts    %.6g s is the stability limit with all of them in contact\n",
-               world->dem.listed);
-    if (*gn_world_step_warning(&world->ctx, &world->dem, text, sizeof text))
-        printf("  warning: %s\n", text);
+               world->ctx.choice.listed);
+    if (*gn_world_step_warning(&world->ctx, text, sizeof text)) printf("  warning: %s\n", text);
 }
 
 static void print_mass_scaling(const gn_world *world) {
-    const gn_mass_scaling *s = &world->dem.scaling;
+    const gn_mass_scaling *s = &world->ctx.choice.scaling;
+    const gn_raised_masses *raised = &world->dem.raised;
     if (!(world->ctx.effects & GN_FX_MASS_SCALING)) return;
     if (s->step == 0.0) {
         printf("  mass scaling     none needed: the step is %.6g s without\n", s->unscaled);
@@ -170,9 +174,9 @@ static void print_mass_scaling(const gn_world *world) {
     }
     printf("  mass scaling     %.6g s = %.3f of the step without (%.6g s), for %.4g kg = %.3g %% "
            "more mass, in %lld particles of %zu, at most %.3g times their own\n",
-           world->ctx.dt, world->ctx.dt / s->unscaled, s->unscaled, s->added,
-           100.0 * s->added / world->dem.mass, (long long)s->raised, world->dem.particles.soa.count,
-           s->largest);
+           world->ctx.dt, world->ctx.dt / s->unscaled, s->unscaled, raised->added,
+           100.0 * raised->added / world->dem.mass, (long long)raised->count,
+           world->dem.particles.soa.count, raised->largest);
     if (world->ctx.dt < (1.0 - 1e-9) * s->step)
         printf("  warning: time.mass_scaling: added mass does not give %.6g s\n", s->step);
 }
@@ -555,7 +559,7 @@ static void print_membrane(const gn_world *world) {
     printf("  membrane         %.6g m2 of the surface of the %s on %zu particles\n",
            gn_membrane_area(&world->dem), on_shape ? "shape" : "particles", skin);
     printf("  within it        %.6g m3%s, to which the mean stress refers%s\n",
-           gn_membrane_volume(&world->ctx, &world->dem),
+           gn_membrane_volume(&world->ctx, &world->membrane),
            world->ctx.scene.dimension == 3 ? "" : " (1 m thick)",
            on_shape ? ": all of the shape" : "");
 }
@@ -651,11 +655,11 @@ gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error
     *warnings = 0;
     char doubts[GNEISS_MESSAGE_SIZE];
     print_origin(world);
-    gn_conversion_swap_dormant(
-        &world->ctx, &world->dem); /* dormant particles are described in their released state */
+    gn_dormant_swap(&world->ctx,
+                    &world->dem); /* dormant particles are described in their released state */
     gneiss_status status =
         world->ctx.scene.has_specimen ? check_particles(world, warnings, error) : GNEISS_OK;
-    gn_conversion_swap_dormant(&world->ctx, &world->dem);
+    gn_dormant_swap(&world->ctx, &world->dem);
     GN_TRY(status);
     if (gn_scale_doubts(&world->ctx, &world->dem, &world->boundary, &world->solids, doubts,
                         sizeof doubts)) {

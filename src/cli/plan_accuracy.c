@@ -3,7 +3,7 @@
 #include "base/new.h"
 #include "base/printable.h"
 #include "cli/progress.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "plan/setting.h"
 
 #include <math.h>
@@ -262,6 +262,17 @@ static gneiss_status scene_text(const gn_options *options, const gn_settings *se
     return gn_text_close(out, "the text of the scene", error);
 }
 
+bool gn_plan_wrote(const char *path, const char *target) {
+    char shown[GN_PATH_SIZE], first[GN_PATH_SIZE + 8] = "", wanted[GN_PATH_SIZE + 8];
+    FILE *file = fopen(path, "r");
+    snprintf(wanted, sizeof wanted, "# %s", gn_printable(target, shown, sizeof shown));
+    const bool read = file && fgets(first, sizeof first, file);
+    if (file) (void)fclose(file);
+    const size_t length = strlen(wanted);
+    return read && strncmp(first, wanted, length) == 0 &&
+           (strcmp(first + length, " with\n") == 0 || strcmp(first + length, "\n") == 0);
+}
+
 static bool is_same_file(const char *one, const char *other) {
     struct stat a, b;
     return stat(one, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev &&
@@ -284,7 +295,7 @@ static gneiss_status write_scene(const gn_options *options, const gn_settings *s
     GN_TRY(gn_scene_load(options->target, settings->setting, settings->count, scene, error));
     GN_TRY(scene_text(options, settings, scene, &text, error));
     GN_TRY(gn_write_text_file(options->write, text, GN_DURABLE, error));
-    if (!options->json)
+    if (!options->json && !options->quiet)
         printf("written: %s, resolved; its first lines give the settings for --set\n",
                options->write);
     return GNEISS_OK;
@@ -297,13 +308,13 @@ static gneiss_status tell(const gn_options *options, const gn_world *world, gn_p
     GN_TRY(correct(options, &settings, plan, error));
     if (options->json)
         json_plan(plan, world);
-    else
+    else if (!options->quiet || strcmp(options->command, "plan") == 0)
         print_plan(plan, world);
     return write_scene(options, &settings, error);
 }
 
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
-                               gneiss_error *error) {
+                               int *packings, gneiss_error *error) {
     const bool particles = world->ctx.scene.has_specimen;
     gn_wanted wanted = {.any_particles = options->any_particles,
                         .reading = options->reading ? options->reading
@@ -316,5 +327,11 @@ gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world,
     if (plan->absent)
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", options->target,
                        plan->absent);
+    if (packings && !plan->reached)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: --error: %.3g %% cannot be reached, the least is about %.2g %%: gneiss "
+                       "plan prints its causes",
+                       options->target, 100.0 * wanted.error, 100.0 * plan->best.error / 1.1);
+    if (packings) *packings = plan->best.packings;
     return tell(options, world, plan, error);
 }

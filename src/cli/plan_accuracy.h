@@ -7,8 +7,13 @@
 #include "frame/parts.h"
 #include "world/world.h"
 
-/* `setup`: processor time, s, for making the world. */
+/* Prints a plan and writes its scene to options->write. `setup`: processor time, s, for making the
+ * world. `packings`: receives the number of packings whose mean has the error, and a plan that does
+ * not reach it is GNEISS_ERROR_INPUT; NULL: not asked for. */
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
-                               gneiss_error *error);
+                               int *packings, gneiss_error *error);
+
+/* Tells whether a file is a scene that was written for the same scene file and may be replaced. */
+bool gn_plan_wrote(const char *path, const char *target);
 
 #endif

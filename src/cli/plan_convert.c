@@ -8,7 +8,7 @@
 #include "particles/dormant.h"
 #include "scene/stages.h"
 #include "solids/dormant_places.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "zones/zone_state.h"
 
 #include <math.h>
@@ -43,11 +43,12 @@ typedef struct trial {
 /* Finds the limits of all particles as if they were active. */
 static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
     gn_resolution collision;
-    GN_TRY(gn_conversion_limit(world, &t->all, error));
-    gn_conversion_swap_dormant(&world->ctx, &world->dem);
+    const gn_convertible model = gn_world_convertible(world);
+    GN_TRY(gn_conversion_limit(&model, &t->all, error));
+    gn_dormant_swap(&world->ctx, &world->dem);
     gneiss_status status = gn_resolution_listed(&world->ctx, &world->dem, &world->boundary,
                                                 &world->solids, &world->zones, &collision, error);
-    gn_conversion_swap_dormant(&world->ctx, &world->dem);
+    gn_dormant_swap(&world->ctx, &world->dem);
     GN_TRY(status);
     t->collision = collision.step;
     return GNEISS_OK;
@@ -140,15 +141,15 @@ static const char by_collisions[] = "collisions";
 
 /* Returns what sets the present step. */
 static const char *side_of(const gn_world *world) {
-    const gn_dem *dem = &world->dem;
+    const gn_step_choice *choice = &world->ctx.choice;
     const double share = gn_world_nonviscous_share(&world->ctx),
                  elements = gn_elements_stable(&world->solids);
-    const int32_t p = dem->limit.sharp_id;
-    if (is_near(world->ctx.dt, dem->resolution.step)) return by_collisions;
-    if (is_near(world->ctx.dt, 0.98 * dem->listed)) return "contacts that may close";
-    if (world->ctx.stable < 0.9 * share * fmin(elements, dem->stable))
+    const int32_t p = choice->limit.sharp_id;
+    if (is_near(world->ctx.dt, choice->resolution.step)) return by_collisions;
+    if (is_near(world->ctx.dt, 0.98 * choice->listed)) return "contacts that may close";
+    if (world->ctx.stable < 0.9 * share * fmin(elements, choice->stable))
         return "slaved spins of the zone";
-    if (elements <= dem->stable) return "elements that are left, by their rigorous bound";
+    if (elements <= choice->stable) return "elements that are left, by their rigorous bound";
     return p >= 0 && gn_coupled_has(world->zones.coupled, p) ? "particles of the zone"
                                                              : "particles";
 }
@@ -158,7 +159,8 @@ static const char *side_of(const gn_world *world) {
 static gneiss_status try_front(gn_world *world, double part, char *halt, size_t size,
                                gneiss_error *error) {
     *world->outcome.halt = '\0';
-    const gneiss_status status = gn_conversion_convert_above(world, part, error);
+    const gn_convertible model = gn_world_convertible(world);
+    const gneiss_status status = gn_conversion_convert_above(&model, part, error);
     snprintf(halt, size, "%.400s",
              status == GNEISS_ERROR_UNSTABLE ? error->message : world->outcome.halt);
     return status == GNEISS_ERROR_UNSTABLE ? GNEISS_OK : status;
@@ -344,8 +346,9 @@ static void warn_of_looks(const gn_world *world, int *warnings) {
 
 static void print_places(gn_world *world, int *warnings) {
     gn_conversion_places_checked seen;
+    const gn_convertible model = gn_world_convertible(world);
     if (gn_elements_have_left(&world->solids) ||
-        gn_conversion_check_places(world, &seen, NULL) != GNEISS_OK)
+        gn_conversion_check_places(&model, &seen, NULL) != GNEISS_OK)
         return;
     printf("  places           %zu checked", seen.looked);
     if (seen.along)

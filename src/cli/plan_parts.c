@@ -7,8 +7,8 @@
 #include "frame/parts.h"
 #include "particles/bond_sections.h"
 #include "solids/element_walls.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/world.h"
 #include "zones/zones.h"
 
@@ -37,10 +37,9 @@ void gn_print_element_kernels(const gn_world *world) {
 static void print_limits(const gn_world *world, const gn_element_model *model) {
     char text[160];
     const gn_fem_limit *limit = &model->limit;
-    printf("  elements%s\n",
-           gn_elements_lead(&world->ctx, &world->dem, &world->solids, &world->zones) == model
-               ? ", which set the step"
-               : "");
+    printf("  elements%s\n", gn_elements_lead(&world->ctx, &world->solids, &world->zones) == model
+                                 ? ", which set the step"
+                                 : "");
     if (limit->iterations == 0)
         printf(
             "  sharp limit      not computed: the rigorous bound suffices and replaces it below\n");
@@ -265,9 +264,8 @@ void gn_print_whole_limit(const gn_world *world) {
 
 static void print_step(const gn_world *world) {
     const gn_whole_limit *whole = gn_coupled_whole(&world->ctx, &world->zones);
-    bool elements =
-        whole ? whole->side == GN_SIDE_ELEMENTS
-              : gn_elements_lead(&world->ctx, &world->dem, &world->solids, &world->zones) != NULL;
+    bool elements = whole ? whole->side == GN_SIDE_ELEMENTS
+                          : gn_elements_lead(&world->ctx, &world->solids, &world->zones) != NULL;
     printf("step of the coupled model\n  dt               %.6g s, set by the %s\n", world->ctx.dt,
            whole      ? gn_side_text(whole->side)
            : elements ? "elements"
@@ -493,7 +491,7 @@ static const char *idle_applied(const gn_world *world) {
 }
 
 static const char *idle_mass_scaling(const gn_world *world) {
-    return world->dem.scaling.raised ? NULL : "no mass has to be raised (time.mass_scaling)";
+    return world->dem.raised.count ? NULL : "no mass has to be raised (time.mass_scaling)";
 }
 
 /* Effects that only output reads. */

@@ -7,11 +7,11 @@
 #include "cli/line.h"
 #include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "plan/estimate.h"
 #include "run/budget.h"
 #include "run/run.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -192,14 +192,15 @@ static void print_limits(const gn_world *world) {
     }
     printf(" = %.2f of the stability limit %.4g s (", world->ctx.dt / world->ctx.stable,
            world->ctx.stable);
-    if (gn_world_sharp_limit(&world->ctx, &world->dem, &world->solids, &world->zones) == INFINITY)
+    if (gn_world_sharp_limit(&world->ctx, &world->solids) == INFINITY)
         printf("of contacts to come: there are no contacts yet");
     else
         printf("undamped: sharp %.4g s, rigorous bound %.4g s",
-               gn_world_sharp_limit(&world->ctx, &world->dem, &world->solids, &world->zones),
+               gn_world_sharp_limit(&world->ctx, &world->solids),
                gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones));
-    if (world->ctx.scene.has_specimen && world->dem.limit.literature < INFINITY)
-        printf(", one-spring estimate of the literature %.4g s", world->dem.limit.literature);
+    if (world->ctx.scene.has_specimen && world->ctx.choice.limit.literature < INFINITY)
+        printf(", one-spring estimate of the literature %.4g s",
+               world->ctx.choice.limit.literature);
     printf(")\n");
 }
 
@@ -436,8 +437,8 @@ static gneiss_status print_outcome(const gn_run *run, gneiss_error *error) {
     if (world->ctx.effects & GN_FX_MASS_SCALING)
         printf("  added mass             %10.4g %% of the particles' own, for %.4g of the step "
                "without it\n",
-               100.0 * world->dem.scaling.added / world->dem.mass,
-               world->ctx.dt / world->dem.scaling.unscaled);
+               100.0 * world->dem.raised.added / world->dem.mass,
+               world->ctx.dt / world->ctx.choice.scaling.unscaled);
     if (world->ctx.effects & GN_FX_ENERGY)
         printf("  energy residual        %10.2e   (of %.4g J)\n",
                gn_energy_residual(&world->ledger.reading), gn_energy_scale(&world->ledger.reading));

@@ -6,7 +6,7 @@
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/sweep_show.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "pack/shape.h"
 #include "run/folder.h"
 

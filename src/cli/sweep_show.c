@@ -4,7 +4,7 @@
 #include "base/timer.h"
 #include "cli/line.h"
 #include "cli/progress.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "sweep/envelope.h"
 
 #include <inttypes.h>

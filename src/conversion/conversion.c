@@ -6,21 +6,20 @@
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "kernels/partials.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "neigh/neigh.h"
 #include "particles/dormant.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
+#include "particles/refresh.h"
 #include "scene/couple_def.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
-#include "world/world.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -30,30 +29,7 @@ gneiss_status gn_conversion_no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
 }
 
-/* --- ties and kinds --- */
-
-gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
-                                 gneiss_error *error) {
-    const gn_particles *q = &dem->particles;
-    size_t count;
-    int32_t *place = gn_fem_places(gn_coupled_solid(solids), &count);
-    int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
-    gneiss_status status = place && element ? GNEISS_OK : gn_conversion_no_memory(error);
-    for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        const bool awake = dem->prepared.soa.capacity && gn_particle_is_active(q, p);
-        if (gn_dormant_element(dem, p) >= count)
-            status = gn_fail(error, GNEISS_ERROR_INPUT,
-                             "expected particles in the %zu elements of the mesh, found number %zu",
-                             count, gn_dormant_element(dem, p));
-        else
-            element[p] = awake ? place[gn_dormant_element(dem, p)] : -1;
-    }
-    if (status == GNEISS_OK)
-        status = gn_ties_take(gn_coupled_solid(solids), q, element, ties, error);
-    gn_free(place);
-    gn_free(element);
-    return status;
-}
+/* --- kinds --- */
 
 gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
                                   uint8_t *kind, gneiss_error *error) {
@@ -72,55 +48,55 @@ gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *s
 #define GN_SHAPE_ROUNDING 1e-9
 
 /* Tells whether an element has all nodes that the place of a tie depends on: the place is in it. */
-static bool shares_place(const gn_fem_solid *b, const gn_tie *tie, size_t e) {
-    for (int a = 0; a <= b->dimension; a++) {
+static bool shares_place(const gn_fem_solid *solid, const gn_tie *tie, size_t e) {
+    for (int a = 0; a <= solid->dimension; a++) {
         bool found = fabs(tie->shape[a]) < GN_SHAPE_ROUNDING;
-        for (int k = 0; k <= b->dimension && !found; k++)
-            found = gn_elements_node(&b->elements, k)[e] == tie->node[a];
+        for (int k = 0; k <= solid->dimension && !found; k++)
+            found = gn_elements_node(&solid->elements, k)[e] == tie->node[a];
         if (!found) return false;
     }
     return true;
 }
 
-size_t gn_conversion_around(const gn_fem_solid *b, const gn_tie *tie,
+size_t gn_conversion_around(const gn_fem_solid *solid, const gn_tie *tie,
                             int32_t element[GN_AROUND_MOST]) {
     bool on_face = false;
     size_t count = 0;
-    for (int a = 0; a <= b->dimension; a++)
+    for (int a = 0; a <= solid->dimension; a++)
         on_face = on_face || fabs(tie->shape[a]) < GN_SHAPE_ROUNDING;
     if (!on_face) {
         element[0] = tie->element;
         return 1;
     }
-    for (size_t e = 0; e < b->elements.soa.count && count < GN_AROUND_MOST; e++)
-        if (shares_place(b, tie, e)) element[count++] = (int32_t)e;
+    for (size_t e = 0; e < solid->elements.soa.count && count < GN_AROUND_MOST; e++)
+        if (shares_place(solid, tie, e)) element[count++] = (int32_t)e;
     return count;
 }
 
 /* The spin of the body at a place, 1/s: half of the curl of velocities, the mean of the elements
  * there. */
-static void find_spin(const gn_fem_solid *b, const gn_tie *tie, double spin[3]) {
+static void find_spin(const gn_fem_solid *solid, const gn_tie *tie, double spin[3]) {
     int32_t element[GN_AROUND_MOST];
-    const size_t count = gn_conversion_around(b, tie, element);
+    const size_t count = gn_conversion_around(solid, tie, element);
     spin[0] = spin[1] = spin[2] = 0.0;
     for (size_t e = 0; e < count; e++) {
-        gn_tie at = gn_tie_at(b, element[e], b->nodes.start);
-        const gn_ties one = {.corners = b->dimension + 1, .count = 1, .tie = &at};
+        gn_tie at = gn_tie_at(solid, element[e], solid->nodes.start);
+        const gn_ties one = {.corners = solid->dimension + 1, .count = 1, .tie = &at};
         double g[4][3];
-        gn_tie_gradients(&one, 0, &b->nodes, g);
+        gn_tie_gradients(&one, 0, &solid->nodes, g);
         for (int a = 0; a < one.corners; a++) {
             double of[3];
-            gn_cross3(g[a], b->nodes.vel + 4 * (size_t)at.node[a], of);
+            gn_cross3(g[a], solid->nodes.vel + 4 * (size_t)at.node[a], of);
             for (int k = 0; k < 3; k++) spin[k] += 0.5 * of[k] / (double)count;
         }
     }
 }
 
 /* With the motion of the element that it is in. */
-static void activate(const gn_conversion *c, size_t p) {
-    gn_particles *q = &c->world->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    gn_tie tie = gn_tie_at(b, gn_home_of(c, p), q->start + 4 * p);
+static void activate(const gn_conversion *conversion, size_t p) {
+    gn_particles *q = &conversion->model->dem->particles;
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    gn_tie tie = gn_tie_at(b, gn_home_of(conversion, p), q->start + 4 * p);
     const gn_ties one = {.corners = b->dimension + 1, .count = 1, .tie = &tie};
     double u[3], v[3], spin[3];
     gn_tie_travel(&one, 0, &b->nodes, u);
@@ -135,12 +111,12 @@ static void activate(const gn_conversion *c, size_t p) {
 }
 
 /* Returns the weight of a particle: 1 less the weight of the elements at its position. */
-static double part_at(const gn_conversion *c, size_t p) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const int32_t e = gn_home_of(c, p);
+static double part_at(const gn_conversion *conversion, size_t p) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const int32_t e = gn_home_of(conversion, p);
     double part = 0.0;
-    if (e < 0 || c->kind[e] == GN_FRONT_LEAVING) return 1.0;
-    const gn_tie tie = gn_tie_at(b, e, c->world->dem.particles.start + 4 * p);
+    if (e < 0 || conversion->kind[e] == GN_FRONT_LEAVING) return 1.0;
+    const gn_tie tie = gn_tie_at(b, e, conversion->model->dem->particles.start + 4 * p);
     for (int a = 0; a <= b->dimension; a++)
         part += tie.shape[a] * b->nodes.blend[2 * (size_t)tie.node[a]];
     /* Rounding may give a particle on a side of an element a weight. */
@@ -148,56 +124,56 @@ static double part_at(const gn_conversion *c, size_t p) {
 }
 
 /* Marks the elements that leave or whose weight changes. */
-static void find_touched(gn_conversion *c) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const double *before = c->node_part;
+static void find_touched(gn_conversion *conversion) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const double *before = conversion->node_part;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
-        bool touched = c->kind[e] == GN_FRONT_LEAVING;
+        bool touched = conversion->kind[e] == GN_FRONT_LEAVING;
         for (int a = 0; a <= b->dimension; a++) {
             const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
             touched = touched || before[2 * n] != b->nodes.blend[2 * n];
         }
-        c->touched[e] = touched;
+        conversion->touched[e] = touched;
     }
 }
 
 /* Bonds act with an end that has a part. */
-static void find_active(gn_conversion *c) {
-    const gn_contacts *all = &c->world->dem.prepared;
-    double *blend = c->world->dem.particles.blend;
+static void find_active(gn_conversion *conversion) {
+    const gn_contacts *all = &conversion->model->dem->prepared;
+    double *blend = conversion->model->dem->particles.blend;
     for (size_t b = 0; b < all->soa.count; b++) {
         const size_t i = (size_t)all->i[b], j = (size_t)all->j[b];
         if (!(blend[2 * i] + blend[2 * j] > 0.0)) continue;
-        c->active[b] = 1;
-        c->acting++;
+        conversion->active[b] = 1;
+        conversion->acting++;
         blend[2 * i + 1] = blend[2 * j + 1] = 1.0;
     }
 }
 
 /* A particle is active if its weight is nonzero or a bonded neighbour's is: the ends of bonds have
  * to be in place. Masses have a least weight, so that none vanishes (zones.c). */
-static void find_parts(gn_conversion *c) {
-    gn_world *w = c->world;
-    gn_particles *q = &w->dem.particles;
-    memcpy(c->part, q->blend, 2 * q->soa.count * sizeof *c->part);
+static void find_parts(gn_conversion *conversion) {
+    const gn_convertible *model = conversion->model;
+    gn_particles *q = &model->dem->particles;
+    memcpy(conversion->part, q->blend, 2 * q->soa.count * sizeof *conversion->part);
     for (size_t p = 0; p < q->soa.count; p++) {
-        const int32_t e = gn_home_of(c, p);
-        c->freed[p] = e >= 0 && c->kind[e] == GN_FRONT_LEAVING;
-        if (e >= 0 && c->touched[e]) q->blend[2 * p] = part_at(c, p);
+        const int32_t e = gn_home_of(conversion, p);
+        conversion->freed[p] = e >= 0 && conversion->kind[e] == GN_FRONT_LEAVING;
+        if (e >= 0 && conversion->touched[e]) q->blend[2 * p] = part_at(conversion, p);
     }
-    find_active(c);
+    find_active(conversion);
     for (size_t p = 0; p < q->soa.count; p++) {
         double *part = q->blend + 2 * p;
         if (!(part[0] > 0.0) && !(part[1] > 0.0)) continue;
-        const double least = fmin(q->pos[4 * p + 3] / w->ctx.scene.couple.convert.width, 1.0);
-        part[1] = gn_home_of(c, p) < 0 ? part[1] : fmax(part[0], least);
+        const double least = fmin(q->pos[4 * p + 3] / model->ctx->scene.couple.convert.width, 1.0);
+        part[1] = gn_home_of(conversion, p) < 0 ? part[1] : fmax(part[0], least);
     }
 }
 
-static void activate_all(gn_conversion *c) {
-    gn_particles *q = &c->world->dem.particles;
+static void activate_all(gn_conversion *conversion) {
+    gn_particles *q = &conversion->model->dem->particles;
     for (size_t p = 0; p < q->soa.count; p++) {
-        const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
+        const double part = q->blend[2 * p + 1], before = conversion->part[2 * p + 1];
         if (part == before) continue;
         /* Intact bonds leave 0: its springs are others than at the last look at the step. */
         q->marks[2 * p] = q->marks[2 * p + 1] = 1;
@@ -206,8 +182,8 @@ static void activate_all(gn_conversion *c) {
             if (q->spin) q->spin[4 * p + 3] *= before / part;
             continue;
         }
-        activate(c, p);
-        gn_dormant_particle *own = gn_dormant_of(&c->world->dem, p);
+        activate(conversion, p);
+        gn_dormant_particle *own = gn_dormant_of(conversion->model->dem, p);
         q->vel[4 * p + 3] = own->inverse_mass / part;
         if (q->spin) q->spin[4 * p + 3] = own->inverse_inertia / part;
         own->inverse_mass = own->inverse_inertia = 0.0;
@@ -217,113 +193,115 @@ static void activate_all(gn_conversion *c) {
 /* --- converting --- */
 
 /* *stuck: halted, nothing has changed. */
-static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *error) {
-    const gn_convert_def *def = &c->world->ctx.scene.couple.convert;
-    gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+static gneiss_status advance_front(gn_conversion *conversion, bool *stuck, gneiss_error *error) {
+    const gn_convert_def *def = &conversion->model->ctx->scene.couple.convert;
+    gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const size_t size = 2 * b->nodes.soa.count * sizeof *b->nodes.blend;
     int64_t element;
-    memcpy(c->node_part, b->nodes.blend, size);
-    GN_TRY(gn_front_advance(b, def->width, c->kind, &element, error));
+    memcpy(conversion->node_part, b->nodes.blend, size);
+    GN_TRY(gn_front_advance(b, def->width, conversion->kind, &element, error));
     *stuck = element >= 0;
-    if (*stuck) memcpy(b->nodes.blend, c->node_part, size);
+    if (*stuck) memcpy(b->nodes.blend, conversion->node_part, size);
     if (*stuck)
-        gn_conversion_halt_at(c, element);
+        gn_conversion_halt_at(conversion, element);
     else
-        find_touched(c);
+        find_touched(conversion);
     return GNEISS_OK;
 }
 
 /* Makes the lists again, which must not mistake the conversion for fast particles. Released
  * particles are equilibrated with the mass of the packing; the invariants of the body are restored
  * at their new positions, so that no position and no mass changes after that. */
-static gneiss_status make_lists(gn_conversion *c, const gn_tally *before, gneiss_error *error) {
-    enum { NEITHER_SHORT_NOR_LONG = 1000 };
-    gn_world *w = c->world;
-    w->dem.verlet.last_step = w->ctx.step - NEITHER_SHORT_NOR_LONG;
-    GN_TRY(gn_world_rebuild(w, error));
-    c->released[0] = gn_conversion_held_in_contacts(c);
-    GN_TRY(gn_conversion_relax(c, error));
-    c->released[1] = gn_conversion_held_in_contacts(c);
-    GN_TRY(gn_conversion_keep_invariants(c, before, error));
-    gn_dem_masses_changed(&w->ctx, &w->dem);
-    GN_TRY(gn_elements_converted(w->solids.elements[0], error));
-    GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                               false, error));
-    return gn_world_check_lists(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                                error);
+static gneiss_status make_lists(gn_conversion *conversion, const gn_tally *before,
+                                gneiss_error *error) {
+    const gn_convertible *model = conversion->model;
+    gn_dem_keep_skin(model->ctx, model->dem);
+    GN_TRY(model->rebuild(model->world, error));
+    conversion->released[0] = gn_conversion_held_in_contacts(conversion);
+    GN_TRY(gn_conversion_relax(conversion, error));
+    conversion->released[1] = gn_conversion_held_in_contacts(conversion);
+    GN_TRY(gn_conversion_keep_invariants(conversion, before, error));
+    gn_dem_masses_changed(model->ctx, model->dem);
+    GN_TRY(gn_elements_converted(model->solids->elements[0], error));
+    GN_TRY(gn_world_check_step(model->ctx, model->dem, model->boundary, model->solids, model->zones,
+                               model->ledger, false, error));
+    return gn_world_check_lists(model->ctx, model->dem, model->boundary, model->solids,
+                                model->zones, model->ledger, error);
 }
 
-static void put_back(gn_conversion *c) {
-    gn_particles *q = &c->world->dem.particles,
-                 *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
-    memcpy(nodes->blend, c->node_part, 2 * nodes->soa.count * sizeof *nodes->blend);
-    memcpy(q->blend, c->part, 2 * q->soa.count * sizeof *q->blend);
-    memset(c->active, 0, c->world->dem.prepared.soa.count);
-    c->acting = 0;
+static void put_back(gn_conversion *conversion) {
+    gn_particles *q = &conversion->model->dem->particles,
+                 *nodes = &gn_coupled_solid(conversion->model->solids)->nodes;
+    memcpy(nodes->blend, conversion->node_part, 2 * nodes->soa.count * sizeof *nodes->blend);
+    memcpy(q->blend, conversion->part, 2 * q->soa.count * sizeof *q->blend);
+    memset(conversion->active, 0, conversion->model->dem->prepared.soa.count);
+    conversion->acting = 0;
 }
 
 /* Front and parts, of particles that can have the mass of what goes: elements without such, as of a
  * mesh that is fine beside them, take those around them along. */
-static gneiss_status advance(gn_conversion *c, bool *stuck, gneiss_error *error) {
+static gneiss_status advance(gn_conversion *conversion, bool *stuck, gneiss_error *error) {
     enum { RINGS = 3 };
     double missing[2];
-    for (c->rings = 0;; c->rings++) {
-        GN_TRY(advance_front(c, stuck, error));
+    for (conversion->rings = 0;; conversion->rings++) {
+        GN_TRY(advance_front(conversion, stuck, error));
         if (*stuck) return GNEISS_OK;
-        find_parts(c);
-        const bool fits = gn_conversion_fits(c, missing);
-        if (fits) GN_TRY(gn_conversion_find_light_nodes(c, stuck, error));
+        find_parts(conversion);
+        const bool fits = gn_conversion_fits(conversion, missing);
+        if (fits) GN_TRY(gn_conversion_find_light_nodes(conversion, stuck, error));
         if (fits && !*stuck) return GNEISS_OK;
-        put_back(c);
+        put_back(conversion);
         if (*stuck) return GNEISS_OK;
-        if (c->rings < RINGS && gn_conversion_add_ring(c)) continue;
+        if (conversion->rings < RINGS && gn_conversion_add_ring(conversion)) continue;
         *stuck = true;
-        gn_conversion_halt_without_mass(c, missing);
+        gn_conversion_halt_without_mass(conversion, missing);
         return GNEISS_OK;
     }
 }
 
-static gneiss_status go(gn_conversion *c, gneiss_error *error) {
-    gn_world *w = c->world;
-    gn_fem_solid *b = gn_coupled_solid(&w->solids);
+static gneiss_status go(gn_conversion *conversion, gneiss_error *error) {
+    const gn_convertible *model = conversion->model;
+    gn_fem_solid *b = gn_coupled_solid(model->solids);
     bool stuck = false;
-    GN_TRY(advance(c, &stuck, error));
+    GN_TRY(advance(conversion, &stuck, error));
     if (stuck) return GNEISS_OK;
-    if (c->dry_run) put_back(c);
-    if (c->dry_run) return GNEISS_OK;
-    const gn_tally before = gn_conversion_tally(c);
-    gn_held_stages held = {.before = gn_conversion_held(c)};
-    gn_conversion_find_alike(c, held.alike);
-    GN_TRY(gn_conversion_find_rates(c, error));
-    activate_all(c);
-    GN_TRY(gn_conversion_activate_bonds(c, error));
-    for (size_t e = 0; e < b->elements.soa.count; e++) c->kind[e] = c->kind[e] != GN_FRONT_LEAVING;
-    GN_TRY(gn_fem_keep(b, c->kind, error));
-    GN_TRY(gn_coupled_recreate(&w->ctx, &w->dem, &w->solids, &w->zones, error));
-    GN_TRY(make_lists(c, &before, error));
-    const gn_tally now = gn_conversion_tally(c);
-    gn_conversion_note_jumps(c, &before, &now);
-    memcpy(held.released, c->released, sizeof held.released);
-    held.after = gn_conversion_held(c);
-    gn_conversion_book(&w->zones, &w->ledger, &held, before.energy - now.energy);
+    if (conversion->dry_run) put_back(conversion);
+    if (conversion->dry_run) return GNEISS_OK;
+    const gn_tally before = gn_conversion_tally(conversion);
+    gn_held_stages held = {.before = gn_conversion_held(conversion)};
+    gn_conversion_find_alike(conversion, held.alike);
+    GN_TRY(gn_conversion_find_rates(conversion, error));
+    activate_all(conversion);
+    GN_TRY(gn_conversion_activate_bonds(conversion, error));
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        conversion->kind[e] = conversion->kind[e] != GN_FRONT_LEAVING;
+    GN_TRY(gn_fem_keep(b, conversion->kind, error));
+    GN_TRY(gn_coupled_recreate(model->ctx, model->dem, model->solids, model->zones, error));
+    GN_TRY(make_lists(conversion, &before, error));
+    const gn_tally now = gn_conversion_tally(conversion);
+    gn_conversion_note_jumps(conversion, &before, &now);
+    memcpy(held.released, conversion->released, sizeof held.released);
+    held.after = gn_conversion_held(conversion);
+    gn_conversion_book(model->converted, model->ledger, &held, before.energy - now.energy);
     return GNEISS_OK;
 }
 
-static gneiss_status convert(gn_world *w, uint8_t *kind, int *dry_run, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count + 1,
-                 elements = gn_elements_left_count(&w->solids) + 1;
-    const size_t nodes = gn_coupled_solid(&w->solids)->nodes.soa.count + 1;
+static gneiss_status convert(const gn_convertible *model, uint8_t *kind, int *dry_run,
+                             gneiss_error *error) {
+    const size_t n = model->dem->particles.soa.count + 1,
+                 elements = gn_elements_left_count(model->solids) + 1;
+    const size_t nodes = gn_coupled_solid(model->solids)->nodes.soa.count + 1;
     size_t count;
-    gn_conversion c = {.world = w,
+    gn_conversion c = {.model = model,
                        .kind = kind,
                        .dry_run = dry_run != NULL,
-                       .place = gn_fem_places(gn_coupled_solid(&w->solids), &count),
+                       .place = gn_fem_places(gn_coupled_solid(model->solids), &count),
                        .part = gn_alloc_array_raw(n, 2 * sizeof *c.part),
                        .node_part = gn_alloc_array_raw(nodes, 2 * sizeof *c.node_part),
                        .freed = gn_alloc_array_raw(n, 1),
                        .touched = gn_alloc_array_raw(elements, 1),
                        .some = gn_alloc_array_raw(elements, sizeof *c.some),
-                       .active = gn_alloc(w->dem.prepared.soa.count + 1),
+                       .active = gn_alloc(model->dem->prepared.soa.count + 1),
                        .tied = gn_alloc_array_raw(n, 1),
                        .reached = gn_alloc_array_raw(nodes, 1),
                        .rate = gn_alloc_array_raw(n, 3 * sizeof *c.rate)};
@@ -337,10 +315,12 @@ static gneiss_status convert(gn_world *w, uint8_t *kind, int *dry_run, gneiss_er
     return status;
 }
 
-gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
-    return convert(w, kind, NULL, error);
+gneiss_status gn_conversion_convert(const gn_convertible *model, uint8_t *kind,
+                                    gneiss_error *error) {
+    return convert(model, kind, NULL, error);
 }
 
-gneiss_status gn_conversion_dry_run(gn_world *w, uint8_t *kind, int *rings, gneiss_error *error) {
-    return convert(w, kind, rings, error);
+gneiss_status gn_conversion_dry_run(const gn_convertible *model, uint8_t *kind, int *rings,
+                                    gneiss_error *error) {
+    return convert(model, kind, rings, error);
 }

@@ -7,16 +7,30 @@
 #define GN_CONVERSION_CONVERSION_H
 
 #include "base/error.h"
-#include "couple/ties.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
 #include "limit/step_limits.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "zones/zones.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* The parts of a model whose elements convert; world/convertible.h makes it. */
+typedef struct gn_convertible {
+    gn_step_context *ctx;
+    gn_dem *dem;
+    gn_boundary *boundary;
+    gn_solids *solids;
+    gn_zones *zones;
+    gn_conversions *converted;
+    gn_most_loaded *most_loaded;
+    gn_ledger *ledger;
+    gn_ending *outcome;
+    gneiss_status (*rebuild)(gn_world *world, gneiss_error *error); /* makes all lists anew */
+    gn_world *world;                                                /* passed to `rebuild` */
+} gn_convertible;
 
 /* Before bonds are formed: which element each particle is in. */
 gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
@@ -25,32 +39,30 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
 /* Stores the bonds and makes all particles dormant. */
 gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
                                            const gn_boundary *boundary, const gn_solids *solids,
-                                           gn_zones *zones, gneiss_error *error);
-/* Finds the ties of the active particles in the remaining elements. */
-gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
-                                 gneiss_error *error);
-
+                                           gn_conversions *converted, gneiss_error *error);
 /* Between two steps: every so many of them looks at the stresses, and converts. */
-gneiss_status gn_conversion_check_limits(gn_world *world, gneiss_error *error);
+gneiss_status gn_conversion_check_limits(const gn_convertible *model, gneiss_error *error);
 /* Returns the element that came nearest to a limit so far, including the present state. */
 gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_solids *solids,
                                         const gn_most_loaded *most_loaded, gn_most_loaded *most,
                                         gneiss_error *error);
 /* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as
  * gn_conversion_kinds has it, and changed. Where more would have to go than may, nothing goes, and
- * world->outcome.halt says what. */
+ * outcome->halt says what. */
 gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
                                   uint8_t *kind, gneiss_error *error);
-gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
+gneiss_status gn_conversion_convert(const gn_convertible *model, uint8_t *kind,
+                                    gneiss_error *error);
 /* Converts the elements that are loaded to at least this part of a limit. */
-gneiss_status gn_conversion_convert_above(gn_world *world, double part, gneiss_error *error);
+gneiss_status gn_conversion_convert_above(const gn_convertible *model, double part,
+                                          gneiss_error *error);
 
-/* Evaluates such a conversion without performing it; changes only world->outcome.halt and `kind`.
+/* Evaluates such a conversion without performing it; changes only outcome->halt and `kind`.
  * *rings: rings of neighbouring elements that would convert as well. */
-gneiss_status gn_conversion_dry_run(gn_world *world, uint8_t *kind, int *rings,
+gneiss_status gn_conversion_dry_run(const gn_convertible *model, uint8_t *kind, int *rings,
                                     gneiss_error *error);
 
-/* Tells whether world->outcome.halt reports that conversion reached the end of couple.convert.box.
+/* Tells whether outcome->halt reports that conversion reached the end of couple.convert.box.
  */
 bool gn_conversion_ended_at_box(const gn_ending *outcome);
 /* Tells whether it reports too few particles for the mass of the converting elements. */
@@ -70,8 +82,8 @@ bool gn_conversion_left_light_nodes(const gn_ending *outcome);
 typedef struct gn_conversion_places_checked {
     size_t looked, along, too_few;
 } gn_conversion_places_checked;
-gneiss_status gn_conversion_check_places(gn_world *world, gn_conversion_places_checked *seen,
-                                         gneiss_error *error);
+gneiss_status gn_conversion_check_places(const gn_convertible *model,
+                                         gn_conversion_places_checked *seen, gneiss_error *error);
 
 /* Properties of the elements in the box and of the dormant particles in them (conversion_setup.c);
  * at the start all particles are dormant. */
@@ -88,10 +100,8 @@ gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *de
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gn_conversion_figures *figures, gneiss_error *error);
 
-/* Describes a scene at its start as though all particles were active and bonded; a second call
- * restores the state. Does nothing if elements do not convert. */
-void gn_conversion_swap_dormant(const gn_step_context *ctx, gn_dem *dem);
 /* The limits that all of them would have by themselves. */
-gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
+gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *limit,
+                                  gneiss_error *error);
 
 #endif

@@ -7,16 +7,13 @@
 #include "base/error.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
+#include "neigh/neigh.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "world/world.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -35,13 +32,14 @@ static void scale_shear(gn_contacts *list, size_t c, double factor) {
     }
 }
 
-static void grow(const gn_conversion *c, gn_contacts *list) {
+static void grow(const gn_conversion *conversion, gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
-    const double *now = c->world->dem.particles.blend;
+    const double *now = conversion->model->dem->particles.blend;
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t i = list->i[k], j = list->j[k];
-        if (now[2 * i] == c->part[2 * i] && now[2 * j] == c->part[2 * j]) continue;
-        const double factor = part_of(now, i, j) / part_of(c->part, i, j);
+        if (now[2 * i] == conversion->part[2 * i] && now[2 * j] == conversion->part[2 * j])
+            continue;
+        const double factor = part_of(now, i, j) / part_of(conversion->part, i, j);
         if (factor == 1.0) continue;
         law->weigh(list, k, factor);
         scale_shear(list, k, factor);
@@ -57,10 +55,10 @@ typedef struct turns {
 } turns;
 
 /* The mean turn of the elements at the place of a particle. */
-static void find_turn(const gn_conversion *c, int32_t p, double turn[3][3]) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const gn_tie tie =
-        gn_tie_at(b, gn_home_of(c, (size_t)p), c->world->dem.particles.start + 4 * (size_t)p);
+static void find_turn(const gn_conversion *conversion, int32_t p, double turn[3][3]) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const gn_tie tie = gn_tie_at(b, gn_home_of(conversion, (size_t)p),
+                                 conversion->model->dem->particles.start + 4 * (size_t)p);
     int32_t element[GN_AROUND_MOST];
     double one[3][3];
     const size_t count = gn_conversion_around(b, &tie, element);
@@ -76,26 +74,27 @@ static void find_turn(const gn_conversion *c, int32_t p, double turn[3][3]) {
 
 /* Uses the element that contains the particle, or the last one that did; a free particle has no
  * known rotation. */
-static bool turn_of(const gn_conversion *c, turns *known, int32_t p, double turn[3][3]) {
+static bool turn_of(const gn_conversion *conversion, turns *known, int32_t p, double turn[3][3]) {
     const int32_t at = p % TURNS;
-    if (gn_home_of(c, (size_t)p) < 0) return false;
-    if (known->particle[at] != p) find_turn(c, p, known->turn[at]);
+    if (gn_home_of(conversion, (size_t)p) < 0) return false;
+    if (known->particle[at] != p) find_turn(conversion, p, known->turn[at]);
     known->particle[at] = p;
     memcpy(turn, known->turn[at], sizeof known->turn[at]);
     return true;
 }
 
 /* Where the turns of both ends take the branch; false: neither is known. */
-static bool turned_branch(const gn_conversion *c, turns *known, int32_t i, int32_t j,
+static bool turned_branch(const gn_conversion *conversion, turns *known, int32_t i, int32_t j,
                           double branch[3]) {
-    const gn_world *w = c->world;
-    const gn_particles *q = &w->dem.particles;
+    const gn_convertible *model = conversion->model;
+    const gn_particles *q = &model->dem->particles;
     const double *a = q->start + 4 * (size_t)i, *b = q->start + 4 * (size_t)j;
     double l[3], turn[2][3][3];
-    const double length = sqrt(gn_branch(&w->ctx, a, b, l));
-    const double half = w->ctx.scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    const double length = sqrt(gn_branch(model->ctx, a, b, l));
+    const double half = model->ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     const double arm = (a[3] + half * (length - a[3] - b[3])) / length;
-    bool first = turn_of(c, known, i, turn[0]), second = turn_of(c, known, j, turn[1]);
+    bool first = turn_of(conversion, known, i, turn[0]),
+         second = turn_of(conversion, known, j, turn[1]);
     if (!first && !second) return false;
     if (!first) memcpy(turn[0], turn[1], sizeof turn[0]);
     if (!second) memcpy(turn[1], turn[0], sizeof turn[1]);
@@ -121,16 +120,18 @@ void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
 }
 
 /* The step to come adds what the last interval has done. */
-static void strain_bond(const gn_conversion *c, turns *known, gn_contacts *list, size_t k) {
-    const gn_particles *q = &c->world->dem.particles;
+static void strain_bond(const gn_conversion *conversion, turns *known, gn_contacts *list,
+                        size_t k) {
+    const gn_particles *q = &conversion->model->dem->particles;
     double d[3], slip[3], rate[3], along = 0.0;
     const size_t i = 4 * (size_t)list->i[k], j = 4 * (size_t)list->j[k];
-    if (!list->kt || !turned_branch(c, known, list->i[k], list->j[k], slip)) return;
-    const double length = sqrt(gn_branch(&c->world->ctx, q->pos + i, q->pos + j, d));
+    if (!list->kt || !turned_branch(conversion, known, list->i[k], list->j[k], slip)) return;
+    const double length = sqrt(gn_branch(conversion->model->ctx, q->pos + i, q->pos + j, d));
     for (int a = 0; a < 3; a++) d[a] /= length;
-    gn_contact_rate(&c->world->ctx, &c->world->dem, list->i[k], list->j[k], length, d, rate);
+    gn_contact_rate(conversion->model->ctx, conversion->model->dem, list->i[k], list->j[k], length,
+                    d, rate);
     for (int a = 0; a < 3; a++) {
-        slip[a] = length * d[a] - slip[a] - c->world->ctx.dt_past * rate[a];
+        slip[a] = length * d[a] - slip[a] - conversion->model->ctx->dt_past * rate[a];
         along += slip[a] * d[a];
     }
     for (size_t a = 0; a < 3; a++) {
@@ -150,8 +151,8 @@ typedef struct part {
 } part;
 
 /* Bonds of the last list go on, those that are new begin with what was prepared. */
-static void fill_part(const gn_conversion *c, turns *known, gn_contacts *now, part *q) {
-    gn_dem *d = &c->world->dem;
+static void fill_part(const gn_conversion *conversion, turns *known, gn_contacts *now, part *q) {
+    gn_dem *d = conversion->model->dem;
     gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds.contacts, q->from);
     gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->prepared, q->prepared);
     for (size_t k = 0; k < q->count; k++) {
@@ -159,21 +160,22 @@ static void fill_part(const gn_conversion *c, turns *known, gn_contacts *now, pa
         if (q->from[k] >= 0) continue;
         const double share = part_of(d->particles.blend, now->i[at], now->j[at]);
         if (share != 1.0) gn_law_of(now->soa.effects)->weigh(now, at, share);
-        strain_bond(c, known, now, at);
+        strain_bond(conversion, known, now, at);
     }
     q->begin += q->count;
     q->count = 0;
 }
 
 /* Both lists are sorted alike. */
-static void fill(const gn_conversion *c, gn_contacts *now) {
-    const gn_contacts *all = &c->world->dem.prepared, *last = &c->world->dem.bonds.contacts;
+static void fill(const gn_conversion *conversion, gn_contacts *now) {
+    const gn_contacts *all = &conversion->model->dem->prepared,
+                      *last = &conversion->model->dem->bonds.contacts;
     turns turned;
     part q = {0};
     size_t old = 0;
     for (size_t k = 0; k < TURNS; k++) turned.particle[k] = -1;
     for (size_t k = 0; k < all->soa.count; k++) {
-        if (!c->active[k]) continue;
+        if (!conversion->active[k]) continue;
         const bool known =
             old < last->soa.count && last->i[old] == all->i[k] && last->j[old] == all->j[k];
         now->i[q.begin + q.count] = all->i[k];
@@ -181,19 +183,18 @@ static void fill(const gn_conversion *c, gn_contacts *now) {
         q.from[q.count] = known ? (int32_t)old : -1;
         q.prepared[q.count++] = known ? -1 : (int32_t)k;
         old += known;
-        if (q.count == PART) fill_part(c, &turned, now, &q);
+        if (q.count == PART) fill_part(conversion, &turned, now, &q);
     }
-    fill_part(c, &turned, now, &q);
+    fill_part(conversion, &turned, now, &q);
 }
 
-gneiss_status gn_conversion_activate_bonds(const gn_conversion *c, gneiss_error *error) {
-    gn_dem *d = &c->world->dem;
+gneiss_status gn_conversion_activate_bonds(const gn_conversion *conversion, gneiss_error *error) {
+    gn_dem *d = conversion->model->dem;
     gn_contacts now = {0};
-    grow(c, &d->bonds.contacts);
-    grow(c, &d->pairs.contacts);
-    GN_TRY(gn_soa_create(&gn_contact_record, &now, c->acting, d->prepared.soa.effects, error));
-    fill(c, &now);
-    gn_soa_destroy(&gn_contact_record, &d->bonds.contacts);
-    d->bonds.contacts = now;
-    return gn_list_changed(&c->world->ctx, d, &d->bonds, error);
+    grow(conversion, &d->bonds.contacts);
+    grow(conversion, &d->pairs.contacts);
+    GN_TRY(gn_soa_create(&gn_contact_record, &now, conversion->acting, d->prepared.soa.effects,
+                         error));
+    fill(conversion, &now);
+    return gn_dormant_take_bonds(conversion->model->ctx, d, &now, error);
 }

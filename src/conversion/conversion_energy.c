@@ -11,15 +11,12 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "conversion/conversion_private.h"
-#include "fem/solid.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "particles/lists.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/records.h"
-#include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -71,71 +68,74 @@ static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_
 }
 
 /* Tells whether the weights of a particle change, or whether it is released. */
-static bool is_other(const gn_conversion *c, int32_t p) {
+static bool is_other(const gn_conversion *conversion, int32_t p) {
     const size_t k = 2 * (size_t)p;
-    const double *part = c->world->dem.particles.blend;
-    return c->freed[p] || part[k] != c->part[k] || part[k + 1] != c->part[k + 1];
+    const double *part = conversion->model->dem->particles.blend;
+    return conversion->freed[p] || part[k] != conversion->part[k] ||
+           part[k + 1] != conversion->part[k + 1];
 }
 
-static void add_contacts(const gn_conversion *c, const gn_contacts *list, bool other,
+static void add_contacts(const gn_conversion *conversion, const gn_contacts *list, bool other,
                          gn_held *sum) {
-    const gn_world *w = c->world;
-    const gn_contacts *bonds = &w->dem.bonds.contacts;
+    const gn_convertible *model = conversion->model;
+    const gn_contacts *bonds = &model->dem->bonds.contacts;
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t i = list->i[k], j = list->j[k];
-        if ((is_other(c, i) || is_other(c, j)) != other) continue;
+        if ((is_other(conversion, i) || is_other(conversion, j)) != other) continue;
         const size_t at = list == bonds ? 0 : gn_contacts_from(bonds, i, j);
         const bool known =
             list != bonds && at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
-        if (!known) add_contact(&w->ctx, &w->dem, list, k, sum);
+        if (!known) add_contact(model->ctx, model->dem, list, k, sum);
     }
 }
 
 /* Adds the walls touched by particles that relaxation moves. */
-static void add_walls(const gn_conversion *c, bool other, gn_held *sum) {
-    const gn_wall_contacts *q = &c->world->boundary.contacts;
-    for (size_t k = 0; c->world->ctx.scene.wall_count && k < q->soa.count; k++)
-        if (is_other(c, q->i[k]) == other)
-            sum->contacts += gn_wall_held(&c->world->ctx, &c->world->dem, &c->world->boundary, k);
+static void add_walls(const gn_conversion *conversion, bool other, gn_held *sum) {
+    const gn_wall_contacts *q = &conversion->model->boundary->contacts;
+    for (size_t k = 0; conversion->model->ctx->scene.wall_count && k < q->soa.count; k++)
+        if (is_other(conversion, q->i[k]) == other)
+            sum->contacts += gn_wall_held(conversion->model->ctx, conversion->model->dem,
+                                          conversion->model->boundary, k);
 }
 
 /* Those that the conversion touches, or does not, of the elements that there are; scratch: c->some.
  */
-static void add_elements(const gn_conversion *c, bool touched, gn_held *sum) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const double half = 0.5 * c->world->ctx.dt_past;
+static void add_elements(const gn_conversion *conversion, bool touched, gn_held *sum) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const double half = 0.5 * conversion->model->ctx->dt_past;
     size_t count = 0;
     for (size_t e = 0; e < b->elements.soa.count; e++)
-        if (c->touched[c->place[b->elements.id[e]]] == touched) c->some[count++] = (int32_t)e;
+        if (conversion->touched[conversion->place[b->elements.id[e]]] == touched)
+            conversion->some[count++] = (int32_t)e;
     /* Half a step of the power is what the difference of two energies gives. */
-    sum->elements += gn_fem_elastic_energy(b, c->some, count, 0.0);
-    sum->step += 0.5 * (gn_fem_elastic_energy(b, c->some, count, -half) -
-                        gn_fem_elastic_energy(b, c->some, count, half));
+    sum->elements += gn_fem_elastic_energy(b, conversion->some, count, 0.0);
+    sum->step += 0.5 * (gn_fem_elastic_energy(b, conversion->some, count, -half) -
+                        gn_fem_elastic_energy(b, conversion->some, count, half));
 }
 
-static gn_held held(const gn_conversion *c, bool changes) {
+static gn_held held(const gn_conversion *conversion, bool changes) {
     gn_held sum = {0};
-    add_elements(c, changes, &sum);
-    add_contacts(c, &c->world->dem.bonds.contacts, changes, &sum);
-    add_contacts(c, &c->world->dem.pairs.contacts, changes, &sum);
-    add_walls(c, changes, &sum);
+    add_elements(conversion, changes, &sum);
+    add_contacts(conversion, &conversion->model->dem->bonds.contacts, changes, &sum);
+    add_contacts(conversion, &conversion->model->dem->pairs.contacts, changes, &sum);
+    add_walls(conversion, changes, &sum);
     return sum;
 }
 
-gn_held gn_conversion_held(const gn_conversion *c) {
-    return held(c, true);
+gn_held gn_conversion_held(const gn_conversion *conversion) {
+    return held(conversion, true);
 }
 
-double gn_conversion_held_beside(const gn_conversion *c) {
-    const gn_held beside = held(c, false);
+double gn_conversion_held_beside(const gn_conversion *conversion) {
+    const gn_held beside = held(conversion, false);
     return gn_held_sum(&beside);
 }
 
-double gn_conversion_held_in_contacts(const gn_conversion *c) {
+double gn_conversion_held_in_contacts(const gn_conversion *conversion) {
     gn_held sum = {0};
-    add_contacts(c, &c->world->dem.bonds.contacts, true, &sum);
-    add_contacts(c, &c->world->dem.pairs.contacts, true, &sum);
-    add_walls(c, true, &sum);
+    add_contacts(conversion, &conversion->model->dem->bonds.contacts, true, &sum);
+    add_contacts(conversion, &conversion->model->dem->pairs.contacts, true, &sum);
+    add_walls(conversion, true, &sum);
     return sum.contacts;
 }
 
@@ -156,8 +156,10 @@ double gn_conversion_held_in_contacts(const gn_conversion *c) {
  * effect of new velocities on forces across contacts, which are half a step behind.
  */
 /* Returns the increase of the weight of a particle; 0 outside of elements. */
-static double taken_by(const gn_conversion *c, size_t p) {
-    return gn_home_of(c, p) < 0 ? 0.0 : c->world->dem.particles.blend[2 * p] - c->part[2 * p];
+static double taken_by(const gn_conversion *conversion, size_t p) {
+    return gn_home_of(conversion, p) < 0
+               ? 0.0
+               : conversion->model->dem->particles.blend[2 * p] - conversion->part[2 * p];
 }
 
 /* F and R of elements that were asked for last; bonds of a particle lie together. */
@@ -166,9 +168,9 @@ typedef struct gradients {
     double f[3][3], turn[3][3];
 } gradients;
 
-static void gradient_at(const gn_conversion *c, size_t p, gradients *g) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const int32_t e = gn_home_of(c, p);
+static void gradient_at(const gn_conversion *conversion, size_t p, gradients *g) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const int32_t e = gn_home_of(conversion, p);
     if (g->element == e) return;
     g->element = e;
     gn_fem_gradient_of(b, (size_t)e, g->f);
@@ -176,12 +178,12 @@ static void gradient_at(const gn_conversion *c, size_t p, gradients *g) {
 }
 
 /* J, of a whole bond of which both ends go with an element (as conversion_contacts.c has it). */
-static double bond_energy(const gn_conversion *c, size_t k, const gradients *g) {
-    const gn_contacts *all = &c->world->dem.prepared;
-    const double *start = c->world->dem.particles.start;
+static double bond_energy(const gn_conversion *conversion, size_t k, const gradients *g) {
+    const gn_contacts *all = &conversion->model->dem->prepared;
+    const double *start = conversion->model->dem->particles.start;
     double l[3], d[3] = {0.0}, slip[3], along = 0.0;
-    const double rest = sqrt(
-        gn_branch(&c->world->ctx, start + 4 * (size_t)all->i[k], start + 4 * (size_t)all->j[k], l));
+    const double rest = sqrt(gn_branch(conversion->model->ctx, start + 4 * (size_t)all->i[k],
+                                       start + 4 * (size_t)all->j[k], l));
     for (int r = 0; r < 3; r++) {
         slip[r] = 0.0;
         for (int m = 0; m < 3; m++) {
@@ -195,43 +197,43 @@ static double bond_energy(const gn_conversion *c, size_t k, const gradients *g) 
     return 0.5 * (all->kn[k] * stretch * stretch + (all->kt ? all->kt[k] * across2 : 0.0));
 }
 
-static double springs_alike(const gn_conversion *c) {
-    const gn_contacts *all = &c->world->dem.prepared;
+static double springs_alike(const gn_conversion *conversion) {
+    const gn_contacts *all = &conversion->model->dem->prepared;
     gradients g[2] = {{.element = -1}, {.element = -1}};
     double sum = 0.0;
     for (size_t k = 0; k < all->soa.count; k++)
         for (int end = 0; end < 2; end++) {
             const size_t p = (size_t)(end ? all->j[k] : all->i[k]);
-            const double taken = taken_by(c, p);
+            const double taken = taken_by(conversion, p);
             if (taken == 0.0) continue;
-            gradient_at(c, p, &g[end]);
-            sum += 0.5 * taken * bond_energy(c, k, &g[end]);
+            gradient_at(conversion, p, &g[end]);
+            sum += 0.5 * taken * bond_energy(conversion, k, &g[end]);
         }
     return sum;
 }
 
-static double elements_alike(const gn_conversion *c) {
-    const gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
-    const double solid = 1.0 - gn_dem_porosity(&w->ctx, &w->dem);
+static double elements_alike(const gn_conversion *conversion) {
+    const gn_convertible *model = conversion->model;
+    const gn_fem_solid *b = gn_coupled_solid(model->solids);
+    const double solid = 1.0 - gn_dem_porosity(model->ctx, model->dem);
     double sum = 0.0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
-        const double taken = taken_by(c, p);
+    for (size_t p = 0; p < model->dem->particles.soa.count; p++) {
+        const double taken = taken_by(conversion, p);
         if (taken == 0.0) continue;
-        sum += taken * gn_ball_volume(b->dimension, w->dem.particles.pos[4 * p + 3]) / solid *
-               gn_fem_energy_density(b, (size_t)gn_home_of(c, p));
+        sum += taken * gn_ball_volume(b->dimension, model->dem->particles.pos[4 * p + 3]) / solid *
+               gn_fem_energy_density(b, (size_t)gn_home_of(conversion, p));
     }
     return sum;
 }
 
-void gn_conversion_find_alike(const gn_conversion *c, double alike[2]) {
-    alike[0] = elements_alike(c);
-    alike[1] = springs_alike(c);
+void gn_conversion_find_alike(const gn_conversion *conversion, double alike[2]) {
+    alike[0] = elements_alike(conversion);
+    alike[1] = springs_alike(conversion);
 }
 
-void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+void gn_conversion_book(gn_conversions *converted, gn_ledger *ledger, const gn_held_stages *held,
                         double kinetic) {
-    gn_conversion_parts *parts = &zones->state.parts;
+    gn_conversion_parts *parts = &converted->parts;
     const double *alike = held->alike;
     parts->sampled += held->before.elements - held->after.elements - alike[0];
     parts->stiffness += alike[0] - alike[1];
@@ -241,6 +243,6 @@ void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages
     parts->step += held->released[1] - held->after.contacts + held->before.step - held->after.step;
     parts->alike[0] += alike[0];
     parts->alike[1] += alike[1];
-    zones->state.corrected.energy += kinetic;
+    converted->corrected.energy += kinetic;
     ledger->energy.conversion += kinetic + gn_held_sum(&held->before) - gn_held_sum(&held->after);
 }

@@ -5,16 +5,14 @@
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "particles/dormant.h"
+#include "particles/particles.h"
 #include "scene/couple_def.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "solids/elements.h"
-#include "world/world.h"
+#include "solids/solids.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -43,9 +41,10 @@ bool gn_conversion_left_light_nodes(const gn_ending *outcome) {
 }
 
 /* Which side of the box an element is beyond, the first of them. */
-static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, size_t size) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const gn_convert_def *def = &c->world->ctx.scene.couple.convert;
+static const char *side_beyond(const gn_conversion *conversion, int64_t e, char *text,
+                               size_t size) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const gn_convert_def *def = &conversion->model->ctx->scene.couple.convert;
     for (int k = 0; k < b->dimension; k++)
         for (int a = 0; a <= b->dimension; a++) {
             const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
@@ -58,12 +57,13 @@ static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, si
 }
 
 /* At the start. */
-void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]) {
+void gn_conversion_centre(const gn_fem_solid *solid, size_t e, double centre[3]) {
     memset(centre, 0, 3 * sizeof *centre);
-    for (int a = 0; a <= b->dimension; a++)
+    for (int a = 0; a <= solid->dimension; a++)
         for (size_t k = 0; k < 3; k++)
-            centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
-                         (b->dimension + 1);
+            centre[k] +=
+                solid->nodes.start[4 * (size_t)gn_elements_node(&solid->elements, a)[e] + k] /
+                (solid->dimension + 1);
 }
 
 /* Tells whether a recording motion has a node of an element. */
@@ -77,10 +77,10 @@ static bool watches(const gn_element_model *q, size_t motion, size_t e) {
 }
 
 /* The most of the nodes of an element. */
-static gn_node_use use_of(const gn_fem_solid *b, const uint8_t *use, size_t e) {
+static gn_node_use use_of(const gn_fem_solid *solid, const uint8_t *use, size_t e) {
     uint8_t most = GN_NODE_FREE;
-    for (int a = 0; a <= b->dimension; a++) {
-        const uint8_t here = use[gn_elements_node(&b->elements, a)[e]];
+    for (int a = 0; a <= solid->dimension; a++) {
+        const uint8_t here = use[gn_elements_node(&solid->elements, a)[e]];
         if (here > most) most = here;
     }
     return (gn_node_use)most;
@@ -106,101 +106,102 @@ static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t
 }
 
 /* The model stays as it was: it has all of its elements, and the run ends. */
-void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
-    gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
+void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
+    const gn_convertible *model = conversion->model;
+    const gn_fem_solid *b = gn_coupled_solid(model->solids);
     double centre[3];
     char at[GN_POINT_SIZE], side[16], by[128];
     gn_conversion_centre(b, (size_t)e, centre);
     const int length_used =
-        snprintf(w->outcome.halt, sizeof w->outcome.halt,
+        snprintf(model->outcome->halt, sizeof model->outcome->halt,
                  "conversion would have to go on to element %d at %.80s m, which ",
                  b->elements.id[e], gn_point_text(b->origin, centre, at));
-    const size_t left = sizeof w->outcome.halt - (size_t)length_used;
-    if (c->kind[e] != GN_FRONT_FIXED)
-        snprintf(w->outcome.halt + length_used, left, "%s",
-                 held_by(&w->solids, (size_t)e, by, sizeof by));
+    const size_t left = sizeof model->outcome->halt - (size_t)length_used;
+    if (conversion->kind[e] != GN_FRONT_FIXED)
+        snprintf(model->outcome->halt + length_used, left, "%s",
+                 held_by(model->solids, (size_t)e, by, sizeof by));
     else
-        snprintf(w->outcome.halt + length_used, left,
+        snprintf(model->outcome->halt + length_used, left,
                  "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
-                 side_beyond(c, e, side, sizeof side));
+                 side_beyond(conversion, e, side, sizeof side));
 }
 
 /* --- masses --- */
 
 /* kg: of an element as a whole, and by how much its part changes. */
-static double element_change(const gn_conversion *c, size_t e, double *whole) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+static double element_change(const gn_conversion *conversion, size_t e, double *whole) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
     double before = 0.0, now = 0.0;
     for (int a = 0; a <= b->dimension; a++) {
         const size_t n = 2 * (size_t)gn_elements_node(&b->elements, a)[e];
-        before += c->node_part[n];
+        before += conversion->node_part[n];
         now += b->nodes.blend[n];
     }
     *whole += mass;
-    if (!c->touched[e] || !(before > 0.0)) return 0.0;
-    return c->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
+    if (!conversion->touched[e] || !(before > 0.0)) return 0.0;
+    return conversion->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
 }
 
 /* kg, of a particle that has a part now. */
-static double particle_mass(const gn_conversion *c, size_t p) {
-    const double before = c->part[2 * p + 1];
-    return before > 0.0 ? 1.0 / (c->world->dem.particles.vel[4 * p + 3] * before)
-                        : 1.0 / gn_dormant_of(&c->world->dem, p)->inverse_mass;
+static double particle_mass(const gn_conversion *conversion, size_t p) {
+    const double before = conversion->part[2 * p + 1];
+    return before > 0.0 ? 1.0 / (conversion->model->dem->particles.vel[4 * p + 3] * before)
+                        : 1.0 / gn_dormant_of(conversion->model->dem, p)->inverse_mass;
 }
 
 /* Returns the change of the mass of a particle, kg, and adds the masses that can compensate for
  * missing mass: of particles whose weight changes, and of those in a zone (conversion_masses.c). */
-static double particle_change(const gn_conversion *c, size_t p, double takes[2]) {
-    const gn_particles *q = &c->world->dem.particles;
-    const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
-    const int32_t e = gn_home_of(c, p);
+static double particle_change(const gn_conversion *conversion, size_t p, double takes[2]) {
+    const gn_particles *q = &conversion->model->dem->particles;
+    const double part = q->blend[2 * p + 1], before = conversion->part[2 * p + 1];
+    const int32_t e = gn_home_of(conversion, p);
     if (!(part > 0.0)) return 0.0;
-    const double whole = particle_mass(c, p);
+    const double whole = particle_mass(conversion, p);
     if (part != before) takes[0] += part * whole;
-    if (e >= 0 && c->kind[e] != GN_FRONT_LEAVING) takes[1] += part * whole;
+    if (e >= 0 && conversion->kind[e] != GN_FRONT_LEAVING) takes[1] += part * whole;
     return (part - before) * whole;
 }
 
-bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
-    const gn_world *w = c->world;
+bool gn_conversion_fits(const gn_conversion *conversion, double missing[2]) {
+    const gn_convertible *model = conversion->model;
     double whole = 0.0, change = 0.0, takes[2] = {0.0};
-    for (size_t e = 0; e < gn_elements_left_count(&w->solids); e++)
-        change += element_change(c, e, &whole);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) change += particle_change(c, p, takes);
+    for (size_t e = 0; e < gn_elements_left_count(model->solids); e++)
+        change += element_change(conversion, e, &whole);
+    for (size_t p = 0; p < model->dem->particles.soa.count; p++)
+        change += particle_change(conversion, p, takes);
     missing[0] = -change;
     missing[1] = fmax(takes[0], takes[1]);
     return fabs(change) <= fmax(GN_MASS_SCALED_MOST * missing[1], 1e-12 * whole);
 }
 
-bool gn_conversion_add_ring(const gn_conversion *c) {
-    const gn_elements *q = &gn_coupled_solid(&c->world->solids)->elements;
-    const int corners = gn_coupled_solid(&c->world->solids)->dimension + 1;
-    uint8_t *at = c->reached;
+bool gn_conversion_add_ring(const gn_conversion *conversion) {
+    const gn_elements *q = &gn_coupled_solid(conversion->model->solids)->elements;
+    const int corners = gn_coupled_solid(conversion->model->solids)->dimension + 1;
+    uint8_t *at = conversion->reached;
     bool any = false;
-    memset(at, 0, gn_coupled_solid(&c->world->solids)->nodes.soa.count);
+    memset(at, 0, gn_coupled_solid(conversion->model->solids)->nodes.soa.count);
     for (size_t e = 0; e < q->soa.count; e++)
-        for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
+        for (int a = 0; a < corners && conversion->kind[e] == GN_FRONT_LEAVING; a++)
             at[gn_elements_node(q, a)[e]] = 1;
     for (size_t e = 0; e < q->soa.count; e++) {
         bool beside = false;
         for (int a = 0; a < corners; a++) beside = beside || at[gn_elements_node(q, a)[e]];
-        if (!beside || c->kind[e] != GN_FRONT_READY) continue;
-        c->kind[e] = GN_FRONT_LEAVING;
+        if (!beside || conversion->kind[e] != GN_FRONT_READY) continue;
+        conversion->kind[e] = GN_FRONT_LEAVING;
         any = true;
     }
     return any;
 }
 
-void gn_conversion_halt_without_mass(const gn_conversion *c, const double missing[2]) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+void gn_conversion_halt_without_mass(const gn_conversion *conversion, const double missing[2]) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     size_t e = 0;
     double centre[3];
     char at[GN_POINT_SIZE];
-    while (e + 1 < b->elements.soa.count && c->kind[e] != GN_FRONT_LEAVING) e++;
+    while (e + 1 < b->elements.soa.count && conversion->kind[e] != GN_FRONT_LEAVING) e++;
     gn_conversion_centre(b, e, centre);
-    snprintf(c->world->outcome.halt, sizeof c->world->outcome.halt,
+    snprintf(conversion->model->outcome->halt, sizeof conversion->model->outcome->halt,
              "conversion at element %d at %.80s m would change the mass of the body by %.2g kg, "
              "%s %.2g kg of particles there",
              b->elements.id[e], gn_point_text(b->origin, centre, at), -missing[0], too_light,
@@ -211,31 +212,33 @@ void gn_conversion_halt_without_mass(const gn_conversion *c, const double missin
 
 /* [nodes][2] kg: what elements that stay have at their nodes as whole ones; what is there of it
  * with the parts found, of them and of the particles in them. */
-static void weigh_nodes(const gn_conversion *c, double (*mass)[2]) {
-    const gn_particles *q = &c->world->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+static void weigh_nodes(const gn_conversion *conversion, double (*mass)[2]) {
+    const gn_particles *q = &conversion->model->dem->particles;
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const int corners = b->dimension + 1;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double before = 0.0, now = 0.0;
         for (int a = 0; a < corners; a++) {
             const size_t n = 2 * (size_t)gn_elements_node(&b->elements, a)[e];
-            before += c->node_part[n] / corners;
+            before += conversion->node_part[n] / corners;
             now += b->nodes.blend[n] / corners;
         }
         const double whole =
             b->density[b->elements.material[e]] * b->elements.volume[e] / before / corners;
-        for (int a = 0; a < corners && c->kind[e] != GN_FRONT_LEAVING; a++) {
+        for (int a = 0; a < corners && conversion->kind[e] != GN_FRONT_LEAVING; a++) {
             double *at = mass[gn_elements_node(&b->elements, a)[e]];
             at[0] += whole;
             at[1] += now * whole;
         }
     }
     for (size_t p = 0; p < q->soa.count; p++) {
-        const int32_t e = gn_home_of(c, p);
-        if (!(q->blend[2 * p + 1] > 0.0) || e < 0 || c->kind[e] == GN_FRONT_LEAVING) continue;
+        const int32_t e = gn_home_of(conversion, p);
+        if (!(q->blend[2 * p + 1] > 0.0) || e < 0 || conversion->kind[e] == GN_FRONT_LEAVING)
+            continue;
         const gn_tie tie = gn_tie_at(b, e, q->start + 4 * p);
         for (int a = 0; a < corners; a++)
-            mass[tie.node[a]][1] += tie.shape[a] * q->blend[2 * p + 1] * particle_mass(c, p);
+            mass[tie.node[a]][1] +=
+                tie.shape[a] * q->blend[2 * p + 1] * particle_mass(conversion, p);
     }
 }
 
@@ -248,37 +251,37 @@ static double least_part(const gn_step_context *ctx, const gn_dem *dem) {
 }
 
 /* Mostly the front is far from what may not go. */
-static bool holds_shared(const gn_conversion *c) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+static bool holds_shared(const gn_conversion *conversion) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     for (size_t e = 0; e < b->elements.soa.count; e++)
-        for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++)
+        for (int a = 0; a <= b->dimension && conversion->kind[e] == GN_FRONT_HELD; a++)
             if (b->nodes.blend[2 * (size_t)gn_elements_node(&b->elements, a)[e]] < 1.0) return true;
     return false;
 }
 
-static void halt_at_light_node(const gn_conversion *c, size_t e, double share) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+static void halt_at_light_node(const gn_conversion *conversion, size_t e, double share) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     double centre[3];
     char at[GN_POINT_SIZE], by[128];
     gn_conversion_centre(b, e, centre);
-    snprintf(c->world->outcome.halt, sizeof c->world->outcome.halt,
+    snprintf(conversion->model->outcome->halt, sizeof conversion->model->outcome->halt,
              "%s%.2g of the body's mass at a node of element %d at %.80s m, which %s", bare, share,
              b->elements.id[e], gn_point_text(b->origin, centre, at),
-             held_by(&c->world->solids, e, by, sizeof by));
+             held_by(conversion->model->solids, e, by, sizeof by));
 }
 
-gneiss_status gn_conversion_find_light_nodes(const gn_conversion *c, bool *found,
+gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bool *found,
                                              gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     *found = false;
-    if (!holds_shared(c)) return GNEISS_OK;
-    const double least = least_part(&c->world->ctx, &c->world->dem);
+    if (!holds_shared(conversion)) return GNEISS_OK;
+    const double least = least_part(conversion->model->ctx, conversion->model->dem);
     double(*mass)[2] = gn_alloc_array(b->nodes.soa.count + 1, sizeof *mass), share = least;
     size_t at = 0;
     if (!mass) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
-    weigh_nodes(c, mass);
+    weigh_nodes(conversion, mass);
     for (size_t e = 0; e < b->elements.soa.count; e++)
-        for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++) {
+        for (int a = 0; a <= b->dimension && conversion->kind[e] == GN_FRONT_HELD; a++) {
             const double *of = mass[gn_elements_node(&b->elements, a)[e]];
             if (!(of[1] < share * of[0])) continue;
             share = of[1] / of[0];
@@ -286,7 +289,7 @@ gneiss_status gn_conversion_find_light_nodes(const gn_conversion *c, bool *found
         }
     gn_free(mass);
     *found = share < least;
-    if (*found) halt_at_light_node(c, at, share);
+    if (*found) halt_at_light_node(conversion, at, share);
     return GNEISS_OK;
 }
 

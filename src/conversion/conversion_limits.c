@@ -6,16 +6,15 @@
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
+#include "neigh/neigh.h"
 #include "particles/dormant.h"
+#include "particles/particles.h"
 #include "scene/couple_def.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "solids/elements.h"
-#include "world/world.h"
+#include "solids/solids.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -137,17 +136,18 @@ static bool is_due(const gn_dem *dem, const gn_solids *solids, const double *exc
     return due;
 }
 
-static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneiss_error *error) {
-    const size_t elements = gn_elements_left_count(&w->solids);
+static gneiss_status act(const gn_convertible *model, const double *excess, uint8_t *kind,
+                         gneiss_error *error) {
+    const size_t elements = gn_elements_left_count(model->solids);
     size_t count;
     bool any = false;
-    int32_t *place = gn_fem_places(gn_coupled_solid(&w->solids), &count);
+    int32_t *place = gn_fem_places(gn_coupled_solid(model->solids), &count);
     if (!place) return gn_conversion_no_memory(error);
-    mark_stressed(&w->ctx.scene.couple.convert, elements, excess, kind);
-    mark_broken(&w->dem, place, kind);
+    mark_stressed(&model->ctx->scene.couple.convert, elements, excess, kind);
+    mark_broken(model->dem, place, kind);
     gn_free(place);
     for (size_t e = 0; e < elements; e++) any = any || kind[e] == GN_FRONT_LEAVING;
-    return any ? gn_conversion_convert(w, kind, error) : GNEISS_OK;
+    return any ? gn_conversion_convert(model, kind, error) : GNEISS_OK;
 }
 
 static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids,
@@ -161,9 +161,11 @@ static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids
     gn_conversion_centre(b, at, most->place);
 }
 
-gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
-                                            const gn_most_loaded *most_loaded, uint8_t **kind,
-                                            double **excess, gneiss_error *error) {
+/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
+ * both are the caller's whatever happens. */
+static gneiss_status conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
+                                                const gn_most_loaded *most_loaded, uint8_t **kind,
+                                                double **excess, gneiss_error *error) {
     const size_t elements = gn_elements_left_count(solids);
     *kind = gn_alloc(elements + 1);
     *excess = gn_alloc_array(elements + 1, sizeof **excess);
@@ -172,32 +174,34 @@ gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn
     return find_excess(ctx, solids, most_loaded, *kind, *excess, error);
 }
 
-gneiss_status gn_conversion_convert_above(gn_world *w, double part, gneiss_error *error) {
+gneiss_status gn_conversion_convert_above(const gn_convertible *model, double part,
+                                          gneiss_error *error) {
     uint8_t *kind;
     double *excess;
     bool any = false;
-    w->most_loaded.share = 0.0; /* loads below the largest so far count as well */
-    gneiss_status status =
-        gn_conversion_evaluate_limits(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
-    for (size_t e = 0; status == GNEISS_OK && e < gn_elements_left_count(&w->solids); e++)
+    model->most_loaded->share = 0.0; /* loads below the largest so far count as well */
+    gneiss_status status = conversion_evaluate_limits(model->ctx, model->solids, model->most_loaded,
+                                                      &kind, &excess, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_elements_left_count(model->solids); e++)
         if (kind[e] == GN_FRONT_READY && excess[e] > 0.0 && excess[e] >= part) {
             kind[e] = GN_FRONT_LEAVING;
             any = true;
         }
-    if (any) status = gn_conversion_convert(w, kind, error);
+    if (any) status = gn_conversion_convert(model, kind, error);
     gn_free(kind);
     gn_free(excess);
     return status;
 }
 
-static gneiss_status look(gn_world *w, gneiss_error *error) {
+static gneiss_status look(const gn_convertible *model, gneiss_error *error) {
     uint8_t *kind;
     double *excess;
-    gneiss_status status =
-        gn_conversion_evaluate_limits(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
-    if (status == GNEISS_OK) note_most_loaded(&w->ctx, &w->solids, excess, &w->most_loaded);
-    if (status == GNEISS_OK && is_due(&w->dem, &w->solids, excess))
-        status = act(w, excess, kind, error);
+    gneiss_status status = conversion_evaluate_limits(model->ctx, model->solids, model->most_loaded,
+                                                      &kind, &excess, error);
+    if (status == GNEISS_OK)
+        note_most_loaded(model->ctx, model->solids, excess, model->most_loaded);
+    if (status == GNEISS_OK && is_due(model->dem, model->solids, excess))
+        status = act(model, excess, kind, error);
     gn_free(kind);
     gn_free(excess);
     return status;
@@ -209,7 +213,7 @@ gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_sol
     uint8_t *kind;
     double *excess;
     gneiss_status status =
-        gn_conversion_evaluate_limits(ctx, solids, most_loaded, &kind, &excess, error);
+        conversion_evaluate_limits(ctx, solids, most_loaded, &kind, &excess, error);
     *most = *most_loaded;
     if (status == GNEISS_OK) note_most_loaded(ctx, solids, excess, most);
     gn_free(kind);
@@ -222,25 +226,26 @@ static double other_seconds(const double *seconds) {
     return seconds[GN_PHASE_lists] + seconds[GN_PHASE_step_limit];
 }
 
-gneiss_status gn_conversion_check_limits(gn_world *w, gneiss_error *error) {
-    if (w->ctx.step == 0 || w->ctx.step % w->ctx.scene.couple.convert.every != 0) return GNEISS_OK;
-    const double start = gn_now(), others = other_seconds(w->ctx.seconds);
-    gneiss_status status = look(w, error);
-    w->ctx.seconds[GN_PHASE_conversion] +=
-        gn_now() - start - (other_seconds(w->ctx.seconds) - others);
+gneiss_status gn_conversion_check_limits(const gn_convertible *model, gneiss_error *error) {
+    if (model->ctx->step == 0 || model->ctx->step % model->ctx->scene.couple.convert.every != 0)
+        return GNEISS_OK;
+    const double start = gn_now(), others = other_seconds(model->ctx->seconds);
+    gneiss_status status = look(model, error);
+    model->ctx->seconds[GN_PHASE_conversion] +=
+        gn_now() - start - (other_seconds(model->ctx->seconds) - others);
     return status;
 }
 
 /* --- places --- */
 
-static gneiss_status see(gn_world *w, const uint8_t *ready, size_t e, uint8_t *kind,
+static gneiss_status see(const gn_convertible *model, const uint8_t *ready, size_t e, uint8_t *kind,
                          gn_conversion_places_checked *seen, gneiss_error *error) {
     int rings;
-    memcpy(kind, ready, gn_elements_left_count(&w->solids));
+    memcpy(kind, ready, gn_elements_left_count(model->solids));
     kind[e] = GN_FRONT_LEAVING;
-    GN_TRY(gn_conversion_dry_run(w, kind, &rings, error));
-    const bool thin = gn_conversion_lacked_mass(&w->outcome), halted = *w->outcome.halt;
-    *w->outcome.halt = '\0';
+    GN_TRY(gn_conversion_dry_run(model, kind, &rings, error));
+    const bool thin = gn_conversion_lacked_mass(model->outcome), halted = *model->outcome->halt;
+    *model->outcome->halt = '\0';
     if (halted && !thin) return GNEISS_OK;
     seen->looked++;
     seen->too_few += thin;
@@ -249,23 +254,23 @@ static gneiss_status see(gn_world *w, const uint8_t *ready, size_t e, uint8_t *k
 }
 
 /* Evenly over the list; of large bodies fewer, as each looks at all of them. */
-gneiss_status gn_conversion_check_places(gn_world *w, gn_conversion_places_checked *seen,
-                                         gneiss_error *error) {
-    const size_t elements = gn_elements_left_count(&w->solids),
-                 size = elements + w->dem.particles.soa.count;
+gneiss_status gn_conversion_check_places(const gn_convertible *model,
+                                         gn_conversion_places_checked *seen, gneiss_error *error) {
+    const size_t elements = gn_elements_left_count(model->solids),
+                 size = elements + model->dem->particles.soa.count;
     const size_t most = size < 100000 ? 100 : size < 1000000 ? 25 : 6;
     uint8_t *ready = gn_alloc(elements + 1), *kind = gn_alloc(elements + 1);
     size_t count = 0, at = 0;
     *seen = (gn_conversion_places_checked){0};
     gneiss_status status =
-        ready && kind ? gn_conversion_kinds(&w->ctx, &w->solids, ready, error)
+        ready && kind ? gn_conversion_kinds(model->ctx, model->solids, ready, error)
                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
         count += ready[e] == GN_FRONT_READY;
     const size_t stride = count > most ? (count + most - 1) / most : 1;
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
         if (ready[e] == GN_FRONT_READY && at++ % stride == 0)
-            status = see(w, ready, e, kind, seen, error);
+            status = see(model, ready, e, kind, seen, error);
     gn_free(ready);
     gn_free(kind);
     return status;

@@ -11,10 +11,9 @@
  * jump is not compensated. Neither is a part that no set can receive with small changes. */
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -44,7 +43,7 @@ typedef struct rigid {
  * changes are marked, so that the ledger contains the effect. */
 static bool node_takes(const rigid *r, size_t n, size_t a) {
     const gn_conversion *c = r->c;
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
     const int32_t slot = b->prescribed.count ? b->nodes.slot[n] : -1;
     const double part = b->nodes.blend[2 * n];
     if (!gn_particle_is_active(&b->nodes, n) || (slot >= 0 && b->prescribed.mask[slot] >> a & 1))
@@ -54,18 +53,18 @@ static bool node_takes(const rigid *r, size_t n, size_t a) {
 }
 
 static bool particle_takes(const rigid *r, size_t p) {
-    const gn_dem *d = &r->c->world->dem;
+    const gn_dem *d = r->c->model->dem;
     if (r->c->freed[p]) return true;
     return r->chosen == TAKERS_ALL && gn_particle_is_active(&d->particles, p) && !r->c->tied[p] &&
            !(d->prescribed.count && d->particles.slot[p] >= 0);
 }
 
 /* The centre is that of the mass of all receivers, held ones included. */
-static rigid rigid_of(const gn_conversion *c, takers chosen) {
-    const gn_particles *q = &c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
-    rigid r = {.c = c, .chosen = chosen, .dimension = d, .count = d == 3 ? 6 : 3};
+static rigid rigid_of(const gn_conversion *conversion, takers chosen) {
+    const gn_particles *q = &conversion->model->dem->particles,
+                       *nodes = &gn_coupled_solid(conversion->model->solids)->nodes;
+    const size_t d = (size_t)conversion->model->ctx->scene.dimension;
+    rigid r = {.c = conversion, .chosen = chosen, .dimension = d, .count = d == 3 ? 6 : 3};
     const gn_particles *all[2] = {q, nodes};
     double mass = 0.0, sum[3] = {0.0}, square = 0.0;
     for (int pass = 0; pass < 2; pass++) {
@@ -120,8 +119,8 @@ static void add_mass(const rigid *r, const double *x, size_t a, double mass,
 /* Computes the mass matrix of the receiving particles and nodes in the components of the rigid
  * motion. */
 static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) {
-    const gn_particles *q = &r->c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
+    const gn_particles *q = &r->c->model->dem->particles,
+                       *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
             if (particle_takes(r, p)) add_mass(r, q->pos + 4 * p, a, 1.0 / q->vel[4 * p + 3], m);
@@ -136,8 +135,8 @@ static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) 
 
 /* m/s: the most that a component changes by. */
 static double most_change(const rigid *r) {
-    const gn_particles *q = &r->c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
+    const gn_particles *q = &r->c->model->dem->particles,
+                       *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
     double most = 0.0;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
@@ -149,8 +148,8 @@ static double most_change(const rigid *r) {
 }
 
 static void change(const rigid *r) {
-    gn_particles *q = &r->c->world->dem.particles,
-                 *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
+    gn_particles *q = &r->c->model->dem->particles,
+                 *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
             if (particle_takes(r, p)) q->vel[4 * p + a] += change_at(r, q->pos + 4 * p, a);
@@ -187,12 +186,12 @@ typedef struct means {
     double centre[3], velocity[3], spin[3]; /* m, m/s, rad/s */
 } means;
 
-static means means_of(const gn_conversion *c, gn_scaled scaled) {
-    const gn_particles *q = &c->world->dem.particles;
+static means means_of(const gn_conversion *conversion, gn_scaled scaled) {
+    const gn_particles *q = &conversion->model->dem->particles;
     double mass = 0.0;
     means m = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_conversion_scales(c, scaled, p)) continue;
+        if (!gn_conversion_scales(conversion, scaled, p)) continue;
         const double own = 1.0 / q->vel[4 * p + 3];
         mass += own;
         for (size_t a = 0; a < 3; a++) {
@@ -210,14 +209,15 @@ static means means_of(const gn_conversion *c, gn_scaled scaled) {
 }
 
 /* m/s: root of the mean square of velocities, less the motion of the body as a whole. */
-static double speed_of(size_t dimension, const gn_tally *t) {
-    double centre[3], v[3], m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, spin[3], energy = t->energy;
+static double speed_of(size_t dimension, const gn_tally *tally) {
+    double centre[3], v[3], m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, spin[3],
+                            energy = tally->energy;
     for (int a = 0; a < 3; a++) {
-        centre[a] = t->moment[a] / t->mass;
-        v[a] = t->momentum[a] / t->mass;
-        energy -= 0.5 * t->mass * v[a] * v[a];
+        centre[a] = tally->moment[a] / tally->mass;
+        v[a] = tally->momentum[a] / tally->mass;
+        energy -= 0.5 * tally->mass * v[a] * v[a];
     }
-    const gn_tally own = gn_tally_about(t, dimension, centre);
+    const gn_tally own = gn_tally_about(tally, dimension, centre);
     const size_t axes = dimension == 3 ? 3 : 1;
     for (size_t k = 0; k < axes; k++) {
         double unit[3] = {0.0}, column[3];
@@ -228,7 +228,7 @@ static double speed_of(size_t dimension, const gn_tally *t) {
     }
     if (gn_solve_positive(axes, m, spin))
         for (size_t k = 0; k < axes; k++) energy -= 0.5 * spin[k] * own.turning[axes == 3 ? k : 2];
-    return sqrt(fmax(2.0 * energy / t->mass, 0.0));
+    return sqrt(fmax(2.0 * energy / tally->mass, 0.0));
 }
 
 /* Nothing, where sums over the whole model have no more digits: size is the most that it could be.
@@ -237,10 +237,10 @@ static double beyond_rounding(double missing, double size) {
     return fabs(missing) > 1e-14 * size ? missing : 0.0;
 }
 
-static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled scaled) {
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
-    const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
-    const means m = means_of(c, scaled);
+static lack lack_of(const gn_conversion *conversion, const gn_tally *before, gn_scaled scaled) {
+    const size_t d = (size_t)conversion->model->ctx->scene.dimension;
+    const gn_tally now = gn_conversion_tally(conversion), missing = gn_tally_less(before, &now);
+    const means m = means_of(conversion, scaled);
     const gn_tally about = gn_tally_about(&missing, d, m.centre);
     const double trace = now.second[0] + (d == 3 ? now.second[1] + now.second[2] : 0.0);
     const double size = sqrt(2.0 * now.mass * now.energy), turns = sqrt(2.0 * trace * now.energy);
@@ -265,7 +265,7 @@ static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled sc
  * the receivers are too few, in a line, or held. */
 static bool find_motion(rigid *r, const lack *l, double part) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, lever[3];
-    if (r->count > r->dimension && (!(r->size > 0.0) || !r->c->world->dem.particles.spin))
+    if (r->count > r->dimension && (!(r->size > 0.0) || !r->c->model->dem->particles.spin))
         return false;
     gn_cross3(r->centre, l->beside, lever);
     for (size_t k = 0; k < r->count; k++) {
@@ -278,9 +278,9 @@ static bool find_motion(rigid *r, const lack *l, double part) {
 }
 
 /* Finds the first set of receivers that needs small changes only. */
-static bool find_takers(const gn_conversion *c, const lack *l, bool turn, rigid *r) {
+static bool find_takers(const gn_conversion *conversion, const lack *l, bool turn, rigid *r) {
     for (int k = 0; k < TAKERS; k++) {
-        *r = rigid_of(c, (takers)k);
+        *r = rigid_of(conversion, (takers)k);
         if (!turn) r->count = r->dimension;
         if (find_motion(r, l, 1.0) && most_change(r) <= l->most) return true;
     }
@@ -298,31 +298,32 @@ static void find_velocity(rigid *r, const lack *l) {
 
 /* As much of the angular momentum as all can take, and else the momentum alone; returns which part.
  */
-static double find_rest(const gn_conversion *c, const lack *l, rigid *r) {
+static double find_rest(const gn_conversion *conversion, const lack *l, rigid *r) {
     double part = 0.0;
     if (find_motion(r, l, 1.0)) part = fmin(l->most / most_change(r), 1.0);
     if (part > 0.0 && find_motion(r, l, part)) return part;
-    if (!find_takers(c, l, false, r)) find_velocity(r, l);
+    if (!find_takers(conversion, l, false, r)) find_velocity(r, l);
     return 0.0;
 }
 
-void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled) {
-    gn_world *w = c->world;
-    gn_corrections *all = &w->zones.state.corrected;
-    const lack l = lack_of(c, before, scaled);
+void gn_conversion_keep_momentum(const gn_conversion *conversion, const gn_tally *before,
+                                 gn_scaled scaled) {
+    const gn_convertible *model = conversion->model;
+    gn_corrections *all = &model->converted->corrected;
+    const lack l = lack_of(conversion, before, scaled);
     rigid r;
-    const bool taken = find_takers(c, &l, true, &r);
-    const double part = taken ? 1.0 : find_rest(c, &l, &r);
+    const bool taken = find_takers(conversion, &l, true, &r);
+    const double part = taken ? 1.0 : find_rest(conversion, &l, &r);
     const bool wider = r.chosen != TAKERS_CHANGED;
-    const double beside = wider ? gn_conversion_held_beside(c) : 0.0;
+    const double beside = wider ? gn_conversion_held_beside(conversion) : 0.0;
     change(&r);
-    gn_fem_to_single(gn_coupled_solid(&w->solids));
-    gn_coupled_follow(&w->ctx, &w->dem, &w->solids,
-                      &w->zones); /* particles of zones go where nodes take them */
+    gn_fem_to_single(gn_coupled_solid(model->solids));
+    gn_coupled_follow(model->ctx, model->dem, model->solids,
+                      model->zones); /* particles of zones go where nodes take them */
     if (wider) {
-        const double more = beside - gn_conversion_held_beside(c);
-        w->ledger.energy.conversion += more;
-        w->zones.state.parts.step += more;
+        const double more = beside - gn_conversion_held_beside(conversion);
+        model->ledger->energy.conversion += more;
+        model->converted->parts.step += more;
     }
     if (!taken) all->least = all->missed > 0.0 ? fmin(all->least, part) : part;
     all->count += 1.0;
@@ -338,25 +339,29 @@ static double polar_of(size_t dimension, const gn_tally *own) {
 }
 
 /* About its own centre of mass. */
-static gn_tally about_own(const gn_tally *t, size_t dimension, double centre[3]) {
-    for (int a = 0; a < 3; a++) centre[a] = t->moment[a] / t->mass;
-    return gn_tally_about(t, dimension, centre);
+static gn_tally about_own(const gn_tally *tally, size_t dimension, double centre[3]) {
+    for (int a = 0; a < 3; a++) centre[a] = tally->moment[a] / tally->mass;
+    return gn_tally_about(tally, dimension, centre);
 }
 
-double gn_tally_turns(const gn_tally *t, size_t dimension) {
+/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
+ * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
+ * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
+static double tally_turns(const gn_tally *tally, size_t dimension) {
     double centre[3];
-    const gn_tally own = about_own(t, dimension, centre);
-    const double r = sqrt(polar_of(dimension, &own) / t->mass);
-    const double least = least_changed * sqrt(2.0 * t->mass * t->energy);
+    const gn_tally own = about_own(tally, dimension, centre);
+    const double r = sqrt(polar_of(dimension, &own) / tally->mass);
+    const double least = least_changed * sqrt(2.0 * tally->mass * tally->energy);
     return fmax(sqrt(gn_dot3(own.turning, own.turning)),
-                r * (t->mass * speed_of(dimension, t) + least));
+                r * (tally->mass * speed_of(dimension, tally) + least));
 }
 
 /* Whatever moves the body on between two conversions keeps what these did to its angular momentum
  * and to the place of its centre, if it flies: vectors add up. */
-void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now) {
-    const size_t d = (size_t)c->world->ctx.scene.dimension;
-    gn_corrections *all = &c->world->zones.state.corrected;
+void gn_conversion_note_jumps(const gn_conversion *conversion, const gn_tally *before,
+                              const gn_tally *now) {
+    const size_t d = (size_t)conversion->model->ctx->scene.dimension;
+    gn_corrections *all = &conversion->model->converted->corrected;
     double from[3], to[3];
     const gn_tally was = about_own(before, d, from), is = about_own(now, d, to);
     for (int a = 0; a < 3; a++) {
@@ -365,5 +370,5 @@ void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, co
     }
     all->inertia += polar_of(d, &is) / polar_of(d, &was) - 1.0;
     all->most = fmax(all->most, sqrt(gn_dot3(all->turned, all->turned)));
-    all->scale = fmax(all->scale, gn_tally_turns(before, d));
+    all->scale = fmax(all->scale, tally_turns(before, d));
 }

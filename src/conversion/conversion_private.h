@@ -3,12 +3,14 @@
 #define GN_CONVERSION_CONVERSION_PRIVATE_H
 
 #include "base/error.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
+#include "conversion/conversion.h"
+#include "conversion/records.h"
+#include "fem/fem.h"
 #include "frame/parts.h"
 #include "particles/dormant.h"
 #include "soa/records.h"
-#include "world/world.h"
+#include "solids/solids.h"
+#include "zones/zone_state.h"
 #include "zones/zones.h"
 
 #include <stdbool.h>
@@ -17,7 +19,7 @@
 
 /* State before a conversion, and scratch. */
 typedef struct gn_conversion {
-    gn_world *world;
+    const gn_convertible *model;
     uint8_t *kind;      /* [elements before] gn_front_kind */
     int32_t *place;     /* [elements of the mesh] before; -1: gone already */
     double *part;       /* [particles][2] weights before, 0 if it was dormant */
@@ -36,15 +38,9 @@ typedef struct gn_conversion {
 } gn_conversion;
 
 /* The element, by place before, that a particle is in; -1: gone already. */
-static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
-    return c->place[gn_dormant_element(&c->world->dem, p)];
+static inline int32_t gn_home_of(const gn_conversion *conversion, size_t p) {
+    return conversion->place[gn_dormant_element(conversion->model->dem, p)];
 }
-
-/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
- * both are the caller's whatever happens. */
-gneiss_status gn_conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
-                                            const gn_most_loaded *most_loaded, uint8_t **kind,
-                                            double **excess, gneiss_error *error);
 
 /* Checks that released particles are only loaded by the strain of the body (conversion_setup.c),
  * from the bonds of all particles. */
@@ -54,7 +50,7 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
 /* Scales present contacts to their new weight and adds the bonds of activated particles, with the
  * forces of the strain of the elements (conversion_contacts.c). Must precede the removal of
  * elements. */
-gneiss_status gn_conversion_activate_bonds(const gn_conversion *c, gneiss_error *error);
+gneiss_status gn_conversion_activate_bonds(const gn_conversion *conversion, gneiss_error *error);
 
 /* m/s: at which the ends of a contact part where they meet, along and across n. */
 void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
@@ -67,56 +63,56 @@ double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_c
 
 /* The accelerations of those that will be freed, before anything changes
  * (conversion_relaxation.c). */
-gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *error);
+gneiss_status gn_conversion_find_rates(const gn_conversion *conversion, gneiss_error *error);
 /* Brings them into balance, with lists made anew (conversion_relaxation.c). */
-gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error);
+gneiss_status gn_conversion_relax(const gn_conversion *conversion, gneiss_error *error);
 
 /* J: what elements and springs hold at the instant, walls with the latter; and what has to be added
  * for what leap-frog conserves, half a step of their powers. */
 typedef struct gn_held {
     double elements, contacts, step;
 } gn_held;
-static inline double gn_held_sum(const gn_held *h) {
-    return h->elements + h->contacts + h->step;
+static inline double gn_held_sum(const gn_held *held) {
+    return held->elements + held->contacts + held->step;
 }
 /* J (conversion_energy.c): of what is other after the conversion than before. With parts and
  * `freed` found. */
-gn_held gn_conversion_held(const gn_conversion *c);
-double gn_conversion_held_in_contacts(const gn_conversion *c);
+gn_held gn_conversion_held(const gn_conversion *conversion);
+double gn_conversion_held_in_contacts(const gn_conversion *conversion);
 /* J: the same of all else. */
-double gn_conversion_held_beside(const gn_conversion *c);
+double gn_conversion_held_beside(const gn_conversion *conversion);
 
 /* J: what elements, and springs instead of them, would hold of the part that particles take if
  * these went with the strains of their elements (conversion_energy.c). With parts found,
  * before elements go. */
-void gn_conversion_find_alike(const gn_conversion *c, double alike[2]);
+void gn_conversion_find_alike(const gn_conversion *conversion, double alike[2]);
 /* Books a conversion, by what made it. */
 typedef struct gn_held_stages {
     double alike[2], released[2];
     gn_held before, after;
 } gn_held_stages;
-void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+void gn_conversion_book(gn_conversions *converted, gn_ledger *ledger, const gn_held_stages *held,
                         double kinetic);
 
 /* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
  * have to go, or be of a zone, and may not; where particles cannot have the mass. */
-void gn_conversion_halt_at(const gn_conversion *c, int64_t element);
-void gn_conversion_halt_without_mass(const gn_conversion *c, const double missing[2]);
+void gn_conversion_halt_at(const gn_conversion *conversion, int64_t element);
+void gn_conversion_halt_without_mass(const gn_conversion *conversion, const double missing[2]);
 /* With parts found: whether a node of elements that may not go would weigh less than r/width of
  * what these do as whole ones, as where they are smaller than particles and hold none: hardly
  * anything would hold it any more. Halts at the one that would weigh least. */
-gneiss_status gn_conversion_find_light_nodes(const gn_conversion *c, bool *found,
+gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bool *found,
                                              gneiss_error *error);
 /* m, of an element at the start. */
-void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]);
+void gn_conversion_centre(const gn_fem_solid *solid, size_t e, double centre[3]);
 
 /* Largest change of a mass that is taken for a packing's scatter. */
 #define GN_MASS_SCALED_MOST 0.5
 /* With parts found: whether particles can make up for what the body's mass would change by.
  * `missing`, kg: that, and what they weigh. */
-bool gn_conversion_fits(const gn_conversion *c, double missing[2]);
+bool gn_conversion_fits(const gn_conversion *conversion, double missing[2]);
 /* Marks the elements beside those that go, which may, as well; false: there are none. */
-bool gn_conversion_add_ring(const gn_conversion *c);
+bool gn_conversion_add_ring(const gn_conversion *conversion);
 
 /* Masses (conversion_masses.c). What the model has, nodes and free particles. */
 typedef struct gn_tally {
@@ -126,21 +122,21 @@ typedef struct gn_tally {
                        * plane about the axis, alone */
     double energy;    /* J, kinetic */
 } gn_tally;
-gn_tally gn_conversion_tally(const gn_conversion *c);
-gn_tally gn_tally_less(const gn_tally *a, const gn_tally *b);
+gn_tally gn_conversion_tally(const gn_conversion *conversion);
+gn_tally gn_tally_less(const gn_tally *now, const gn_tally *before);
 /* With moments, second moments and angular momentum about another place; m. */
 gn_tally gn_tally_about(const gn_tally *of, size_t dimension, const double x[3]);
 
 /* Scales the masses of particles whose weight changes, by a function of position, so that mass,
  * centre of mass and inertia are those of `before`; then changes velocities so that momentum and
  * angular momentum are. */
-gneiss_status gn_conversion_keep_invariants(const gn_conversion *c, const gn_tally *before,
+gneiss_status gn_conversion_keep_invariants(const gn_conversion *conversion, const gn_tally *before,
                                             gneiss_error *error);
 
 /* Particles with scaled masses: those whose weight changes, or those of a zone if the former are
  * too few, as for an element at the edge that holds no particle. */
 typedef enum gn_scaled { GN_SCALED_CHANGED, GN_SCALED_TIED } gn_scaled;
-bool gn_conversion_scales(const gn_conversion *c, gn_scaled scaled, size_t particle);
+bool gn_conversion_scales(const gn_conversion *conversion, gn_scaled scaled, size_t particle);
 
 /* x of m x = f, in its place, for a symmetric positive m [n][n]; false: it is as good as singular.
  */
@@ -148,21 +144,19 @@ enum { GN_BASIS_MOST = 10 };
 bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f);
 
 /* Velocities (conversion_momentum.c), with these masses scaled. */
-void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled scaled);
+void gn_conversion_keep_momentum(const gn_conversion *conversion, const gn_tally *before,
+                                 gn_scaled scaled);
 
-/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
- * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
- * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
-double gn_tally_turns(const gn_tally *t, size_t dimension);
 /* Sums up what none of it could keep: angular momentum, centre of mass, inertia; once all of a
  * conversion is done. */
-void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now);
+void gn_conversion_note_jumps(const gn_conversion *conversion, const gn_tally *before,
+                              const gn_tally *now);
 
 /* The elements that the place of a tie is in: one, or those that share the face, edge or node that
  * it is on, GN_AROUND_MOST at most. Gradients jump there; a mean over them gives mirror images of a
  * body mirrored values, whichever element comes first. */
 enum { GN_AROUND_MOST = 64 };
-size_t gn_conversion_around(const gn_fem_solid *b, const gn_tie *tie,
+size_t gn_conversion_around(const gn_fem_solid *solid, const gn_tie *tie,
                             int32_t element[GN_AROUND_MOST]);
 
 gneiss_status gn_conversion_no_memory(gneiss_error *error);

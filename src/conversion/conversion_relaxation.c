@@ -19,16 +19,14 @@
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
 #include "couple/held_springs.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
+#include "particles/refresh.h"
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -45,19 +43,19 @@ typedef struct pull {
     double *force;           /* [nodes][3] N */
 } pull;
 
-static void find_nodes(const gn_conversion *c, pull *q) {
-    const gn_elements *elements = &gn_coupled_solid(&c->world->solids)->elements;
-    const int corners = gn_coupled_solid(&c->world->solids)->dimension + 1;
+static void find_nodes(const gn_conversion *conversion, pull *q) {
+    const gn_elements *elements = &gn_coupled_solid(conversion->model->solids)->elements;
+    const int corners = gn_coupled_solid(conversion->model->solids)->dimension + 1;
     for (size_t e = 0; e < elements->soa.count; e++)
-        for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
+        for (int a = 0; a < corners && conversion->kind[e] == GN_FRONT_LEAVING; a++)
             q->node[gn_elements_node(elements, a)[e]] = 1;
     for (size_t e = 0; e < elements->soa.count; e++)
         for (int a = 0; a < corners; a++)
             q->element[e] |= q->node[gn_elements_node(elements, a)[e]];
 }
 
-static void add_element_forces(const gn_conversion *c, const pull *q) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+static void add_element_forces(const gn_conversion *conversion, const pull *q) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     double force[4][3];
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         if (!q->element[e]) continue;
@@ -68,57 +66,59 @@ static void add_element_forces(const gn_conversion *c, const pull *q) {
     }
 }
 
-static void add_force_to_nodes(const gn_conversion *c, const pull *q, int32_t p, double side,
-                               const double force[3]) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const gn_tie tie =
-        gn_tie_at(b, gn_home_of(c, (size_t)p), c->world->dem.particles.start + 4 * (size_t)p);
+static void add_force_to_nodes(const gn_conversion *conversion, const pull *q, int32_t p,
+                               double side, const double force[3]) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const gn_tie tie = gn_tie_at(b, gn_home_of(conversion, (size_t)p),
+                                 conversion->model->dem->particles.start + 4 * (size_t)p);
     for (int a = 0; a <= b->dimension; a++)
         for (int k = 0; k < 3; k++) q->force[3 * tie.node[a] + k] += side * tie.shape[a] * force[k];
 }
 
 /* Adds the forces of contacts of the particles of zones. */
-static void add_contact_forces(const gn_conversion *c, const pull *q, const gn_contacts *list) {
+static void add_contact_forces(const gn_conversion *conversion, const pull *q,
+                               const gn_contacts *list) {
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t end[2] = {list->i[k], list->j[k]};
         bool in[2];
         double n[3], force[3], length;
         for (int m = 0; m < 2; m++)
-            in[m] = c->tied[end[m]] && q->element[gn_home_of(c, (size_t)end[m])];
+            in[m] = conversion->tied[end[m]] && q->element[gn_home_of(conversion, (size_t)end[m])];
         if (!in[0] && !in[1]) continue;
-        gn_contact_held(&c->world->ctx, &c->world->dem, list, k, n, &length, force);
+        gn_contact_held(conversion->model->ctx, conversion->model->dem, list, k, n, &length, force);
         for (int m = 0; m < 2; m++)
-            if (in[m]) add_force_to_nodes(c, q, end[m], m ? -1.0 : 1.0, force);
+            if (in[m]) add_force_to_nodes(conversion, q, end[m], m ? -1.0 : 1.0, force);
     }
 }
 
-static void take_rates(const gn_conversion *c, const pull *q) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    const gn_particles *p = &c->world->dem.particles;
+static void take_rates(const gn_conversion *conversion, const pull *q) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    const gn_particles *p = &conversion->model->dem->particles;
     for (size_t k = 0; k < p->soa.count; k++) {
-        if (!c->freed[k]) continue;
-        const gn_tie tie = gn_tie_at(b, gn_home_of(c, k), p->start + 4 * k);
-        memset(c->rate + 3 * k, 0, 3 * sizeof *c->rate);
+        if (!conversion->freed[k]) continue;
+        const gn_tie tie = gn_tie_at(b, gn_home_of(conversion, k), p->start + 4 * k);
+        memset(conversion->rate + 3 * k, 0, 3 * sizeof *conversion->rate);
         for (int a = 0; a <= b->dimension; a++)
             for (int m = 0; m < 3; m++)
-                c->rate[3 * k + (size_t)m] += tie.shape[a] * q->force[3 * tie.node[a] + m] *
-                                              b->nodes.vel[4 * (size_t)tie.node[a] + 3];
+                conversion->rate[3 * k + (size_t)m] += tie.shape[a] *
+                                                       q->force[3 * tie.node[a] + m] *
+                                                       b->nodes.vel[4 * (size_t)tie.node[a] + 3];
     }
 }
 
-gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
-    if (!(c->world->ctx.scene.couple.convert.relax > 0.0)) return GNEISS_OK;
+gneiss_status gn_conversion_find_rates(const gn_conversion *conversion, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
+    if (!(conversion->model->ctx->scene.couple.convert.relax > 0.0)) return GNEISS_OK;
     pull q = {.node = gn_alloc(b->nodes.soa.count + 1),
               .element = gn_alloc(b->elements.soa.count + 1),
               .force = gn_alloc_array(b->nodes.soa.count + 1, 3 * sizeof *q.force)};
     const bool held = q.node && q.element && q.force;
     if (held) {
-        find_nodes(c, &q);
-        add_element_forces(c, &q);
-        add_contact_forces(c, &q, &c->world->dem.bonds.contacts);
-        add_contact_forces(c, &q, &c->world->dem.pairs.contacts);
-        take_rates(c, &q);
+        find_nodes(conversion, &q);
+        add_element_forces(conversion, &q);
+        add_contact_forces(conversion, &q, &conversion->model->dem->bonds.contacts);
+        add_contact_forces(conversion, &q, &conversion->model->dem->pairs.contacts);
+        take_rates(conversion, &q);
     }
     gn_free(q.node);
     gn_free(q.element);
@@ -151,7 +151,6 @@ typedef struct relaxation {
     gn_dem *dem;
     gn_boundary *boundary;
     gn_solids *solids;
-    gn_zones *zones;
     gn_ledger *ledger;
     const gn_conversion *c;
     size_t count, links;
@@ -524,7 +523,7 @@ static double relax(relaxation *r) {
 }
 
 static void note(const relaxation *r, double before) {
-    gn_relaxations *all = &r->zones->state.relaxed;
+    gn_relaxations *all = &r->c->model->converted->relaxed;
     const double wanted = r->ctx->scene.couple.convert.relax;
     if (!(before > wanted)) return;
     all->count += 1.0;
@@ -546,7 +545,6 @@ static void note(const relaxation *r, double before) {
 
 /* Lists know of where they are. */
 static void update_drift(relaxation *r) {
-    gn_verlet *v = &r->dem->verlet;
     const gn_particles *q = &r->dem->particles;
     double most = 0.0;
     for (size_t k = 0; k < r->count; k++) {
@@ -555,25 +553,23 @@ static void update_drift(relaxation *r) {
         for (size_t a = 0; a < 3; a++) d[a] = q->pos[p + a] - q->ref[p + a];
         most = fmax(most, gn_dot3(d, d));
     }
-    v->drift = sqrt(most);
-    v->closed = 2.0 * v->drift;
+    gn_dem_set_paths(r->dem, sqrt(most));
 }
 
-gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error) {
-    gn_world *w = c->world;
-    relaxation r = {.ctx = &w->ctx,
-                    .dem = &w->dem,
-                    .boundary = &w->boundary,
-                    .solids = &w->solids,
-                    .zones = &w->zones,
-                    .ledger = &w->ledger,
-                    .c = c};
-    if (!(w->ctx.scene.couple.convert.relax > 0.0)) return GNEISS_OK;
+gneiss_status gn_conversion_relax(const gn_conversion *conversion, gneiss_error *error) {
+    const gn_convertible *model = conversion->model;
+    relaxation r = {.ctx = model->ctx,
+                    .dem = model->dem,
+                    .boundary = model->boundary,
+                    .solids = model->solids,
+                    .ledger = model->ledger,
+                    .c = conversion};
+    if (!(model->ctx->scene.couple.convert.relax > 0.0)) return GNEISS_OK;
     gneiss_status status = begin(&r, error);
     if (status == GNEISS_OK && r.count) {
         note(&r, relax(&r));
         update_drift(&r);
-        gn_near_forget(&w->ctx, &w->dem);
+        gn_near_forget(model->ctx, model->dem);
     }
     release(&r);
     return status;

@@ -8,24 +8,22 @@
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "kernels/partials.h"
 #include "limit/step_limits.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "neigh/neigh.h"
 #include "particles/dormant.h"
 #include "particles/lists.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/dormant_places.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
-#include "world/world.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 
@@ -74,9 +72,9 @@ static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const g
     gn_particles *q = &dem->particles;
     const gn_elements *elements = &gn_coupled_solid(solids)->elements;
     char at[GN_POINT_SIZE], message[256];
-    for (size_t p = 0; p < q->soa.count; p++) gn_dormant_of(dem, p)->element = -1;
+    GN_TRY(gn_dormant_create(dem, error));
     for (size_t k = 0; k < ties->count; k++) /* particles have the order of their ids as yet */
-        dem->dormant[ties->tie[k].id].element = elements->id[ties->tie[k].element];
+        gn_dormant_of(dem, (size_t)ties->tie[k].id)->element = elements->id[ties->tie[k].element];
     for (size_t p = 0; p < q->soa.count; p++) {
         q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
         if (gn_dormant_of(dem, p)->element >= 0) continue;
@@ -136,10 +134,9 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gneiss_error *error) {
     gn_ties ties;
+    GN_TRY(gn_zones_check_law(ctx, error));
     GN_TRY(check_law(ctx, error));
     GN_TRY(check_width(ctx, solids, error));
-    dem->dormant = gn_alloc_array(dem->particles.soa.count + 1, sizeof *dem->dormant);
-    if (!dem->dormant) return gn_conversion_no_memory(error);
     GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &ties, error));
     gneiss_status status = find_homes(ctx, dem, solids, &ties, error);
     gn_ties_free(&ties);
@@ -150,67 +147,55 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
 /* Once all has converted there is nothing left to compare. */
 static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
-                                     gn_zones *zones, gneiss_error *error) {
+                                     gn_conversions *converted, gneiss_error *error) {
     gn_conversion_figures f;
     GN_TRY(gn_conversion_measure(ctx, dem, boundary, solids, &f, error));
     for (size_t k = f.materials; k-- > 0;) {
         const gn_zone_material *m = &f.material[k];
         if (!gn_zone_differs(m)) continue;
-        memcpy(zones->state.differs.modulus, m->modulus, sizeof m->modulus);
-        memcpy(zones->state.differs.density, m->density, sizeof m->density);
-        memcpy(zones->state.differs.tension, m->tension, sizeof m->tension);
+        memcpy(converted->differs.modulus, m->modulus, sizeof m->modulus);
+        memcpy(converted->differs.density, m->density, sizeof m->density);
+        memcpy(converted->differs.tension, m->tension, sizeof m->tension);
     }
     return GNEISS_OK;
 }
 
 gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
                                            const gn_boundary *boundary, const gn_solids *solids,
-                                           gn_zones *zones, gneiss_error *error) {
-    gn_dem *d = dem;
-    gn_particles *q = &d->particles;
+                                           gn_conversions *converted, gneiss_error *error) {
     GN_TRY(gn_conversion_check_neighbours(ctx, dem, error));
-    d->prepared = d->bonds.contacts;
-    d->bonds.contacts = (gn_contacts){0};
-    GN_TRY(
-        gn_soa_create(&gn_contact_record, &d->bonds.contacts, 0, d->prepared.soa.effects, error));
-    for (size_t p = 0; p < q->soa.count; p++) {
-        gn_dormant_of(dem, p)->inverse_mass = q->vel[4 * p + 3];
-        gn_dormant_of(dem, p)->inverse_inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
-        memset(q->vel + 4 * p, 0, 4 * sizeof *q->vel);
-        if (q->spin) memset(q->spin + 4 * p, 0, 4 * sizeof *q->spin);
-        q->blend[2 * p] = q->blend[2 * p + 1] = 0.0;
-    }
-    GN_TRY(gn_list_changed(ctx, dem, &d->bonds, error));
-    return keep_difference(ctx, dem, boundary, solids, zones, error);
+    GN_TRY(gn_dormant_deactivate_all(ctx, dem, error));
+    return keep_difference(ctx, dem, boundary, solids, converted, error);
 }
 
 /* --- what is in the box --- */
 
 /* The mean side of the boxes about elements in the box of the scene; kg of these. */
-static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
-                               gn_conversion_figures *f) {
+static double measure_elements(const gn_fem_solid *solid, const uint8_t *kind,
+                               gn_conversion_figures *figures) {
     double mass = 0.0, sum = 0.0, least = INFINITY;
-    for (size_t e = 0; e < b->elements.soa.count; e++) {
+    for (size_t e = 0; e < solid->elements.soa.count; e++) {
         double side = 0.0;
         if (kind[e] == GN_FRONT_FIXED) continue;
-        for (int k = 0; k < b->dimension; k++) {
+        for (int k = 0; k < solid->dimension; k++) {
             double lower = INFINITY, upper = -INFINITY;
-            for (int a = 0; a <= b->dimension; a++) {
+            for (int a = 0; a <= solid->dimension; a++) {
                 double x =
-                    b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + (size_t)k];
+                    solid->nodes
+                        .start[4 * (size_t)gn_elements_node(&solid->elements, a)[e] + (size_t)k];
                 lower = fmin(lower, x);
                 upper = fmax(upper, x);
             }
-            side += (upper - lower) / b->dimension;
+            side += (upper - lower) / solid->dimension;
         }
         sum += side;
         least = fmin(least, side);
-        mass += b->density[b->elements.material[e]] * b->elements.volume[e];
-        f->elements++;
-        f->held += kind[e] == GN_FRONT_HELD;
+        mass += solid->density[solid->elements.material[e]] * solid->elements.volume[e];
+        figures->elements++;
+        figures->held += kind[e] == GN_FRONT_HELD;
     }
-    f->element = f->elements ? sum / (double)f->elements : 0.0;
-    f->smallest = f->elements ? least : 0.0;
+    figures->element = figures->elements ? sum / (double)figures->elements : 0.0;
+    figures->smallest = figures->elements ? least : 0.0;
     return mass;
 }
 
@@ -424,35 +409,18 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
 
 /* --- all of them active --- */
 
-static void swap(double *a, double *b) {
-    const double before = *a;
-    *a = *b;
-    *b = before;
-}
-
-void gn_conversion_swap_dormant(const gn_step_context *ctx, gn_dem *dem) {
-    gn_particles *q = &dem->particles;
-    const gn_contacts bonds = dem->bonds.contacts;
-    if (!gn_converts(ctx)) return;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        swap(q->vel + 4 * p + 3, &gn_dormant_of(dem, p)->inverse_mass);
-        if (q->spin) swap(q->spin + 4 * p + 3, &gn_dormant_of(dem, p)->inverse_inertia);
-    }
-    dem->bonds.contacts = dem->prepared;
-    dem->prepared = bonds;
-}
-
-gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_error *error) {
-    const gn_step_limit before = w->dem.limit;
-    const double stable = w->dem.stable;
+gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *limit,
+                                  gneiss_error *error) {
+    const gn_step_limit before = model->ctx->choice.limit;
+    const double stable = model->ctx->choice.stable;
     bool due;
-    gn_conversion_swap_dormant(&w->ctx, &w->dem);
-    gneiss_status status = gn_dem_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                        &w->ledger, true, &due, error);
-    gn_conversion_swap_dormant(&w->ctx, &w->dem);
-    *limit = w->dem.limit;
-    w->dem.limit = before;
-    w->dem.stable = stable;
+    gn_dormant_swap(model->ctx, model->dem);
+    gneiss_status status = gn_dem_limit(model->ctx, model->dem, model->boundary, model->solids,
+                                        model->zones, model->ledger, true, &due, error);
+    gn_dormant_swap(model->ctx, model->dem);
+    *limit = model->ctx->choice.limit;
+    model->ctx->choice.limit = before;
+    model->ctx->choice.stable = stable;
     return status;
 }
 
@@ -465,25 +433,25 @@ static double shortest_side(const gn_step_context *ctx, const gn_solids *solids)
 
 gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
-                                    gn_conversion_figures *f, gneiss_error *error) {
+                                    gn_conversion_figures *figures, gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     size_t count;
     uint8_t *kind = gn_alloc(b->elements.soa.count + 1);
     int32_t *place = gn_fem_places(b, &count);
-    *f = (gn_conversion_figures){.side = shortest_side(ctx, solids)};
+    *figures = (gn_conversion_figures){.side = shortest_side(ctx, solids)};
     gneiss_status status =
         kind && place ? gn_conversion_kinds(ctx, solids, kind, error)
                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
     if (status == GNEISS_OK) {
-        const double elements = measure_elements(b, kind, f);
+        const double elements = measure_elements(b, kind, figures);
         boxed q = {.ctx = ctx,
                    .dem = dem,
                    .boundary = boundary,
                    .solids = solids,
                    .kind = kind,
                    .place = place,
-                   .figures = f};
-        f->mass = measure_particles(&q) / elements;
+                   .figures = figures};
+        figures->mass = measure_particles(&q) / elements;
     }
     gn_free(kind);
     gn_free(place);

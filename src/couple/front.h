@@ -7,7 +7,7 @@
 #ifndef GN_COUPLE_FRONT_H
 #define GN_COUPLE_FRONT_H
 
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "scene/scene.h"
 
 /* The state of an element with respect to conversion. */

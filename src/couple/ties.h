@@ -3,7 +3,7 @@
 #ifndef GN_COUPLE_TIES_H
 #define GN_COUPLE_TIES_H
 
-#include "fem/solid.h"
+#include "fem/fem.h"
 
 /* A particle in an element, with the shape functions at its initial position. */
 typedef struct gn_tie {

@@ -2,12 +2,10 @@
 
 #include "base/error.h"
 #include "drive/servo.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
 
 #include <math.h>

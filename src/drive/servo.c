@@ -1,8 +1,7 @@
 #include "drive/servo.h"
 
 #include "base/vec3.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <math.h>

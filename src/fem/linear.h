@@ -3,7 +3,7 @@
 #ifndef GN_FEM_LINEAR_H
 #define GN_FEM_LINEAR_H
 
-#include "fem/solid.h"
+#include "fem/fem.h"
 
 typedef struct gn_fem_linear {
     gn_fem_solid *solid;

@@ -2,7 +2,7 @@
  * zones. */
 #include "base/memory.h"
 #include "fem/internal.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "soa/single.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
 /* Construction of nodes and elements from a mesh. */
-#include "fem/solid.h"
+#include "fem/fem.h"
 
 #include "base/new.h"
 #include "base/threads.h"
 #include "fem/internal.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "soa/single.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "fem/internal.h"
 
 #include "base/new.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 #include "frame/periodic_box.h"
 
 #include "base/error.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 

@@ -1,8 +1,7 @@
 #include "frame/step_change.h"
 
 #include "base/memory.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
+#include "frame/frame.h"
 
 #include <string.h>
 

@@ -1,4 +1,4 @@
-#include "frame/step_context.h"
+#include "frame/frame.h"
 
 #include "base/point.h"
 #include "scene/laboratory.h"
@@ -34,14 +34,14 @@ double gn_finest_reach(double radius) {
  * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
  * a). (Measured: at 0.9 of the undamped limit and a = 0.7 the kinetic energy 1/2 m v(-) v(+) turns
  * negative and bonds break before any load.) */
-double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
+static double scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
     bool active = effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
     return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
 }
 
 double gn_world_nonviscous_share(const gn_step_context *ctx) {
-    return gn_scene_nonviscous_share(&ctx->scene, ctx->effects);
+    return scene_nonviscous_share(&ctx->scene, ctx->effects);
 }
 
 /* The fastest scene takes a microsecond a step: these are thirty years. */

@@ -3,21 +3,18 @@
 #include "inflow/removal.h"
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "neigh/pairs.h"
+#include "frame/frame.h"
+#include "neigh/neigh.h"
 #include "pack/domain.h"
-#include "particles/dem.h"
 #include "particles/flow.h"
 #include "particles/fragments.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "scene/flow_def.h"
 #include "scene/scene.h"
 #include "sched/hold.h"
@@ -56,6 +53,91 @@ static gneiss_status left_domain(const gn_step_context *ctx, const gn_dem *dem, 
                    gn_point_text(ctx->scene.origin, x, at), v[0], v[1], v[2], why);
 }
 
+/* --- thin sinks: particles that pass through them between two lists --- */
+
+/* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
+static double sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
+    const gn_flow_region *r = &ctx->scene.sinks[sink].region;
+    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
+    double lower[3], upper[3], width = INFINITY, around = 0.0;
+    if (!region) return INFINITY;
+    gn_domain_bounds(region, lower, upper);
+    for (int a = 0; a < gn_domain_dimension(region); a++) width = fmin(width, upper[a] - lower[a]);
+    for (size_t k = 0; k < r->corner_count; k++) {
+        const double *x = r->corners + 2 * k, *y = r->corners + 2 * ((k + 1) % r->corner_count);
+        around += hypot(y[0] - x[0], y[1] - x[1]);
+    }
+    /* A long strip has 2 A/P, any other polygon less than its width. */
+    return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
+}
+
+/* Tells whether a particle can be wholly inside for hardly longer than lists may last: the skin
+ * grows to six times that of the start. */
+static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
+    return ctx->scene.sinks[sink].remove &&
+           sink_width(ctx, dem, sink) - 2.0 * dem->flow.largest < 12.0 * dem->verlet.skin_start;
+}
+
+enum { PLACES = 16, HALVINGS = 40 };
+/* Share of a radius within which a particle counts as inside in spite of rounding. */
+static const double rounding = 1e-9;
+
+/* Depth, m, of a particle's centre in a region at a share of its last step, counted backwards. */
+static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const gn_domain *region,
+                           size_t particle, double share) {
+    const gn_particles *q = &dem->particles;
+    double at[3];
+    for (int a = 0; a < 3; a++)
+        at[a] = q->pos[4 * particle + a] - share * ctx->dt_past * q->vel[4 * particle + a];
+    return gn_domain_depth(region, at);
+}
+
+/* The largest depth between two shares of the last step; on a line through a convex region depth
+ * has one maximum. */
+static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_domain *region, size_t particle, double from, double to) {
+    for (int k = 0; k < HALVINGS; k++) {
+        const double low = from + 0.382 * (to - from), high = to - 0.382 * (to - from);
+        if (depth_before(ctx, dem, region, particle, low) >
+            depth_before(ctx, dem, region, particle, high))
+            to = high;
+        else
+            from = low;
+    }
+    return depth_before(ctx, dem, region, particle, 0.5 * (from + to));
+}
+
+/* Tells whether it was wholly inside at any instant of the last step. The depth changes by at most
+ * the path, which is at most half of the smallest radius (paths.c). */
+static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
+    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
+    const double *v = dem->particles.vel + 4 * particle,
+                 needed = (1.0 - rounding) * dem->particles.pos[4 * particle + 3],
+                 part = ctx->dt_past * sqrt(gn_dot3(v, v)) / PLACES;
+    double deepest = -INFINITY;
+    int best = 0;
+    for (int k = 0; k <= PLACES; k++) {
+        const double depth = depth_before(ctx, dem, region, particle, (double)k / PLACES);
+        if (depth > deepest) {
+            deepest = depth;
+            best = k;
+        }
+    }
+    if (deepest >= needed || deepest + part < needed) return deepest >= needed;
+    return deepest_between(ctx, dem, region, particle, fmax(0, best - 1) / PLACES,
+                           fmin(PLACES, best + 1) / PLACES) >= needed;
+}
+
+/* Tells whether a particle is where a sink has it, or was there at any time of the last step if the
+ * sink is thin. */
+static bool sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink,
+                       size_t particle) {
+    return gn_sink_has(ctx, dem, sink, dem->particles.pos + 4 * particle) ||
+           (is_thin(ctx, dem, sink) && passed(ctx, dem, sink, particle));
+}
+
+/* --- which --- */
+
 /* Ways in which a particle leaves: 0 it stays, LEFT the domain, from 1 on by a sink, base 1. */
 enum { LEFT = -1 };
 
@@ -64,7 +146,7 @@ static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, 
     const double *x = q->pos + 4 * p;
     if (!gn_particle_is_active(q, p)) return 0;
     for (size_t k = 0; k < ctx->scene.sink_count; k++)
-        if (gn_sink_takes(ctx, dem, k, p)) return (int32_t)k + 1;
+        if (sink_takes(ctx, dem, k, p)) return (int32_t)k + 1;
     return ctx->scene.has_domain && !in_domain(ctx, x, reach) ? LEFT : 0;
 }
 
@@ -193,7 +275,6 @@ static gneiss_status take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger
         GN_TRY(gn_flow_note_lost(ctx, dem, p, error));
     else
         note_taken(dem, (size_t)way - 1, p, energy);
-    dem->lost += way == LEFT;
     memset(v, 0, 4 * sizeof *v);
     if (o) memset(o, 0, 4 * sizeof *o);
     if (q->slot) q->slot[p] = -1;
@@ -239,92 +320,6 @@ gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_
     return GNEISS_OK;
 }
 
-/* Thin sinks: particles that pass through them between two lists, and particles that never fit. */
-
-double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
-    const gn_flow_region *r = &ctx->scene.sinks[sink].region;
-    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
-    double lower[3], upper[3], width = INFINITY, around = 0.0;
-    if (!region) return INFINITY;
-    gn_domain_bounds(region, lower, upper);
-    for (int a = 0; a < gn_domain_dimension(region); a++) width = fmin(width, upper[a] - lower[a]);
-    for (size_t k = 0; k < r->corner_count; k++) {
-        const double *x = r->corners + 2 * k, *y = r->corners + 2 * ((k + 1) % r->corner_count);
-        around += hypot(y[0] - x[0], y[1] - x[1]);
-    }
-    /* A long strip has 2 A/P, any other polygon less than its width. */
-    return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
-}
-
-static double largest_radius(const gn_step_context *ctx, const gn_dem *dem) {
-    double most = gn_flow_largest_radius(ctx, dem);
-    for (size_t p = 0; p < dem->particles.soa.count; p++)
-        most = fmax(most, dem->particles.pos[4 * p + 3]);
-    return most;
-}
-
-/* Tells whether a particle can be wholly inside for hardly longer than lists may last: the skin
- * grows to six times that of the start. */
-static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
-    return ctx->scene.sinks[sink].remove &&
-           gn_sink_width(ctx, dem, sink) - 2.0 * dem->flow.largest < 12.0 * dem->verlet.skin_start;
-}
-
-enum { PLACES = 16, HALVINGS = 40 };
-/* Share of a radius within which a particle counts as inside in spite of rounding. */
-static const double rounding = 1e-9;
-
-/* Depth, m, of a particle's centre in a region at a share of its last step, counted backwards. */
-static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const gn_domain *region,
-                           size_t particle, double share) {
-    const gn_particles *q = &dem->particles;
-    double at[3];
-    for (int a = 0; a < 3; a++)
-        at[a] = q->pos[4 * particle + a] - share * ctx->dt_past * q->vel[4 * particle + a];
-    return gn_domain_depth(region, at);
-}
-
-/* The largest depth between two shares of the last step; on a line through a convex region depth
- * has one maximum. */
-static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_domain *region, size_t particle, double from, double to) {
-    for (int k = 0; k < HALVINGS; k++) {
-        const double low = from + 0.382 * (to - from), high = to - 0.382 * (to - from);
-        if (depth_before(ctx, dem, region, particle, low) >
-            depth_before(ctx, dem, region, particle, high))
-            to = high;
-        else
-            from = low;
-    }
-    return depth_before(ctx, dem, region, particle, 0.5 * (from + to));
-}
-
-/* Tells whether it was wholly inside at any instant of the last step. The depth changes by at most
- * the path, which is at most half of the smallest radius (paths.c). */
-static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
-    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
-    const double *v = dem->particles.vel + 4 * particle,
-                 needed = (1.0 - rounding) * dem->particles.pos[4 * particle + 3],
-                 part = ctx->dt_past * sqrt(gn_dot3(v, v)) / PLACES;
-    double deepest = -INFINITY;
-    int best = 0;
-    for (int k = 0; k <= PLACES; k++) {
-        const double depth = depth_before(ctx, dem, region, particle, (double)k / PLACES);
-        if (depth > deepest) {
-            deepest = depth;
-            best = k;
-        }
-    }
-    if (deepest >= needed || deepest + part < needed) return deepest >= needed;
-    return deepest_between(ctx, dem, region, particle, fmax(0, best - 1) / PLACES,
-                           fmin(PLACES, best + 1) / PLACES) >= needed;
-}
-
-bool gn_sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
-    return gn_sink_has(ctx, dem, sink, dem->particles.pos + 4 * particle) ||
-           (is_thin(ctx, dem, sink) && passed(ctx, dem, sink, particle));
-}
-
 /* Tells whether its centre is in the box around the region, extended by the last path. */
 static bool is_near(const gn_step_context *ctx, const gn_dem *dem, const double lower[3],
                     const double upper[3], size_t p) {
@@ -343,18 +338,14 @@ bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem) {
         if (!region || !is_thin(ctx, dem, k)) continue;
         gn_domain_bounds(region, lower, upper);
         for (size_t p = 0; p < dem->particles.soa.count; p++)
-            if (is_near(ctx, dem, lower, upper, p) && gn_sink_takes(ctx, dem, k, p)) return true;
+            if (is_near(ctx, dem, lower, upper, p) && sink_takes(ctx, dem, k, p)) return true;
     }
     return false;
 }
 
-void gn_sinks_listed(const gn_step_context *ctx, gn_dem *dem) {
-    if (ctx->scene.sink_count) dem->flow.largest = largest_radius(ctx, dem);
-}
-
 bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
                          size_t size) {
-    const double width = gn_sink_width(ctx, dem, sink), most = 2.0 * largest_radius(ctx, dem),
+    const double width = sink_width(ctx, dem, sink), most = 2.0 * gn_flow_widest_radius(ctx, dem),
                  least = 2.0 * dem->radius_min;
     if (!ctx->scene.sinks[sink].remove || !(width < (1.0 - rounding) * most)) return false;
     snprintf(text, size, "sink '%s' is %.4g m thick, and removes what is wholly inside: %s",
@@ -366,151 +357,4 @@ bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t s
         snprintf(text + strlen(text), size - strlen(text), " (diameters of %.4g to %.4g m)", least,
                  most);
     return true;
-}
-
-/* Changes of the number of rows of particles: new ones are appended, rows of removed ones are
- * dropped. */
-
-/* Frees arrays that depend on the number of particles or of their blocks; they are made with the
- * lists. */
-static gneiss_status forget_sizes(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gneiss_error *error) {
-    gn_dem *d = dem;
-    gn_free(d->motion_sums);
-    gn_free(d->around);
-    gn_free(d->pieces.parent);
-    gn_free(d->pieces.members);
-    gn_free(d->pieces.volume);
-    d->motion_sums = NULL;
-    d->around = NULL;
-    d->pieces = (gn_pieces){0};
-    gn_hold_free(&d->hold);
-    gn_boundary_resized(boundary);
-    return gn_pieces_create(ctx, dem, error);
-}
-
-/* --- more --- */
-
-static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *a, size_t p) {
-    gn_particles *q = &dem->particles;
-    const gn_source_def *d = &ctx->scene.sources[a->source];
-    int material = gn_scene_find_material(&ctx->scene, d->material);
-    double r = a->sphere[3], mass = ctx->scene.materials[material].density *
-                                    gn_ball_volume((int)ctx->scene.dimension, r);
-    memcpy(q->pos + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->start + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->ref + 4 * p, a->sphere, sizeof a->sphere);
-    memcpy(q->vel + 4 * p, a->velocity, sizeof a->velocity);
-    q->vel[4 * p + 3] = 1.0 / mass;
-    if (q->spin)
-        q->spin[4 * p + 3] = 1.0 / ((ctx->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
-    q->id[p] = (int32_t)dem->ids++;
-    q->material[p] = material;
-    if (q->slot) q->slot[p] = -1;
-    if (q->orientation) q->orientation[4 * p] = 1.0;
-    dem->radius_min = fmin(dem->radius_min, r);
-    if (dem->loose) dem->loose[q->id[p]] = 1;
-}
-
-/* Enlarges tables by id to `ids` entries. */
-static gneiss_status grow_tables(gn_dem *dem, size_t ids, gneiss_error *error) {
-    gn_dem *d = dem;
-    int32_t *index = gn_alloc_array(ids + 1, sizeof *index);
-    uint8_t *loose = d->loose ? gn_alloc(ids + 1) : NULL;
-    if (!index || (d->loose && !loose)) {
-        gn_free(index);
-        gn_free(loose);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particle numbers", ids);
-    }
-    if (loose) memcpy(loose, d->loose, (size_t)d->ids);
-    gn_free(d->loose);
-    gn_free(d->index_of_id);
-    d->loose = loose;
-    d->index_of_id = index;
-    return GNEISS_OK;
-}
-
-/* `order` [count]: old places, -1: a new one. */
-static gneiss_status take_rows(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                               const int32_t *order, size_t count, gneiss_error *error) {
-    gn_particles now = {0};
-    GN_TRY(gn_soa_create(&gn_particle_record, &now, count, ctx->effects, error));
-    gn_soa_permute(&gn_particle_record, &now, &dem->particles, order);
-    gn_soa_destroy(&gn_particle_record, &dem->particles);
-    dem->particles = now;
-    gn_dem_null_particles(ctx, dem);
-    return forget_sizes(ctx, dem, boundary, error);
-}
-
-gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const gn_arrival *arrivals, size_t count, gneiss_error *error) {
-    size_t before = dem->particles.soa.count, after = before + count;
-    if ((size_t)dem->ids + count > INT32_MAX - 2 * GN_LANES_MAX)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "step %lld, t = %g s: sources: %lld particles that came in are more than "
-                       "the engine can number",
-                       (long long)ctx->step, ctx->time, (long long)dem->ids);
-    int32_t *order = gn_alloc_array(after + 1, sizeof *order);
-    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", after);
-    for (size_t p = 0; p < after; p++) order[p] = p < before ? (int32_t)p : -1;
-    gneiss_status status = grow_tables(dem, (size_t)dem->ids + count, error);
-    if (status == GNEISS_OK) status = take_rows(ctx, dem, boundary, order, after, error);
-    gn_free(order);
-    GN_TRY(status);
-    for (size_t k = 0; k < count; k++) {
-        const double *v = arrivals[k].velocity;
-        fill(ctx, dem, &arrivals[k], before + k);
-        /* The limit of flights uses the largest speed. */
-        dem->done.motion.speed2 = fmax(dem->done.motion.speed2, gn_dot3(v, v));
-    }
-    gn_dem_number_ids(dem);
-    return gn_lists_follow_rows(ctx, dem, NULL, error);
-}
-
-/* --- fewer --- */
-
-/* Finds the new places of remaining particles, -1 of the others; returns the number of remaining
- * ones. */
-static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
-    const gn_particles *q = &dem->particles;
-    size_t count = 0;
-    for (size_t p = 0; p < q->soa.count; p++) place[p] = gn_particle_is_active(q, p) ? 1 : -1;
-    for (int l = 0; l < GN_LIST_COUNT; l++) {
-        const gn_contacts *list = &dem->list[l].contacts;
-        if (!gn_list_kinds[l]->persistent) continue;
-        for (size_t c = 0; c < list->soa.count; c++) place[list->i[c]] = place[list->j[c]] = 1;
-    }
-    for (size_t p = 0; p < q->soa.count; p++) {
-        if (place[p] < 0) continue;
-        order[count] = (int32_t)p;
-        place[p] = (int32_t)count++;
-    }
-    return count;
-}
-
-static gneiss_status drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const int32_t *order, size_t count, const int32_t *place,
-                          gneiss_error *error) {
-    GN_TRY(take_rows(ctx, dem, boundary, order, count, error));
-    gn_dem_number_ids(dem);
-    GN_TRY(gn_lists_follow_rows(ctx, dem, place, error));
-    return gn_boundary_renumber(boundary, place, error);
-}
-
-gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          gneiss_error *error) {
-    size_t n = dem->particles.soa.count;
-    if (!gn_scene_has_flow(&ctx->scene) || n == 0) return GNEISS_OK;
-    int32_t *place = gn_alloc_array(n + 1, sizeof *place),
-            *order = gn_alloc_array(n + 1, sizeof *order);
-    gneiss_status status = GNEISS_OK;
-    if (!place || !order)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    size_t stay = status == GNEISS_OK ? find_stays(dem, place, order) : 0;
-    /* A few empty rows cost less than removing them; at least one row remains. */
-    if (status == GNEISS_OK && stay > 0 && n - stay > n / 16)
-        status = drop(ctx, dem, boundary, order, stay, place, error);
-    gn_free(place);
-    gn_free(order);
-    return status;
 }

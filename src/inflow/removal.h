@@ -18,32 +18,13 @@ gneiss_status gn_particles_find_gone(const gn_step_context *ctx, gn_dem *dem, gn
 gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger,
                                     const int32_t *gone, gneiss_error *error);
 
-/* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
-double gn_sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink);
-
-/* Tells whether a particle is where a sink has it, or was there at any time of the last step if the
- * sink is thin. */
-bool gn_sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle);
-
 /* Tells whether a sink that is thin beside the ways on which lists stand has a particle to remove;
  * such sinks are looked at in every step. */
 bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem);
-
-/* The lists are made. */
-void gn_sinks_listed(const gn_step_context *ctx, gn_dem *dem);
 
 /* Tells whether there are particles that never are wholly inside of a sink; then the text says so.
  */
 bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
                          size_t size);
-
-/* Makes room for particles that come in, behind the others; the lists have to be rebuilt. */
-gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const gn_arrival *arrivals, size_t count, gneiss_error *error);
-
-/* Leaves out the rows of particles that are gone, once they are many, but for those that have
- * bonds. Before anything is removed that the lists still hold. */
-gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          gneiss_error *error);
 
 #endif

@@ -2,18 +2,18 @@
 #include "inflow/sources.h"
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "inflow/free_space.h"
 #include "inflow/removal.h"
 #include "pack/domain.h"
 #include "pack/sizes.h"
-#include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/particles.h"
+#include "particles/rows.h"
 #include "scene/flow_def.h"
 #include "scene/scene.h"
 
@@ -170,9 +170,8 @@ typedef struct arrivals {
 static gneiss_status keep(arrivals *list, const gn_arrival *a, gneiss_error *error) {
     if (list->count == list->space) {
         size_t space = 2 * list->space + 64;
-        gn_arrival *item = gn_alloc_array(space, sizeof *item);
-        if (!item)
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu new particles", space);
+        gn_arrival *item = NULL;
+        GN_TRY(gn_new(&item, space, "new particles", error));
         if (list->count) memcpy(item, list->item, list->count * sizeof *item);
         gn_free(list->item);
         list->item = item;
@@ -191,6 +190,7 @@ static void book(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, con
                   gn_ball_volume((int)ctx->scene.dimension, a->sphere[3]);
     double energy = 0.5 * mass * gn_dot3(a->velocity, a->velocity);
     s->number += 1.0;
+    s->radius = 0.0;
     s->mass += mass;
     s->energy += energy;
     for (int c = 0; c < 3; c++) s->momentum[c] += mass * a->velocity[c];
@@ -219,7 +219,6 @@ static gneiss_status let_in(const gn_step_context *ctx, gn_dem *dem, gn_ledger *
         draw_velocity(ctx, dem, k, a.velocity);
         GN_TRY(gn_room_take(room, a.sphere, error));
         GN_TRY(keep(list, &a, error));
-        dem->flow.sources[k].radius = 0.0;
         book(ctx, dem, ledger, &a);
     }
     return GNEISS_OK;
@@ -279,7 +278,8 @@ gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundar
     if (!any) return GNEISS_OK;
     gneiss_status status = find_arrivals(ctx, dem, boundary, ledger, &list, error);
     if (status == GNEISS_OK && list.count)
-        status = gn_dem_grow(ctx, dem, boundary, list.item, list.count, error);
+        status = gn_dem_grow(ctx, dem, list.item, list.count, error);
+    if (list.count) gn_boundary_resized(boundary);
     gn_free(list.item);
     GN_TRY(status);
     return first && !dem->particles.soa.count ? nothing_came(ctx, dem, boundary, error) : GNEISS_OK;

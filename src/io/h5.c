@@ -1,6 +1,6 @@
 #include "base/resident.h"
-#include "io/files.h"
 #include "io/h5_private.h"
+#include "io/io.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-#include "io/files.h"
+#include "io/io.h"
 
 #include <inttypes.h>
 #include <math.h>

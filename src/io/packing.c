@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "io/decimal.h"
-#include "io/files.h"
+#include "io/io.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -3,8 +3,8 @@
 
 #include "base/new.h"
 #include "io/atomic_file.h"
-#include "io/files.h"
 #include "io/h5.h"
+#include "io/io.h"
 #include "io/listing.h"
 
 #include <errno.h>

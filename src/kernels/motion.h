@@ -31,13 +31,10 @@ enum { GN_BLOCK_LOAD = 8 * GN_PARTICLE_BLOCK };
 /* The two passes of a held block. */
 typedef enum gn_motion_pass { GN_PASS_GATHER, GN_PASS_MOVE } gn_motion_pass;
 
-/* Most lists of items that load the same particles. */
-enum { GN_MOTION_LISTS = 4 };
-
 typedef struct gn_motion_args {
     gn_particles *particles;
     int lists; /* number of partial sums, which are added up in this order */
-    const gn_partials *partials[GN_MOTION_LISTS];
+    const gn_partials *partials[GN_LISTS_MOST];
     const gn_wall_contacts *wall_contacts; /* NULL when absent */
     const int32_t *wall_first;             /* [particles + 1] */
     gn_prescription *prescribed;           /* NULL when absent */

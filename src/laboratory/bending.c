@@ -2,16 +2,16 @@
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "laboratory/laboratory.h"
-#include "particles/dem.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "particles/sets.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,8 +3,8 @@
 #define GN_LABORATORY_ENDS_H
 
 #include "base/error.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
 
 #include <stdbool.h>
 #include <stddef.h>

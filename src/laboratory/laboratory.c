@@ -2,19 +2,19 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "fem/solid.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
 #include "laboratory/ends.h"
-#include "particles/dem.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "particles/sets.h"
 #include "scene/laboratory.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 #include "test_kinds/readings.h"
 
 #include <math.h>

@@ -3,8 +3,8 @@
 #define GN_LABORATORY_STRAIN_GAUGE_H
 
 #include "base/error.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
 #include "measure/measure.h"
 
 #include <stddef.h>

@@ -4,8 +4,10 @@
  *
  * A spring between i and j with normal n resists the relative displacement of its contact point, e
  * = u_j - u_i - (a_i w_i + a_j w_j) x n, by q = k_t e + (k_n - k_t)(e.n) n: force q on i, -q on j,
- * and the moments a_i n x q and a_j n x q. One pass computes q of all springs, a second one gathers
- * them particle by particle in the order of the springs, so that no sum depends on the threads.
+ * and the moments a_i n x q and a_j n x q. Bonds with moments also resist the relative rotation w =
+ * w_j - w_i by m = k_b w + (k_w - k_b)(w.n) n: m on i, -m on j. One pass computes q of all springs,
+ * a second one gathers them particle by particle in the order of the springs, so that no sum
+ * depends on the threads.
  *
  * If K is singular (a free rigid motion, a sphere that rolls about its only bond), a small fraction
  * of the diagonal is added to every component: all unresisted motions then have that one
@@ -13,7 +15,7 @@
  * far, which the caller has to detect. */
 #include "limit/equilibrium.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "limit/springs.h"
 
@@ -33,6 +35,7 @@ static const double no_pivot = 1e-12;
  * K. */
 typedef struct link {
     float n[3], kn, kt, arm_i, arm_j;
+    float bend, twist; /* 0: no moments */
     int32_t i, j;
 } link;
 
@@ -101,6 +104,8 @@ static void take_links(cg *solver) {
                                  (float)from->kt,
                                  (float)from->arm_i,
                                  (float)from->arm_j,
+                                 (float)from->bend,
+                                 (float)from->twist,
                                  from->i,
                                  from->j};
     }
@@ -140,6 +145,17 @@ static inline double drag_of(const cg *solver, size_t p, int k) {
     return inverse > 0.0 ? solver->viscosity.rate * solver->viscosity.drag / inverse : 0.0;
 }
 
+/* Adds the moments of a spring that resists relative rotation, on one of its ends. */
+static void add_bending(const link *l, const double *u, double side, double f[N]) {
+    const double n[3] = {l->n[0], l->n[1], l->n[2]}, bend = l->bend, twist = l->twist;
+    double w[3];
+    for (int k = 0; k < 3; k++)
+        w[k] = (l->j < 0 ? 0.0 : u[N * (size_t)l->j + 3 + (size_t)k]) -
+               u[N * (size_t)l->i + 3 + (size_t)k];
+    double along = (twist - bend) * gn_dot3(w, n);
+    for (int k = 0; k < 3; k++) f[3 + k] += side * (bend * w[k] + along * n[k]);
+}
+
 /* Computes K u of a particle; returns u . K u. */
 static inline double gather(const cg *solver, const double *u, size_t p, double *out) {
     double f[N], sum = 0.0;
@@ -154,6 +170,7 @@ static inline double gather(const cg *solver, const double *u, size_t p, double 
         f[3] -= arm * (n[1] * q[2] - n[2] * q[1]);
         f[4] -= arm * (n[2] * q[0] - n[0] * q[2]);
         f[5] -= arm * (n[0] * q[1] - n[1] * q[0]);
+        if (l->bend != 0.0f || l->twist != 0.0f) add_bending(l, u, side, f);
     }
     for (size_t k = 0; k < N; k++) {
         out[k] = solver->free[p] >> k & 1 ? f[k] : 0.0;
@@ -167,9 +184,10 @@ static inline double gather(const cg *solver, const double *u, size_t p, double 
 /* Sums over the springs of a particle that give its block, with all neighbours fixed. Symmetric
  * parts as xx yy zz xy yz zx. */
 typedef struct block_sums {
-    double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
-    double turn, turn_normal[6]; /* arm^2 k_t; arm^2 k_t n n^T */
-    double cross[3];             /* side arm k_t n */
+    double kt, normal[6]; /* k_t; (k_n - k_t) n n^T */
+    /* arm^2 k_t + k_b; (arm^2 k_t + k_b - k_w) n n^T */
+    double turn, turn_normal[6];
+    double cross[3]; /* side arm k_t n */
 } block_sums;
 
 static void block_of(const cg *solver, size_t p, double k[36]) {
@@ -183,9 +201,9 @@ static void block_of(const cg *solver, size_t p, double k[36]) {
         const double arm = solver->y.entry[e] & 1 ? l->arm_j : l->arm_i;
         const double side = solver->y.entry[e] & 1 ? 1.0 : -1.0, turn = arm * arm * l->kt;
         b.kt += l->kt;
-        b.turn += turn;
+        b.turn += turn + (double)l->bend;
         for (int a = 0; a < 6; a++) b.normal[a] += ((double)l->kn - l->kt) * nn[a];
-        for (int a = 0; a < 6; a++) b.turn_normal[a] += turn * nn[a];
+        for (int a = 0; a < 6; a++) b.turn_normal[a] += (turn + (double)l->bend - l->twist) * nn[a];
         for (int a = 0; a < 3; a++) b.cross[a] += side * arm * l->kt * n[a];
     }
     const double *x = b.cross;
@@ -268,6 +286,16 @@ static void end_moves(unsigned free, double side, double arm, const float n[3], 
     }
 }
 
+/* Adds the resistance to relative rotation, whose displacement is e = w_j - w_i. */
+static void add_coarse_bending(cg *solver, const link *l) {
+    gn_coarse_spring s = {l->i, l->j, {l->n[0], l->n[1], l->n[2]}, l->twist, l->bend, {{0}}, {{0}}};
+    for (int k = 0; k < 3; k++) {
+        s.by_p[3 + k][k] = solver->free[l->i] >> (3 + k) & 1 ? -1.0 : 0.0;
+        s.by_q[3 + k][k] = l->j >= 0 && solver->free[l->j] >> (3 + k) & 1 ? 1.0 : 0.0;
+    }
+    gn_coarse_add(&solver->made->coarse, &s);
+}
+
 static void make_coarse(cg *solver) {
     if (!solver->made->coarse.groups) return;
     for (size_t k = 0; k < solver->y.springs; k++) {
@@ -276,6 +304,7 @@ static void make_coarse(cg *solver) {
         end_moves(solver->free[l->i], -1.0, l->arm_i, l->n, s.by_p);
         if (l->j >= 0) end_moves(solver->free[l->j], 1.0, l->arm_j, l->n, s.by_q);
         gn_coarse_add(&solver->made->coarse, &s);
+        if (l->bend != 0.0f || l->twist != 0.0f) add_coarse_bending(solver, l);
     }
     for (size_t p = 0; p < solver->y.particles; p++) {
         double ground[N];
@@ -439,12 +468,9 @@ static gneiss_status make_preconditioner(cg *solver, gneiss_error *error) {
     bool good = m->particles == n && solver->viscosity.drag == 0.0 && m->uses++ < USES;
     if (good && !touches_more(solver)) return GNEISS_OK;
     gn_preconditioner_free(m);
-    m->inverse = gn_alloc_array(n + 1, sizeof *m->inverse);
-    m->ground = gn_alloc_array(solver->n + 1, sizeof *m->ground);
-    m->weight = gn_alloc_array(solver->n + 1, sizeof *m->weight);
-    if (!m->inverse || !m->ground || !m->weight)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
-                       n);
+    GN_TRY(gn_new(&m->inverse, n + 1, "the equilibrium of particles", error));
+    GN_TRY(gn_new(&m->ground, solver->n + 1, "the equilibrium of particles", error));
+    GN_TRY(gn_new(&m->weight, solver->n + 1, "the equilibrium of particles", error));
     GN_TRY(gn_coarse_create(&m->coarse, n, solver->y.spectrum->assembly->particles->pos, error));
     make_blocks(solver);
     make_coarse(solver);

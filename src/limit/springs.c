@@ -1,9 +1,8 @@
 /* The active contacts as springs of the linearised system, and their incidence lists. */
 #include "limit/springs.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "kernels/law.h"
 #include "soa/particle_state.h"
 
 #include <math.h>
@@ -34,6 +33,7 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     const gn_particles *p = a->particles;
     const int32_t i = list->i[c], j = list->j[c];
     if (removed(p, i) || removed(p, j)) return false;
+    if (spectrum->bonds_alone && !gn_contact_bonded(list, c)) return false;
     const double *x = p->pos + 4 * (size_t)i, *y = p->pos + 4 * (size_t)j;
     double d[3] = {y[0] - x[0], y[1] - x[1], a->dimension == 3 ? y[2] - x[2] : 0.0};
     nearest_image(a, d);
@@ -112,7 +112,7 @@ static size_t list_count(const gn_contacts *list) {
 }
 
 const gn_contacts *gn_spring_list(const gn_spectrum *spectrum, size_t *k) {
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
         const gn_contacts *list = spectrum->assembly->list[l];
         const size_t count = list_count(list);
         if (*k < count) return list;
@@ -140,7 +140,7 @@ bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *out) {
 
 size_t gn_spring_pairs(const gn_spectrum *spectrum) {
     size_t count = 0;
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) count += list_count(spectrum->assembly->list[l]);
+    for (int l = 0; l < GN_LISTS_MOST; l++) count += list_count(spectrum->assembly->list[l]);
     return count;
 }
 
@@ -196,9 +196,8 @@ static bool member_spring(const gn_springs *system, size_t k, gn_spring *out) {
 static gneiss_status collect_springs(gn_springs *system, gneiss_error *error) {
     size_t contacts = gn_spring_count(system->spectrum);
     size_t blocks = (contacts + CONTACT_BLOCK - 1) / CONTACT_BLOCK;
-    size_t *start = gn_alloc_array(blocks + 1, sizeof *start);
-    if (!start)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu blocks of contacts", blocks);
+    size_t *start = NULL;
+    GN_TRY(gn_new(&start, blocks + 1, "blocks of contacts", error));
     for (int pass = 0; pass < 2; pass++) {
 #pragma omp parallel for num_threads(system->threads) schedule(static) if (blocks > 1)
         for (size_t b = 0; b < blocks; b++) {
@@ -230,11 +229,8 @@ static gneiss_status collect_springs(gn_springs *system, gneiss_error *error) {
 
 /* Lists the springs of each particle in their order. */
 static gneiss_status list_incidence(gn_springs *system, gneiss_error *error) {
-    system->first = gn_alloc_array(system->particles + 2, sizeof *system->first);
-    system->entry = gn_alloc_array(2 * system->springs, sizeof *system->entry);
-    if (!system->first || !system->entry)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the contacts of %zu particles",
-                       system->particles);
+    GN_TRY(gn_new(&system->first, system->particles + 2, "the contacts of particles", error));
+    GN_TRY(gn_new(&system->entry, 2 * system->springs, "the contacts of particles", error));
     /* Starts are shifted by two, so that the cursors of the second loop end at the starts. */
     for (size_t s = 0; s < system->springs; s++) {
         system->first[system->spring[s].i + 2]++;
@@ -260,10 +256,8 @@ static gneiss_status scale_dofs(gn_springs *system, gneiss_error *error) {
     const gn_particles *p = system->spectrum->assembly->particles;
     const uint8_t *fixed = system->spectrum->fixed;
     size_t count = system->particles * (size_t)system->dofs;
-    system->scale = gn_alloc_array(count, sizeof *system->scale);
-    system->moved = gn_alloc_array(count, sizeof *system->moved);
-    if (!system->scale || !system->moved)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu degrees of freedom", count);
+    GN_TRY(gn_new(&system->scale, count, "degrees of freedom", error));
+    GN_TRY(gn_new(&system->moved, count, "degrees of freedom", error));
     for (size_t i = 0; i < system->particles; i++)
         for (int d = 0; d < system->dofs; d++) {
             int component = gn_springs_component(system, d);
@@ -305,10 +299,8 @@ void gn_springs_free(gn_springs *system) {
 static gneiss_status number_members(gn_springs *system, const uint8_t *inside,
                                     gneiss_error *error) {
     size_t all = system->particles, members = 0;
-    system->member = gn_alloc_array(all + 1, sizeof *system->member);
-    system->local = gn_alloc_array(all + 1, sizeof *system->local);
-    if (!system->member || !system->local)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", all);
+    GN_TRY(gn_new(&system->member, all + 1, "particles", error));
+    GN_TRY(gn_new(&system->local, all + 1, "particles", error));
     for (size_t p = 0; p < all; p++) {
         system->local[p] = inside[p] ? (int32_t)members : -1;
         if (inside[p]) system->member[members++] = (int32_t)p;

@@ -64,10 +64,6 @@ size_t gn_spring_pairs(const gn_spectrum *spectrum);
 const gn_contacts *gn_spring_list(const gn_spectrum *spectrum, size_t *k);
 void gn_spring_ends(const gn_spectrum *spectrum, size_t k, int32_t *i, int32_t *j);
 
-/* Marks the neighbours of marked particles [of the specimen] as well, with one more than the
- * highest mark so far. */
-void gn_springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked);
-
 /* Tells whether any degree of freedom of a particle of the specimen is free; false for i < 0. */
 bool gn_spectrum_can_move(const gn_spectrum *spectrum, int32_t i);
 /* Tells whether any degree of freedom of a member of the system is free. */
@@ -94,18 +90,6 @@ double gn_block_at(const gn_block *block, double tau, double *out);
 /* Returns |S^4|_F^(1/4) or the trace, whichever is smaller: a cheap upper bound of the largest
  * eigenvalue of S >= 0. */
 double gn_block_upper(int n, const double *s, double trace);
-/* Marks [particles of the specimen] the members whose own block is above the step 1/tau, and
- * unmarks the others; returns the number of marked ones. */
-size_t gn_springs_mark_above(const gn_springs *system, double tau, uint8_t *marked);
-/* Finds weights, system->weight, with which every block of the system is below the step 1/tau; the
- * caller or gn_springs_free frees them. A particle whose block is above gets more weight, which
- * transfers more of its springs to its neighbours. Initially only those with mark 1 [particles of
- * the specimen] are above; those with the highest mark have neighbours outside. Returns whether
- * weights were found. With `left` [particles, zero] it marks the particles without such weights,
- * and returns false only without memory: all others are below, whatever weights the marked ones
- * have up to theirs. */
-bool gn_springs_find_weights(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest,
-                             uint8_t *left);
 /* Tells whether all eigenvalues of S are below `most`: most I - S then has a Cholesky factor. */
 bool gn_block_below(int n, const double *s, double most);
 /* Returns an upper bound of the largest eigenvalue of A + 2 tau B, round-off included, and its

@@ -1,7 +1,7 @@
 /* Tests whether a step is stable without computing the limit: for most particles local estimates
  * suffice. */
 #include "base/eigen.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "limit/damped.h"
 #include "limit/springs.h"
 #include "limit/step_limits.h"
@@ -69,7 +69,9 @@ static double block_over(const gn_springs *system, size_t p, double tau) {
     return fmax(gn_block_upper(m.n, s, trace) / most, 1.0 + 1e-9);
 }
 
-size_t gn_springs_mark_above(const gn_springs *system, double tau, uint8_t *marked) {
+/* Marks [particles of the specimen] the members whose own block is above the step 1/tau, and
+ * unmarks the others; returns the number of marked ones. */
+static size_t springs_mark_above(const gn_springs *system, double tau, uint8_t *marked) {
     size_t found = 0;
     for (size_t p = 0; p < system->particles; p++) {
         bool above = !(block_over(system, p, tau) <= 1.0);
@@ -79,7 +81,9 @@ size_t gn_springs_mark_above(const gn_springs *system, double tau, uint8_t *mark
     return found;
 }
 
-void gn_springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked) {
+/* Marks the neighbours of marked particles [of the specimen] as well, with one more than the
+ * highest mark so far. */
+static void springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked) {
     size_t pairs = gn_spring_pairs(spectrum);
     uint8_t next = (uint8_t)(highest + 1);
     for (size_t k = 0; k < pairs; k++) {
@@ -121,8 +125,15 @@ static bool settle_round(gn_springs *system, double tau, const uint8_t *marked, 
     return true;
 }
 
-bool gn_springs_find_weights(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest,
-                             uint8_t *left) {
+/* Finds weights, system->weight, with which every block of the system is below the step 1/tau; the
+ * caller or gn_springs_free frees them. A particle whose block is above gets more weight, which
+ * transfers more of its springs to its neighbours. Initially only those with mark 1 [particles of
+ * the specimen] are above; those with the highest mark have neighbours outside. Returns whether
+ * weights were found. With `left` [particles, zero] it marks the particles without such weights,
+ * and returns false only without memory: all others are below, whatever weights the marked ones
+ * have up to theirs. */
+static bool springs_find_weights(gn_springs *system, double tau, const uint8_t *marked,
+                                 uint8_t highest, uint8_t *left) {
     enum { ROUNDS = 24 };
     size_t n = system->particles;
     uint8_t *due = gn_alloc(n + 1), *next = gn_alloc(n + 1);
@@ -145,7 +156,7 @@ bool gn_springs_find_weights(gn_springs *system, double tau, const uint8_t *mark
 }
 
 static bool weights_settle(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest) {
-    bool settled = gn_springs_find_weights(system, tau, marked, highest, NULL);
+    bool settled = springs_find_weights(system, tau, marked, highest, NULL);
     gn_free(system->weight);
     system->weight = NULL;
     return settled;
@@ -155,7 +166,7 @@ static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, u
                                      gn_step_verdict *verdict, gneiss_error *error) {
     gn_springs y = {0};
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
-    if (status == GNEISS_OK) verdict->holds = !gn_springs_mark_above(&y, 1.0 / step, marked);
+    if (status == GNEISS_OK) verdict->holds = !springs_mark_above(&y, 1.0 / step, marked);
     gn_springs_free(&y);
     return status;
 }
@@ -197,7 +208,7 @@ static gneiss_status step_holds(const gn_spectrum *spectrum, const inquiry *ques
     GN_TRY(judge_by_blocks(spectrum, question->step, marked, verdict, error));
     if (verdict->holds) return GNEISS_OK;
     for (int layer = 1; layer <= LAYERS; layer++)
-        gn_springs_mark_neighbours(spectrum, (uint8_t)layer, marked);
+        springs_mark_neighbours(spectrum, (uint8_t)layer, marked);
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
     if (status == GNEISS_OK)
         status = judge_system(&y, question, marked, LAYERS + 1, verdict, error);
@@ -215,7 +226,7 @@ gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tol
     gneiss_status status = GNEISS_OK;
     if (sums && marked) {
         for (size_t p = 0; p < n; p++) marked[p] = !changed || changed[p];
-        if (changed) gn_springs_mark_neighbours(spectrum, 1, marked);
+        if (changed) springs_mark_neighbours(spectrum, 1, marked);
         status = step_holds(spectrum, &q, sums, marked, verdict, error);
     } else {
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
@@ -270,7 +281,7 @@ void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks) {
 size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_t *turned) {
     const gn_assembly *a = spectrum->assembly;
     size_t found = 0, k = 0;
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
         const gn_contacts *list = a->list[l];
         for (size_t c = 0; list && c < list->soa.count; c++, k++) {
             gn_spring s;
@@ -329,10 +340,9 @@ static void spread_mode(local_search *local, const gn_springs *members, const do
 
 static gneiss_status solve_members(local_search *local, const gn_springs *members,
                                    gn_step_limit *limit, gneiss_error *error) {
-    double *x = gn_alloc_array(members->particles * (size_t)members->dofs + 1, sizeof *x);
-    if (!x)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu particles",
-                       members->particles);
+    double *x = NULL;
+    GN_TRY(
+        gn_new(&x, members->particles * (size_t)members->dofs + 1, "a mode of particles", error));
     gneiss_status status = gn_springs_mode(members, local->tolerance, x, limit, error);
     if (status == GNEISS_OK) {
         spread_mode(local, members, x);
@@ -349,7 +359,7 @@ static gneiss_status solve_around(local_search *local, int layers, gn_step_limit
     gn_springs members = {0};
     memcpy(local->inside, local->core, local->whole->particles);
     for (int layer = 1; layer <= layers; layer++)
-        gn_springs_mark_neighbours(local->whole->spectrum, (uint8_t)layer, local->inside);
+        springs_mark_neighbours(local->whole->spectrum, (uint8_t)layer, local->inside);
     gneiss_status status = gn_springs_build_weighed(local->whole->spectrum, local->inside,
                                                     local->whole->weight, &members, error);
     if (status == GNEISS_OK) status = solve_members(local, &members, limit, error);
@@ -361,9 +371,9 @@ static gneiss_status solve_around(local_search *local, int layers, gn_step_limit
 static gneiss_status leave_unsettled(local_search *local, size_t *count, gneiss_error *error) {
     gn_springs *y = local->whole;
     const size_t n = y->particles;
-    gn_springs_mark_above(y, local->high, local->core);
+    springs_mark_above(y, local->high, local->core);
     memset(local->inside, 0, n);
-    if (!gn_springs_find_weights(y, local->high, local->core, UINT8_MAX, local->inside))
+    if (!springs_find_weights(y, local->high, local->core, UINT8_MAX, local->inside))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the weights of %zu particles", n);
     for (size_t p = 0; p < n; p++) {
         local->core[p] = local->inside[p];
@@ -469,7 +479,7 @@ gneiss_status gn_step_masses(const gn_spectrum *spectrum, double step, const uin
         inside[p] = changed[p] != 0;
         factor[p] = 1.0;
     }
-    gn_springs_mark_neighbours(spectrum, 1, inside);
+    springs_mark_neighbours(spectrum, 1, inside);
     gneiss_status status = masses_of(spectrum, step, inside, factor, error);
     gn_free(inside);
     return status;

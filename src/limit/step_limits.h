@@ -31,6 +31,7 @@ typedef struct gn_spectrum {
     const uint8_t *slips;
     const uint8_t *fixed; /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */
     double dashpots;      /* factor of dashpot coefficients; 0: 1 */
+    bool bonds_alone;     /* only intact bonds are active */
     int threads;
 } gn_spectrum;
 

@@ -1,6 +1,6 @@
 #include "measure/delaunay.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 
 #include <libqhull_r/qhull_ra.h>
 
@@ -134,9 +134,7 @@ static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *tr
     vertexT *vertex, **vertexp;
     size_t corners = (size_t)dimension + 1, count = 0;
     FORALLfacets count += !facet->upperdelaunay;
-    triangulation->vertex = gn_alloc_array(count * corners, sizeof *triangulation->vertex);
-    if (!triangulation->vertex)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu simplices", count);
+    GN_TRY(gn_new(&triangulation->vertex, count * corners, "simplices", error));
     FORALLfacets {
         if (facet->upperdelaunay) continue;
         int32_t *corner = triangulation->vertex + triangulation->count * corners;
@@ -215,10 +213,7 @@ static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulati
             any ? qh_setsize(qh, facet->vertices) == dimension : is_clear(qh, facet, dimension);
     }
     if (clear < count) return GNEISS_OK;
-    triangulation->vertex =
-        gn_alloc_array(count * (size_t)dimension, sizeof *triangulation->vertex);
-    if (!triangulation->vertex)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", count);
+    GN_TRY(gn_new(&triangulation->vertex, count * (size_t)dimension, "faces", error));
     FORALLfacets {
         int32_t *corner = triangulation->vertex + triangulation->count++ * (size_t)dimension;
         FOREACHvertex_(facet->vertices) *corner++ = qh_pointid(qh, vertex->point);

@@ -8,15 +8,13 @@
 
 #include <stdbool.h>
 
-enum { GN_ASSEMBLY_LISTS = 4 };
-
 /* The force-carrying parts of a state. Any list may be empty (count 0); `walls` may be NULL. */
 typedef struct gn_assembly {
     int dimension; /* 2 or 3 */
     const gn_particles *particles;
-    const gn_contacts *list[GN_ASSEMBLY_LISTS]; /* NULL: none */
-    const gn_wall_contacts *wall_contacts;      /* may be NULL */
-    const double *wall_normals;                 /* [walls][4], unit, pointing to the particles */
+    const gn_contacts *list[GN_LISTS_MOST]; /* NULL: none */
+    const gn_wall_contacts *wall_contacts;  /* may be NULL */
+    const double *wall_normals;             /* [walls][4], unit, pointing to the particles */
     bool periodic;
     double period[3];  /* m, with `periodic` */
     size_t wall_count; /* larger values of gn_wall_contacts.wall are facets */

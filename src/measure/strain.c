@@ -8,10 +8,10 @@
  * the other ones: V <du_a/dx_b> = sum over faces f of A_f,b times the mean of u_a over the corners
  * of f. A face between two simplices appears twice with opposite signs. Cancelling such pairs
  * before adding anything leaves the outer faces, and only particles on the outside get a weight. */
+#include "base/new.h"
 #include "measure/measure.h"
 
 #include "base/eigen.h"
-#include "base/memory.h"
 #include "base/random.h"
 #include "measure/delaunay.h"
 
@@ -243,11 +243,8 @@ static gneiss_status take_weights(const double *weight, size_t count, const numb
     size_t used = 0;
     for (size_t k = 0; k < count; k++)
         used += weight[3 * k] != 0 || weight[3 * k + 1] != 0 || weight[3 * k + 2] != 0;
-    gauge->id = gn_alloc_array(used, sizeof *gauge->id);
-    gauge->weight = gn_alloc_array(3 * used, sizeof *gauge->weight);
-    if (!gauge->id || !gauge->weight)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
-                       used);
+    GN_TRY(gn_new(&gauge->id, used, "a strain gauge of particles", error));
+    GN_TRY(gn_new(&gauge->weight, 3 * used, "a strain gauge of particles", error));
     for (size_t k = 0; k < count; k++) {
         const double *w = weight + 3 * k;
         if (w[0] == 0 && w[1] == 0 && w[2] == 0) continue;
@@ -308,8 +305,8 @@ static gneiss_status weigh_hull(const gn_triangulation *hull, const double *show
                                 gneiss_error *error) {
     const int dimension = hull->dimension;
     double inside[3] = {0};
-    face *faces = gn_alloc_array(hull->count, sizeof *faces);
-    if (!faces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", hull->count);
+    face *faces = NULL;
+    GN_TRY(gn_new(&faces, hull->count, "faces", error));
     for (size_t k = 0; k < count * (size_t)dimension; k++)
         inside[k % (size_t)dimension] += shown[k] / (double)count;
     for (size_t f = 0; f < hull->count; f++) {
@@ -450,10 +447,8 @@ gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t 
 
 gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
                                      gn_strain_gauge *gauge, gneiss_error *error) {
-    uint8_t *counts = gn_alloc_array(particles->soa.count + 1, sizeof *counts);
-    if (!counts)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
-                       particles->soa.count);
+    uint8_t *counts = NULL;
+    GN_TRY(gn_new(&counts, particles->soa.count + 1, "a strain gauge of particles", error));
     gn_strain_gauge_select(particles, dimension, counts);
     gneiss_status status = gn_strain_gauge_of(particles, counts, dimension, gauge, error);
     gn_free(counts);

@@ -49,7 +49,7 @@ static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], 
 
 void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]) {
     memset(sigma, 0, 9 * sizeof *sigma);
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
         const gn_contacts *list = assembly->list[l];
         for (size_t c = 0; list && c < list->soa.count; c++) {
             contact x = contact_at(assembly, list, c);
@@ -85,7 +85,7 @@ static void add_pair(const gn_assembly *assembly, const contact *one, double *si
 void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma) {
     const gn_particles *particles = assembly->particles;
     memset(sigma, 0, 6 * particles->soa.count * sizeof *sigma);
-    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
         const gn_contacts *list = assembly->list[l];
         for (size_t c = 0; list && c < list->soa.count; c++) {
             contact x = contact_at(assembly, list, c);

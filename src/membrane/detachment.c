@@ -2,16 +2,16 @@
  * particle towards those that remain become surface: their vector sum is the area that it carried,
  * so that the surface stays closed, encloses what remains, and follows it. All of it refers to the
  * positions at the start. */
+#include "base/new.h"
 #include "membrane/membrane.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/cells.h"
-#include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 
@@ -32,6 +32,7 @@ enum { NONE = -1, PLANES = 8 };
 typedef struct transfer {
     const gn_step_context *ctx;
     gn_dem *dem;
+    gn_membrane *membrane;
     gn_start_grid left, all;
     bool *of; /* [particles] that are left */
     gn_cell cell;
@@ -132,43 +133,40 @@ static gneiss_status add_patch(transfer *h, int32_t p, const gn_patch *patch, gn
     return GNEISS_OK;
 }
 
-static gneiss_status collect_patches(const gn_step_context *ctx, gn_dem *dem, transfer *h,
-                                     gneiss_error *error) {
+static gneiss_status collect_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                                     transfer *h, gneiss_error *error) {
     const gn_dem *d = dem;
     const size_t n = d->particles.soa.count;
     const double radius = gn_dem_mean_radius(dem);
-    h->of = gn_alloc_array(n + 1, sizeof *h->of);
-    if (!h->of)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    GN_TRY(gn_new(&h->of, n + 1, "the skin of particles", error));
     for (size_t p = 0; p < n; p++) h->of[p] = !gn_is_detached(&d->particles, p);
     GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, h->of, &h->left, error));
     GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, NULL, &h->all, error));
     h->cell = (gn_cell){.all = &h->all, .around = around * radius, .width = voxel * radius};
-    h->head = gn_alloc_array(n + 1, sizeof *h->head);
-    if (!h->head)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
-    GN_TRY(make_room(h, d->patch_count + 64, error));
+    GN_TRY(gn_new(&h->head, n + 1, "the skin of particles", error));
+    GN_TRY(make_room(h, membrane->patch_count + 64, error));
     for (size_t p = 0; p < n; p++) h->head[p] = NONE;
-    for (size_t k = d->patch_count; k-- > 0;) {
-        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
-        if (at >= 0) GN_TRY(add_patch(h, at, &d->patches[k], error));
+    for (size_t k = membrane->patch_count; k-- > 0;) {
+        const int32_t at = gn_patch_bearer(d, &membrane->patches[k]);
+        if (at >= 0) GN_TRY(add_patch(h, at, &membrane->patches[k], error));
     }
     return GNEISS_OK;
 }
 
 /* Back into the world, those of one particle one after the other. */
 static gneiss_status store_patches(const transfer *h, gneiss_error *error) {
-    gn_dem *d = h->dem;
-    gn_patch *patches = gn_alloc_array(h->count + 1, sizeof *patches);
-    if (!patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    d->patch_count = 0;
-    for (size_t p = 0; p < d->particles.soa.count; p++)
+    const gn_particles *q = &h->dem->particles;
+    gn_membrane *membrane = h->membrane;
+    gn_patch *patches = NULL;
+    GN_TRY(gn_new(&patches, h->count + 1, "a membrane", error));
+    membrane->patch_count = 0;
+    for (size_t p = 0; p < q->soa.count; p++)
         for (int32_t k = h->head[p]; k != NONE; k = h->next[k]) {
-            patches[d->patch_count] = h->patch[k];
-            patches[d->patch_count++].owner = d->particles.id[p];
+            patches[membrane->patch_count] = h->patch[k];
+            patches[membrane->patch_count++].owner = q->id[p];
         }
-    gn_free(d->patches);
-    d->patches = patches;
+    gn_free(membrane->patches);
+    membrane->patches = patches;
     return GNEISS_OK;
 }
 
@@ -223,20 +221,21 @@ static gneiss_status give_faces(transfer *h, double area[3], double arms[9], gne
 /* A cell is closed, so that what it bore has the sum and the moment of the faces that it bares.
  * What these miss, by the size of voxels and where the surface was no plane, all of the skin bears.
  */
-static void keep_sums(gn_membrane *m, const double area[3], const double arms[9]) {
+static void keep_sums(gn_membrane_state *m, const double area[3], const double arms[9]) {
     for (int a = 0; a < 3; a++) m->missing[a] += area[a];
     for (int k = 0; k < 9; k++) m->rest[k] += 0.5 * (arms[k] - arms[k % 3 * 3 + k / 3]);
 }
 
 static gneiss_status expose_faces(transfer *h, size_t p, gneiss_error *error) {
+    gn_particles *q = &h->dem->particles;
     double plane[PLANES][4], area[3] = {0}, arms[9] = {0};
     const size_t planes = planes_at(h, p, plane);
     for (int32_t k = h->head[p]; k != NONE; k = h->next[k]) add_sums(&h->patch[k], 1.0, area, arms);
     GN_TRY(gn_cell_find(&h->cell, (int)h->ctx->scene.dimension, p, planes, plane, error));
     h->head[p] = NONE;
-    h->dem->particles.skin[4 * p + 3] = bare;
+    q->skin[4 * p + 3] = bare;
     GN_TRY(give_faces(h, area, arms, error));
-    keep_sums(h->dem->membrane, area, arms);
+    keep_sums(h->membrane->state, area, arms);
     return GNEISS_OK;
 }
 
@@ -258,12 +257,12 @@ static gneiss_status transfer_patches(transfer *h, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, bool *dropped,
-                                 gneiss_error *error) {
-    transfer h = {.ctx = ctx, .dem = dem};
+gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                                 bool *dropped, gneiss_error *error) {
+    transfer h = {.ctx = ctx, .dem = dem, .membrane = membrane};
     *dropped = mark_detached(ctx, dem);
     if (!*dropped) return GNEISS_OK;
-    gneiss_status status = collect_patches(ctx, dem, &h, error);
+    gneiss_status status = collect_patches(ctx, dem, membrane, &h, error);
     if (status == GNEISS_OK) status = transfer_patches(&h, error);
     if (status == GNEISS_OK) status = store_patches(&h, error);
     free_transfer(&h);

@@ -11,11 +11,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "laboratory/laboratory.h"
 #include "membrane/rolling_ball.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "neigh/neigh.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/records.h"
 
@@ -227,8 +227,9 @@ static void set_surface(gn_dem *dem, const view *v, gn_skin_body body, double at
 
 /* The surface of a body, in balance with its particles at their centres. Ways end where it encloses
  * what the body fills. */
-static void finish(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                   const gn_solids *solids, const view *v, gn_skin_body body, double *arms) {
+static void finish(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                   const gn_boundary *boundary, const gn_solids *solids, const view *v,
+                   gn_skin_body body, double *arms) {
     gn_particles *q = &dem->particles;
     const double none[3] = {0}, d = (double)ctx->scene.dimension;
     const bool shaped = ctx->scene.specimen.pack.shape != GN_SHAPE_NONE;
@@ -248,7 +249,7 @@ static void finish(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *b
         given > 0.0 || !(space.filled > at_centres) ? at_centres + ways : space.filled;
     for (size_t p = 0; p < q->soa.count; p++)
         if (gn_is_in_body(body, p)) arms[p] *= (volume - at_centres) / ways;
-    dem->membrane->enclosed += volume;
+    membrane->state->enclosed += volume;
 }
 
 /* Tells whether a body is more than a row (2D) or a layer (3D). */
@@ -269,7 +270,7 @@ static bool spans(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body bo
     return values[d - 1] > 1e-6 * values[0];
 }
 
-static gneiss_status finish_all(const gn_step_context *ctx, gn_dem *dem,
+static gneiss_status finish_all(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                 const gn_boundary *boundary, const gn_solids *solids, const view *v,
                                 double *arms, gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
@@ -278,7 +279,7 @@ static gneiss_status finish_all(const gn_step_context *ctx, gn_dem *dem,
         const gn_skin_body body = {v->bodies == 1 ? NULL : v->body, (int32_t)p};
         if (!v->members[p]) continue;
         if (!spans(ctx, dem, body)) continue;
-        finish(ctx, dem, boundary, solids, v, body, arms);
+        finish(ctx, dem, membrane, boundary, solids, v, body, arms);
         pressed = true;
     }
     if (pressed || !n) return GNEISS_OK;
@@ -289,12 +290,13 @@ static gneiss_status finish_all(const gn_step_context *ctx, gn_dem *dem,
                                   : "none but such by themselves or in rows");
 }
 
-gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem,
+gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     double ball, double *arms, gneiss_error *error) {
     view v = {0};
     gneiss_status status = look(ctx, dem, &v, ball, error);
-    if (status == GNEISS_OK) status = finish_all(ctx, dem, boundary, solids, &v, arms, error);
+    if (status == GNEISS_OK)
+        status = finish_all(ctx, dem, membrane, boundary, solids, &v, arms, error);
     free_view(&v);
     return status;
 }

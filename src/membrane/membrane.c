@@ -4,12 +4,11 @@
 
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "scene/laboratory.h"
-#include "scene/table.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -18,22 +17,23 @@
 /* Steps between looks for what came off, and for how the skin has moved from place to place. */
 enum { LOOK_INTERVAL = 100, ALL = -1 };
 
-double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_dem *dem) {
-    const gn_membrane *m = dem->membrane;
+double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_membrane *membrane) {
+    const gn_membrane_state *m = membrane->state;
     const double ramp = ctx->scene.membrane.ramp;
     if (!(ctx->effects & GN_FX_MEMBRANE)) return 0.0;
     const double past = ctx->time - m->since, share = past < ramp ? past / ramp : 1.0;
     return m->from + share * (gn_table_at(&ctx->scene.membrane.pressure, ctx->time) - m->from);
 }
 
-void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, size_t stage, double pressure) {
+void gn_membrane_enter(const gn_step_context *ctx, gn_membrane *membrane, size_t stage,
+                       double pressure) {
     if (!(ctx->effects & GN_FX_MEMBRANE) || ctx->scene.membrane_stage != stage + 1) return;
-    dem->membrane->from = pressure;
-    dem->membrane->since = ctx->time;
+    membrane->state->from = pressure;
+    membrane->state->since = ctx->time;
 }
 
-double gn_membrane_pressure(const gn_dem *dem) {
-    return dem->membrane ? dem->membrane->pressure : 0.0;
+double gn_membrane_pressure(const gn_membrane *membrane) {
+    return membrane->state ? membrane->state->pressure : 0.0;
 }
 
 int32_t gn_patch_bearer(const gn_dem *d, const gn_patch *patch) {
@@ -52,16 +52,16 @@ double gn_membrane_area(const gn_dem *dem) {
     return gn_membrane_area_of(dem, (gn_skin_body){0});
 }
 
-double gn_membrane_volume(const gn_step_context *ctx, const gn_dem *dem) {
-    const double enclosed = dem->membrane ? dem->membrane->enclosed : 0.0;
+double gn_membrane_volume(const gn_step_context *ctx, const gn_membrane *membrane) {
+    const double enclosed = membrane->state ? membrane->state->enclosed : 0.0;
     return enclosed > 0.0 ? enclosed : ctx->volume;
 }
 
-void gn_membrane_stress(const gn_step_context *ctx, const gn_dem *dem, double volume,
+void gn_membrane_stress(const gn_step_context *ctx, const gn_membrane *membrane, double volume,
                         double stress[9]) {
     double turn[9], half[9], arms[9];
     if (!(ctx->effects & GN_FX_MEMBRANE)) return;
-    const gn_membrane *m = dem->membrane;
+    const gn_membrane_state *m = membrane->state;
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
@@ -141,14 +141,14 @@ bool gn_gradient_of(const gn_gradient_fit *f, double gradient[9]) {
 
 /* Fits the deformation of a body, or of all, relative to one particle of the skin, so that a
  * distant origin costs no digits. */
-static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, int32_t body,
-                     double gradient[9]) {
+static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, const gn_membrane *membrane,
+                     int32_t body, double gradient[9]) {
     const gn_particles *q = &dem->particles;
     gn_gradient_fit fit = {.dimension = (int)ctx->scene.dimension};
     const double *base = NULL, *start = NULL;
     for (size_t p = 0; p < q->soa.count; p++) {
         double from[3], to[3];
-        if (!gn_is_loaded(q, p) || (body != ALL && dem->skin_body[p] != body)) continue;
+        if (!gn_is_loaded(q, p) || (body != ALL && membrane->skin_body[p] != body)) continue;
         if (!base) base = q->pos + 4 * p, start = q->start + 4 * p;
         for (int a = 0; a < 3; a++) {
             from[a] = q->start[4 * p + a] - start[a];
@@ -161,59 +161,69 @@ static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, int32_t body
 
 /* Finds the body of each particle: bodies are stored with the patches, whose order does not change.
  */
-static gneiss_status list_bodies(gn_dem *dem, size_t bodies, gneiss_error *error) {
+static gneiss_status list_bodies(gn_dem *dem, gn_membrane *membrane, size_t bodies,
+                                 gneiss_error *error) {
     gn_dem *d = dem;
-    gn_free(d->skin_gradient);
-    gn_free(d->skin_body);
-    d->skin_gradient = gn_alloc_array(bodies, sizeof *d->skin_gradient);
-    d->skin_body = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->skin_body);
-    if (!d->skin_gradient || !d->skin_body)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
-    for (size_t k = 0; k < d->patch_count; k++) {
-        const int32_t p = gn_patch_bearer(d, &d->patches[k]);
-        if (p >= 0) d->skin_body[p] = d->patches[k].body;
+    gn_free(membrane->skin_gradient);
+    gn_free(membrane->skin_body);
+    GN_TRY(gn_new(&membrane->skin_gradient, bodies, "the bodies of a skin", error));
+    GN_TRY(gn_new(&membrane->skin_body, d->particles.soa.count + 1, "the bodies of a skin", error));
+    for (size_t k = 0; k < membrane->patch_count; k++) {
+        const int32_t p = gn_patch_bearer(d, &membrane->patches[k]);
+        if (p >= 0) membrane->skin_body[p] = membrane->patches[k].body;
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
-    const size_t bodies = (size_t)dem->membrane->bodies;
+gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                                     gneiss_error *error) {
+    const size_t bodies = (size_t)membrane->state->bodies;
     if (bodies < 2 || !ctx->scene.membrane.follow) return GNEISS_OK;
-    GN_TRY(list_bodies(dem, bodies, error));
-    for (size_t b = 0; b < bodies; b++) fit_skin(ctx, dem, (int32_t)b, dem->skin_gradient[b]);
+    GN_TRY(list_bodies(dem, membrane, bodies, error));
+    for (size_t b = 0; b < bodies; b++)
+        fit_skin(ctx, dem, membrane, (int32_t)b, membrane->skin_gradient[b]);
     return GNEISS_OK;
 }
 
-const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
-    const gn_dem *d = dem;
-    const bool several = d->membrane->bodies > 1 && ctx->scene.membrane.follow;
-    return several ? d->skin_gradient[d->skin_body[p]] : d->membrane->gradient;
+const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_membrane *membrane,
+                                      size_t p) {
+    const bool several = membrane->state->bodies > 1 && ctx->scene.membrane.follow;
+    return several ? membrane->skin_gradient[membrane->skin_body[p]] : membrane->state->gradient;
+}
+
+void gn_membrane_free(gn_membrane *membrane) {
+    gn_free(membrane->state);
+    gn_free(membrane->skin_gradient);
+    gn_free(membrane->skin_body);
+    gn_free(membrane->patches);
 }
 
 /* --- forces --- */
 
-gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                                gneiss_error *error) {
     gn_particles *q = &dem->particles;
     const gn_membrane_def *m = &ctx->scene.membrane;
     double turn[9];
     if (!(ctx->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    const double pressure = gn_membrane_pressure_now(ctx, dem);
-    dem->membrane->pressure = pressure;
+    const double pressure = gn_membrane_pressure_now(ctx, membrane);
+    membrane->state->pressure = pressure;
     const bool look = ctx->step % LOOK_INTERVAL == 0;
     bool dropped = false;
-    if (look) GN_TRY(gn_membrane_detach(ctx, dem, &dropped, error));
+    if (look) GN_TRY(gn_membrane_detach(ctx, dem, membrane, &dropped, error));
     /* Several bodies have no common deformation. */
-    if (m->follow && (look || dem->membrane->bodies == 1))
-        fit_skin(ctx, dem, ALL, dem->membrane->gradient);
-    if (look) GN_TRY(gn_membrane_update_areas(ctx, dem, dropped, error));
-    if (!look) GN_TRY(gn_membrane_fit_bodies(ctx, dem, error));
+    if (m->follow && (look || membrane->state->bodies == 1))
+        fit_skin(ctx, dem, membrane, ALL, membrane->state->gradient);
+    if (look) GN_TRY(gn_membrane_update_areas(ctx, dem, membrane, dropped, error));
+    if (!look) GN_TRY(gn_membrane_fit_bodies(ctx, dem, membrane, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_loaded(q, p)) continue;
-        gn_cofactor3(gn_membrane_gradient_at(ctx, dem, p), turn);
+        gn_cofactor3(gn_membrane_gradient_at(ctx, membrane, p), turn);
         for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
     /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
-    if (m->follow && dem->membrane->bodies == 1) gn_membrane_rebalance(ctx, dem, q->applied);
+    if (m->follow && membrane->state->bodies == 1)
+        gn_membrane_rebalance(ctx, dem, membrane, q->applied);
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3 && gn_is_loaded(q, p); a++)
             q->applied[4 * p + a] = q->load[4 * p + a] - pressure * q->applied[4 * p + a];

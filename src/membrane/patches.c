@@ -2,16 +2,16 @@
  * by what of the body lies beneath it, and as the faces that what came off left bare, so that
  * together they are the surface of what is left. In a body that deforms every patch turns and
  * stretches as the particles around its bearer have moved. */
+#include "base/new.h"
 #include "membrane/membrane.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/cells.h"
-#include "particles/dem.h"
 #include "particles/fragments.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -74,13 +74,14 @@ typedef struct look {
     double (*whole)[9]; /* [particles] by the leading particle of a body, with several bodies */
 } look;
 
-static const double *whole_of(const gn_dem *dem, const look *l, size_t p) {
-    return l->whole ? l->whole[l->group[p]] : dem->membrane->gradient;
+static const double *whole_of(const gn_membrane *membrane, const look *l, size_t p) {
+    return l->whole ? l->whole[l->group[p]] : membrane->state->gradient;
 }
 
 /* Wider where few are left or the body is thin; that of the skin as a whole where nothing says it.
  */
-static void gradient_around(const gn_step_context *ctx, const gn_dem *dem, const look *l, size_t p,
+static void gradient_around(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_membrane *membrane, const look *l, size_t p,
                             double gradient[9]) {
     for (int k = 0; k <= WIDENED; k++) {
         view v = {.particles = &dem->particles,
@@ -91,7 +92,7 @@ static void gradient_around(const gn_step_context *ctx, const gn_dem *dem, const
         gn_start_grid_visit(l->around, dem->particles.start + 4 * p, v.reach, see, &v);
         if (determines_gradient(&v, l->radius, gradient)) return;
     }
-    memcpy(gradient, whole_of(dem, l, p), 9 * sizeof *gradient);
+    memcpy(gradient, whole_of(membrane, l, p), 9 * sizeof *gradient);
 }
 
 /* Fits the skin of each of several bodies, relative to its leading particle. */
@@ -161,17 +162,17 @@ static double stretch_of(const gn_patch *patch, const double turn[9], const doub
 /* Surroundings that would stretch a patch so much more or less than the skin of its body are not
  * trusted: the patch then moves as that skin. Returns the size of the patches from the k-th on that
  * this concerns, otherwise 0. */
-static double limit_stretch(const double as_whole[9], const gn_dem *d, size_t k,
+static double limit_stretch(const double as_whole[9], const gn_membrane *membrane, size_t k,
                             double gradient[9]) {
-    const int32_t owner = d->patches[k].owner;
+    const int32_t owner = membrane->patches[k].owner;
     double turn[9], whole[9], size = 0.0;
     bool holds = true;
     gn_cofactor3(gradient, turn);
     gn_cofactor3(as_whole, whole);
-    for (; k < d->patch_count && d->patches[k].owner == owner; k++) {
-        const double stretch = stretch_of(&d->patches[k], turn, whole);
+    for (; k < membrane->patch_count && membrane->patches[k].owner == owner; k++) {
+        const double stretch = stretch_of(&membrane->patches[k], turn, whole);
         holds = holds && stretch < stretch_most && stretch * stretch_most > 1.0;
-        size += size_of(&d->patches[k]);
+        size += size_of(&membrane->patches[k]);
     }
     if (holds) return 0.0;
     memcpy(gradient, as_whole, 9 * sizeof *gradient);
@@ -180,42 +181,42 @@ static double limit_stretch(const double as_whole[9], const gn_dem *d, size_t k,
 
 /* All patches, of which those of one particle follow one another; as what is around them has moved
  * or as at the start. */
-static void add_patches(const gn_step_context *ctx, gn_dem *dem, const look *l, double arms[9]) {
-    gn_dem *d = dem;
+static void add_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                        const look *l, double arms[9]) {
+    gn_particles *q = &dem->particles;
     double gradient[9], unlike = 0.0;
-    for (size_t p = 0; p < d->particles.soa.count; p++)
-        if (!gn_is_detached(&d->particles, p))
-            memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
-    for (size_t k = 0; k < d->patch_count;) {
-        const int32_t owner = d->patches[k].owner;
-        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (!gn_is_detached(q, p)) memset(q->skin + 4 * p, 0, 4 * sizeof(double));
+    for (size_t k = 0; k < membrane->patch_count;) {
+        const int32_t owner = membrane->patches[k].owner;
+        const int32_t at = gn_patch_bearer(dem, &membrane->patches[k]);
         double bared[3] = {0};
-        memcpy(gradient, d->membrane->gradient, sizeof gradient);
+        memcpy(gradient, membrane->state->gradient, sizeof gradient);
         if (l->around && at >= 0) {
-            gradient_around(ctx, dem, l, (size_t)at, gradient);
-            unlike += limit_stretch(whole_of(dem, l, (size_t)at), d, k, gradient);
+            gradient_around(ctx, dem, membrane, l, (size_t)at, gradient);
+            unlike += limit_stretch(whole_of(membrane, l, (size_t)at), membrane, k, gradient);
         }
-        for (; k < d->patch_count && d->patches[k].owner == owner; k++)
-            if (at >= 0) add_patch(dem, &d->patches[k], (size_t)at, gradient, bared, arms);
-        if (at >= 0) d->particles.skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
+        for (; k < membrane->patch_count && membrane->patches[k].owner == owner; k++)
+            if (at >= 0) add_patch(dem, &membrane->patches[k], (size_t)at, gradient, bared, arms);
+        if (at >= 0) q->skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
     }
-    if (d->membrane->pressure > 0.0)
-        d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(dem));
+    if (membrane->state->pressure > 0.0)
+        membrane->state->unlike = fmax(membrane->state->unlike, unlike / gn_membrane_area(dem));
 }
 
 /* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
  * times place, from a particle `base` on. Of a closed surface they are 0 and its volume. */
-static void surface_sums(const gn_dem *dem, gn_skin_body body, size_t base, double area[3],
-                         double tensor[9]) {
+static void surface_sums(const gn_dem *dem, const gn_membrane *membrane, gn_skin_body body,
+                         size_t base, double area[3], double tensor[9]) {
     const gn_dem *d = dem;
-    const gn_membrane *m = d->membrane;
+    const gn_membrane_state *m = membrane->state;
     const double *start = d->particles.start + 4 * base;
     double turn[9], half[9], sum[3] = {0}, all[9] = {0};
     const bool closed = body.group && body.is != OPEN;
     if (!closed) memcpy(sum, m->missing, sizeof sum);
     for (int c = 0; !closed && c < 9; c++) all[c] = m->rest[c] - m->missing[c / 3] * start[c % 3];
-    for (size_t k = 0; k < d->patch_count; k++) {
-        const gn_patch *patch = &d->patches[k];
+    for (size_t k = 0; k < membrane->patch_count; k++) {
+        const gn_patch *patch = &membrane->patches[k];
         const int32_t at = gn_patch_bearer(d, patch);
         if (at < 0) continue;
         if (body.group && body.group[at] != body.is) continue;
@@ -238,29 +239,30 @@ static void moment_of(const double base[3], const double area[3], const double t
             tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
 }
 
-void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem, double *area) {
+void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_membrane *membrane, double *area) {
     const gn_particles *q = &dem->particles;
     const gn_skin_body all = {0};
     double sum[3], tensor[9], moment[3];
     size_t base = 0;
     while (base < q->soa.count && !gn_is_loaded(q, base)) base++;
     if (base == q->soa.count) return;
-    surface_sums(dem, all, base, sum, tensor);
+    surface_sums(dem, membrane, all, base, sum, tensor);
     moment_of(q->pos + 4 * base, sum, tensor, moment);
     gn_membrane_balance(ctx, dem, all, q->pos, moment, area);
 }
 
 /* Distributes the difference to the force of the surface over all areas by size; then restores the
  * moment. Both vanish for a closed surface. */
-static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_skin_body body,
-                               const double *place) {
+static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                               gn_skin_body body, const double *place) {
     gn_particles *q = &dem->particles;
     double area[3], tensor[9], moment[3];
     const double sum = gn_membrane_area_of(dem, body);
     size_t base = 0;
     if (!(sum > 0.0)) return;
     while (!gn_is_loaded_of(q, body, base)) base++;
-    surface_sums(dem, body, base, area, tensor);
+    surface_sums(dem, membrane, body, base, area, tensor);
     if (body.group && body.is != OPEN) {
         memset(area, 0, sizeof area);
         memset(tensor, 0, sizeof tensor);
@@ -277,15 +279,16 @@ static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_skin_
 }
 
 /* Sets the group of bodies whose surface is not closed to OPEN. */
-static void find_open(const gn_dem *dem, int32_t *group, double (*sums)[4]) {
+static void find_open(const gn_dem *dem, const gn_membrane *membrane, int32_t *group,
+                      double (*sums)[4]) {
     const gn_dem *d = dem;
     const double nearly = 0.03;
     const size_t n = d->particles.soa.count;
-    for (size_t k = 0; k < d->patch_count; k++) {
-        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+    for (size_t k = 0; k < membrane->patch_count; k++) {
+        const int32_t at = gn_patch_bearer(d, &membrane->patches[k]);
         if (at < 0) continue;
-        for (int a = 0; a < 3; a++) sums[group[at]][a] += d->patches[k].area[a];
-        sums[group[at]][3] += size_of(&d->patches[k]);
+        for (int a = 0; a < 3; a++) sums[group[at]][a] += membrane->patches[k].area[a];
+        sums[group[at]][3] += size_of(&membrane->patches[k]);
     }
     for (size_t p = 0; p < n; p++) {
         const double *s = sums[group[p]];
@@ -295,39 +298,40 @@ static void find_open(const gn_dem *dem, int32_t *group, double (*sums)[4]) {
 
 /* Numbers from 0 on for bodies that are closed, the last for all others. Returns how many. `number`
  * [particles] is room. */
-static int64_t number_bodies(gn_dem *dem, const int32_t *group, int32_t *number) {
+static int64_t number_bodies(gn_dem *dem, gn_membrane *membrane, const int32_t *group,
+                             int32_t *number) {
     gn_dem *d = dem;
     int32_t count = 0;
     bool open = false;
     for (size_t p = 0; p < d->particles.soa.count; p++)
         if (group[p] == (int32_t)p) number[p] = count++;
-    for (size_t k = 0; k < d->patch_count; k++) {
-        const int32_t p = gn_patch_bearer(d, &d->patches[k]);
+    for (size_t k = 0; k < membrane->patch_count; k++) {
+        const int32_t p = gn_patch_bearer(d, &membrane->patches[k]);
         if (p < 0) continue;
         open = open || group[p] == OPEN;
-        d->patches[k].body = group[p] == OPEN ? count : number[group[p]];
+        membrane->patches[k].body = group[p] == OPEN ? count : number[group[p]];
     }
     return (int64_t)count + open;
 }
 
 /* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
  * crack has opened together with what it was parted from. */
-static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, int32_t *group,
-                                    const double *place, gneiss_error *error) {
+static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                                    int32_t *group, const double *place, gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
     if (!group) {
-        bring_into_balance(ctx, dem, (gn_skin_body){0}, place);
-        dem->membrane->bodies = 1;
+        bring_into_balance(ctx, dem, membrane, (gn_skin_body){0}, place);
+        membrane->state->bodies = 1;
         return GNEISS_OK;
     }
     double(*sums)[4] = gn_alloc_array(n + 1, sizeof *sums);
     if (!sums) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
-    find_open(dem, group, sums);
+    find_open(dem, membrane, group, sums);
     for (size_t p = 0; p < n; p++)
         if (group[p] == (int32_t)p)
-            bring_into_balance(ctx, dem, (gn_skin_body){group, (int32_t)p}, place);
-    bring_into_balance(ctx, dem, (gn_skin_body){group, OPEN}, place);
-    dem->membrane->bodies = number_bodies(dem, group, (int32_t *)sums);
+            bring_into_balance(ctx, dem, membrane, (gn_skin_body){group, (int32_t)p}, place);
+    bring_into_balance(ctx, dem, membrane, (gn_skin_body){group, OPEN}, place);
+    membrane->state->bodies = number_bodies(dem, membrane, group, (int32_t *)sums);
     gn_free(sums);
     return GNEISS_OK;
 }
@@ -342,10 +346,10 @@ static void back_of(const double gradient[9], double back[9]) {
 
 /* Areas as they would be had their body not moved as a whole, and ways had the skin not: steps turn
  * and stretch them. */
-static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, double arms[9],
-                                     gneiss_error *error) {
+static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                                     double arms[9], gneiss_error *error) {
     gn_particles *q = &dem->particles;
-    gn_membrane *m = dem->membrane;
+    gn_membrane_state *m = membrane->state;
     double cofactor[9], inverse[9], back[9], half[9];
     gn_cofactor3(m->gradient, cofactor);
     back_of(m->gradient, back);
@@ -353,12 +357,12 @@ static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, do
     for (int k = 0; k < 9; k++) inverse[k] = cofactor[k % 3 * 3 + k / 3] / det;
     gn_product3(back, arms, half);
     gn_product3_bt(half, inverse, m->arms);
-    GN_TRY(gn_membrane_fit_bodies(ctx, dem, error));
+    GN_TRY(gn_membrane_fit_bodies(ctx, dem, membrane, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;
         if (!gn_is_loaded(q, p)) continue;
         const double now[3] = {s[0], s[1], s[2]};
-        back_of(gn_membrane_gradient_at(ctx, dem, p), back);
+        back_of(gn_membrane_gradient_at(ctx, membrane, p), back);
         for (int a = 0; a < 3; a++) s[a] = gn_dot3(back + 3 * a, now);
     }
     return GNEISS_OK;
@@ -366,17 +370,17 @@ static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, do
 
 /* The areas and ways of the last look as bodies have moved as a whole since, [4 particles] and 9.
  */
-static void advance_areas(const gn_step_context *ctx, const gn_dem *dem, double *area,
-                          double arms[9]) {
+static void advance_areas(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_membrane *membrane, double *area, double arms[9]) {
     const gn_particles *q = &dem->particles;
-    const gn_membrane *m = dem->membrane;
+    const gn_membrane_state *m = membrane->state;
     double turn[9], half[9];
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_loaded(q, p)) continue;
-        gn_cofactor3(gn_membrane_gradient_at(ctx, dem, p), turn);
+        gn_cofactor3(gn_membrane_gradient_at(ctx, membrane, p), turn);
         for (int a = 0; a < 3; a++) area[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
 }
@@ -393,8 +397,8 @@ static void blend(gn_dem *dem, const double *was, const double had[9], double ar
 /* Grains that roll by themselves do not say how a body moves. */
 static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                   gn_start_grid *grid, gneiss_error *error) {
-    bool *held = gn_alloc_array(dem->particles.soa.count + 1, sizeof *held);
-    if (!held) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of a specimen");
+    bool *held = NULL;
+    GN_TRY(gn_new(&held, dem->particles.soa.count + 1, "the skin of a specimen", error));
     gneiss_status status = gn_membrane_find_supported(ctx, dem, held, error);
     if (status == GNEISS_OK) status = gn_start_grid_make(ctx, dem, cell, held, grid, error);
     gn_free(held);
@@ -402,52 +406,52 @@ static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 /* As what is around the bearers has moved. */
-static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, const int32_t *group,
-                               double arms[9], gneiss_error *error) {
+static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                               const int32_t *group, double arms[9], gneiss_error *error) {
     gn_start_grid grid = {0};
     look l = {.group = group, .radius = gn_dem_mean_radius(dem)};
     gneiss_status status = grid_of_held(ctx, dem, cell_size * l.radius, &grid, error);
     if (status != GNEISS_OK) return status;
     l.around = &grid;
     if (group) status = fit_bodies(ctx, dem, &l, error);
-    if (status == GNEISS_OK) add_patches(ctx, dem, &l, arms);
+    if (status == GNEISS_OK) add_patches(ctx, dem, membrane, &l, arms);
     gn_start_grid_free(&grid);
     gn_free(l.whole);
     return status;
 }
 
 /* From what was, which is room for it, or all of the way. */
-static gneiss_status lay(const gn_step_context *ctx, gn_dem *dem, int32_t *group, double *was,
-                         gneiss_error *error) {
-    const gn_membrane *m = dem->membrane;
+static gneiss_status lay(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                         int32_t *group, double *was, gneiss_error *error) {
+    const gn_membrane_state *m = membrane->state;
     const bool follow = ctx->scene.membrane.follow && ctx->step > 0;
     double arms[9], had[9], turn[9], half[9];
-    if (was) advance_areas(ctx, dem, was, had);
+    if (was) advance_areas(ctx, dem, membrane, was, had);
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->rest, half);
     gn_product3_bt(half, m->gradient, arms);
-    if (follow) GN_TRY(add_moved(ctx, dem, group, arms, error));
-    if (!follow) add_patches(ctx, dem, &(look){0}, arms);
+    if (follow) GN_TRY(add_moved(ctx, dem, membrane, group, arms, error));
+    if (!follow) add_patches(ctx, dem, membrane, &(look){0}, arms);
     if (was) blend(dem, was, had, arms);
-    GN_TRY(balance_bodies(ctx, dem, group,
+    GN_TRY(balance_bodies(ctx, dem, membrane, group,
                           ctx->scene.membrane.follow ? dem->particles.pos : dem->particles.start,
                           error));
-    return reference_areas(ctx, dem, arms, error);
+    return reference_areas(ctx, dem, membrane, arms, error);
 }
 
-gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem, bool anew,
-                                       gneiss_error *error) {
+gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem,
+                                       gn_membrane *membrane, bool anew, gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
     const bool carries = !anew && ctx->scene.membrane.follow && ctx->step > 0;
     int32_t *group = gn_alloc_array(n + 1, sizeof *group);
     double *was = carries ? gn_alloc_array(4 * n + 1, sizeof *was) : NULL;
     gneiss_status status =
         group && (was || !carries)
-            ? gn_membrane_fit_bodies(ctx, dem, error)
+            ? gn_membrane_fit_bodies(ctx, dem, membrane, error)
             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     if (status == GNEISS_OK) {
         const size_t bodies = gn_world_body_groups(ctx, dem, GN_CHIP, group);
-        status = lay(ctx, dem, bodies > 1 ? group : NULL, was, error);
+        status = lay(ctx, dem, membrane, bodies > 1 ? group : NULL, was, error);
     }
     gn_free(group);
     gn_free(was);

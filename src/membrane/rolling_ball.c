@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define GN_MEMBRANE_ROLLING_BALL_H
 
 #include "base/error.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "soa/records.h"
 
 /* Distances from the ball's centre, over its radius, at which surfaces are found: at 1 it touches.

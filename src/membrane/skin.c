@@ -2,15 +2,16 @@
  * particle whose surface is nearest (a Voronoi share), so that the areas add up to the surface. */
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/cells.h"
 #include "membrane/membrane.h"
 #include "pack/boundary.h"
-#include "particles/dem.h"
 #include "particles/fragments.h"
+#include "particles/lists.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -132,9 +133,8 @@ gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_de
     bool any = false;
     for (size_t p = 0; p < n; p++) held[p] = !gn_is_detached(q, p);
     if (!(ctx->effects & GN_FX_BONDS) || !dem->bonds.contacts.soa.count) return GNEISS_OK;
-    footing *all = gn_alloc_array(n + 1, sizeof *all);
-    if (!all)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    footing *all = NULL;
+    GN_TRY(gn_new(&all, n + 1, "the skin of particles", error));
     remove_unsupported(ctx, dem, all, held);
     gn_free(all);
     for (size_t p = 0; p < n; p++) any = any || held[p];
@@ -238,18 +238,18 @@ void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_
 /* --- patches --- */
 
 /* Those of each particle's room that have a size. */
-static gneiss_status keep_patches(gn_dem *dem, const gn_patch *all, gneiss_error *error) {
+static gneiss_status keep_patches(gn_dem *dem, gn_membrane *membrane, const gn_patch *all,
+                                  gneiss_error *error) {
     gn_dem *d = dem;
     const size_t most = SIDES * d->particles.soa.count;
-    for (size_t k = 0; k < most; k++) d->patch_count += all[k].size > 0.0;
-    d->patches = gn_alloc_array(d->patch_count + 1, sizeof *d->patches);
-    if (!d->patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    for (size_t k = 0; k < most; k++) membrane->patch_count += all[k].size > 0.0;
+    GN_TRY(gn_new(&membrane->patches, membrane->patch_count + 1, "a membrane", error));
     size_t at = 0;
     for (size_t k = 0; k < most; k++)
         if (all[k].size > 0.0) {
             const size_t p = k / SIDES;
-            d->patches[at] = all[k];
-            d->patches[at++].owner = d->particles.id[p];
+            membrane->patches[at] = all[k];
+            membrane->patches[at++].owner = d->particles.id[p];
         }
     return GNEISS_OK;
 }
@@ -300,8 +300,8 @@ static void set_patch(gn_patch *patch, const double area[3], double size, const 
 
 /* Without a shape. As of any closed surface the areas times places add up to what they enclose,
  * alike along all axes, and turn nothing, however it deforms. */
-static void skin_of_particles(const gn_step_context *ctx, gn_dem *dem, const double *arms,
-                              gn_patch *all) {
+static void skin_of_particles(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
+                              const double *arms, gn_patch *all) {
     const gn_particles *q = &dem->particles;
     const size_t n = q->soa.count;
     const int d = (int)ctx->scene.dimension;
@@ -315,50 +315,50 @@ static void skin_of_particles(const gn_step_context *ctx, gn_dem *dem, const dou
         for (int k = 0; k < 9; k++)
             sum[k] += patch->area[k / 3] * patch->point[k % 3] + patch->rest[k];
     }
-    for (int a = 0; a < d; a++) sum[4 * a] -= dem->membrane->enclosed;
+    for (int a = 0; a < d; a++) sum[4 * a] -= membrane->state->enclosed;
     for (size_t p = 0; p < n; p++)
         for (int k = 0; k < 9 && sizes > 0.0; k++)
             all[SIDES * p].rest[k] -= all[SIDES * p].size / sizes * sum[k];
 }
 
-static gneiss_status find_patches(const gn_step_context *ctx, gn_dem *dem,
+static gneiss_status find_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   const bool *held, gn_patch *all, gneiss_error *error) {
     const double radius = gn_dem_mean_radius(dem);
     if (gn_scene_membrane_on_shape(&ctx->scene))
         return skin_of_shape(ctx, dem, radius, held, all, error);
-    double *arms = gn_alloc_array(dem->particles.soa.count + 1, sizeof *arms);
-    if (!arms) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    gneiss_status status = gn_membrane_free_skin(ctx, dem, boundary, solids, radius, arms, error);
-    if (status == GNEISS_OK) skin_of_particles(ctx, dem, arms, all);
+    double *arms = NULL;
+    GN_TRY(gn_new(&arms, dem->particles.soa.count + 1, "a membrane", error));
+    gneiss_status status =
+        gn_membrane_free_skin(ctx, dem, membrane, boundary, solids, radius, arms, error);
+    if (status == GNEISS_OK) skin_of_particles(ctx, dem, membrane, arms, all);
     gn_free(arms);
     return status;
 }
 
-static gneiss_status make_patches(const gn_step_context *ctx, gn_dem *dem,
+static gneiss_status make_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   const bool *held, gneiss_error *error) {
-    gn_patch *all = gn_alloc_array(SIDES * dem->particles.soa.count + 1, sizeof *all);
-    if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    gneiss_status status = find_patches(ctx, dem, boundary, solids, held, all, error);
-    if (status == GNEISS_OK) status = keep_patches(dem, all, error);
+    gn_patch *all = NULL;
+    GN_TRY(gn_new(&all, SIDES * dem->particles.soa.count + 1, "a membrane", error));
+    gneiss_status status = find_patches(ctx, dem, membrane, boundary, solids, held, all, error);
+    if (status == GNEISS_OK) status = keep_patches(dem, membrane, all, error);
     gn_free(all);
     return status;
 }
 
-gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem,
+gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                  const gn_boundary *boundary, const gn_solids *solids,
                                  gneiss_error *error) {
     gn_particles *q = &dem->particles;
     const gn_scene *s = &ctx->scene;
     if (!(ctx->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    dem->membrane = gn_alloc_array(1, sizeof *dem->membrane);
-    if (!dem->membrane) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    for (int a = 0; a < 3; a++) dem->membrane->gradient[4 * a] = 1.0;
+    GN_TRY(gn_new(&membrane->state, 1, "a membrane", error));
+    for (int a = 0; a < 3; a++) membrane->state->gradient[4 * a] = 1.0;
     memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
-    GN_TRY(make_patches(ctx, dem, boundary, solids, NULL, error));
-    for (size_t p = 0; p < q->soa.count; p++) dem->index_of_id[q->id[p]] = (int32_t)p;
-    GN_TRY(gn_membrane_update_areas(ctx, dem, true, error));
+    GN_TRY(make_patches(ctx, dem, membrane, boundary, solids, NULL, error));
+    gn_dem_number_ids(dem);
+    GN_TRY(gn_membrane_update_areas(ctx, dem, membrane, true, error));
     if (gn_membrane_area(dem) > 0.0) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT, "%s: expected a surface that faces across %c, found none",
@@ -369,16 +369,17 @@ gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem,
 
 /* Without a shape: patches of those that are not held, where any of their body is, go to what is
  * nearest of it. `body` [particles]: the leading particle of the body of each. */
-static gneiss_status reassign_patches(const gn_step_context *ctx, gn_dem *dem, const bool *held,
-                                      const int32_t *body, gneiss_error *error) {
+static gneiss_status reassign_patches(const gn_step_context *ctx, gn_dem *dem,
+                                      gn_membrane *membrane, const bool *held, const int32_t *body,
+                                      gneiss_error *error) {
     gn_dem *d = dem;
     gn_start_grid g;
     GN_TRY(gn_start_grid_make(ctx, dem, 3.0 * gn_dem_mean_radius(dem), held, &g, error));
-    for (size_t k = 0; k < d->patch_count; k++) {
-        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+    for (size_t k = 0; k < membrane->patch_count; k++) {
+        const int32_t at = gn_patch_bearer(d, &membrane->patches[k]);
         if (at < 0 || held[at]) continue;
-        const int32_t to = gn_start_grid_nearest(&g, d->patches[k].point, NULL);
-        if (to >= 0 && body[to] == body[at]) d->patches[k].owner = d->particles.id[to];
+        const int32_t to = gn_start_grid_nearest(&g, membrane->patches[k].point, NULL);
+        if (to >= 0 && body[to] == body[at]) membrane->patches[k].owner = d->particles.id[to];
     }
     gn_start_grid_free(&g);
     return GNEISS_OK;
@@ -392,21 +393,21 @@ static int by_owner(const void *a, const void *b) {
     return 0;
 }
 
-static gneiss_status redistribute(const gn_step_context *ctx, gn_dem *dem,
+static gneiss_status redistribute(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   const bool *held, int32_t *body, gneiss_error *error) {
     gn_dem *d = dem;
     if (!gn_scene_membrane_on_shape(&ctx->scene)) {
         gn_world_body_groups(ctx, dem, INT32_MAX, body);
-        GN_TRY(reassign_patches(ctx, dem, held, body, error));
-        qsort(d->patches, d->patch_count, sizeof *d->patches, by_owner);
+        GN_TRY(reassign_patches(ctx, dem, membrane, held, body, error));
+        qsort(membrane->patches, membrane->patch_count, sizeof *membrane->patches, by_owner);
     } else {
-        gn_free(d->patches);
-        d->patches = NULL;
-        d->patch_count = 0;
-        GN_TRY(make_patches(ctx, dem, boundary, solids, held, error));
+        gn_free(membrane->patches);
+        membrane->patches = NULL;
+        membrane->patch_count = 0;
+        GN_TRY(make_patches(ctx, dem, membrane, boundary, solids, held, error));
     }
-    GN_TRY(gn_membrane_update_areas(ctx, dem, true, error));
+    GN_TRY(gn_membrane_update_areas(ctx, dem, membrane, true, error));
     for (size_t p = 0; p < d->particles.soa.count; p++)
         if (!gn_is_loaded(&d->particles, p))
             memcpy(d->particles.applied + 4 * p, d->particles.load + 4 * p,
@@ -416,21 +417,21 @@ static gneiss_status redistribute(const gn_step_context *ctx, gn_dem *dem,
 
 /* Tells whether all bearers are supported, or a particle has been detached, so that patches are no
  * longer those of the start. */
-static bool is_unchanged(const gn_dem *dem, const bool *held) {
+static bool is_unchanged(const gn_dem *dem, const gn_membrane *membrane, const bool *held) {
     const gn_dem *d = dem;
     bool all = true;
     for (size_t p = 0; p < d->particles.soa.count; p++)
         if (gn_is_detached(&d->particles, p)) return true;
-    for (size_t k = 0; k < d->patch_count; k++) {
-        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+    for (size_t k = 0; k < membrane->patch_count; k++) {
+        const int32_t at = gn_patch_bearer(d, &membrane->patches[k]);
         all = all && (at < 0 || held[at]);
     }
     return all;
 }
 
 gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem,
-                                         const gn_boundary *boundary, const gn_solids *solids,
-                                         gneiss_error *error) {
+                                         gn_membrane *membrane, const gn_boundary *boundary,
+                                         const gn_solids *solids, gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
     if (!(ctx->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
     bool *held = gn_alloc_array(n + 1, sizeof *held);
@@ -438,8 +439,8 @@ gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem
     gneiss_status status = held && body
                                ? gn_membrane_find_supported(ctx, dem, held, error)
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    if (status == GNEISS_OK && !is_unchanged(dem, held))
-        status = redistribute(ctx, dem, boundary, solids, held, body, error);
+    if (status == GNEISS_OK && !is_unchanged(dem, membrane, held))
+        status = redistribute(ctx, dem, membrane, boundary, solids, held, body, error);
     gn_free(held);
     gn_free(body);
     return status;

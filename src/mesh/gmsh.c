@@ -1,7 +1,7 @@
 #include "mesh/gmsh.h"
 
 #include "io/atomic_file.h"
-#include "io/files.h"
+#include "io/io.h"
 
 #include <errno.h>
 #include <fcntl.h>

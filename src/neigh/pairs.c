@@ -1,4 +1,4 @@
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 
 #include "base/memory.h"
 #include "soa/particle_state.h"

@@ -1,5 +1,5 @@
 #include "base/memory.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 
 #include <string.h>
 

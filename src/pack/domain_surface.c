@@ -1,7 +1,6 @@
 /* The boundary near a point, for bodies bounded by facets. */
+#include "base/new.h"
 #include "pack/domain_facets.h"
-
-#include "base/memory.h"
 
 #include <math.h>
 
@@ -111,9 +110,8 @@ gneiss_status gn_facets_know(gn_facets *surface, gneiss_error *error) {
         surface->origin[k] = middle - 0.5 * cell * surface->cells[k];
         count *= (size_t)surface->cells[k];
     }
-    float *known = gn_alloc_array(count, sizeof *known);
-    if (!known)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a grid of %zu depths", count);
+    float *known = NULL;
+    GN_TRY(gn_new(&known, count, "a grid of depths", error));
     double last = 0;
     for (size_t i = 0; i < count; i++) {
         size_t row = i / (size_t)surface->cells[0];

@@ -2,7 +2,7 @@
 #ifndef GN_PACK_FIT_PRIVATE_H
 #define GN_PACK_FIT_PRIVATE_H
 
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "pack/fit.h"
 #include "sched/pace.h"
 

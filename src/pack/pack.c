@@ -4,7 +4,7 @@
 #include "base/point.h"
 #include "base/threads.h"
 #include "base/timer.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "pack/seeds.h"
 #include "pack/sizes.h"
 #include "pack/spheres.h"

@@ -4,7 +4,7 @@
 #include "base/eigen.h"
 #include "base/new.h"
 #include "base/sort.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "pack/spheres.h"
 
 #include <math.h>

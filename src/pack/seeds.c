@@ -3,7 +3,7 @@
 #include "base/ball.h"
 #include "base/new.h"
 #include "base/random.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "pack/sizes.h"
 #include "pack/spheres.h"
 

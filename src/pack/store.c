@@ -3,8 +3,7 @@
 #include "base/new.h"
 #include "base/version.h"
 #include "io/atomic_file.h"
-#include "io/files.h"
-#include "io/h5.h"
+#include "io/io.h"
 #include "io/snapshot.h"
 #include "pack/shape.h"
 

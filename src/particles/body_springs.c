@@ -1,6 +1,5 @@
 #include "particles/body_springs.h"
 
-#include "kernels/law.h"
 #include "particles/law.h"
 #include "scene/scene.h"
 #include "scene/sides.h"

@@ -5,10 +5,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "particles/polyhedron.h"
 #include "scene/scene.h"
 #include "soa/bond_causes.h"

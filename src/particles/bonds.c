@@ -3,18 +3,16 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
-#include "kernels/law.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/bond_sections.h"
-#include "particles/dem.h"
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/lists.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/bond_causes.h"
 #include "soa/field.h"
@@ -407,19 +405,20 @@ double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
 
 /* A contact that is no bond any more bears no more across it than friction lets it, and where it is
  * not pressed nothing: what the bond bore beyond that goes with the bond and slides nowhere. */
-static void leave_to_friction(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *b,
+static void leave_to_friction(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *contacts,
                               size_t c) {
-    const double *x = dem->particles.pos + 4 * (int64_t)b->i[c],
-                 *y = dem->particles.pos + 4 * (int64_t)b->j[c];
+    const double *x = dem->particles.pos + 4 * (int64_t)contacts->i[c],
+                 *y = dem->particles.pos + 4 * (int64_t)contacts->j[c];
     double d[3], length = sqrt(gn_branch(ctx, x, y, d));
-    gn_law_held held = gn_law_of(b->soa.effects)->held(b, c, length, length - b->length0[c]);
+    gn_law_held held =
+        gn_law_of(contacts->soa.effects)->held(contacts, c, length, length - contacts->length0[c]);
     double force = sqrt(gn_dot3(held.shear, held.shear));
-    double most = b->mu ? b->mu[c] * fmax(-held.normal, 0.0) : 0.0;
+    double most = contacts->mu ? contacts->mu[c] * fmax(-held.normal, 0.0) : 0.0;
     if (force <= most) return;
     for (size_t a = 0; a < 3; a++) {
-        size_t at = c + a * b->soa.capacity;
-        if (b->shear) b->shear[at] *= most / force;
-        if (b->shear_f) b->shear_f[at] *= (float)(most / force);
+        size_t at = c + a * contacts->soa.capacity;
+        if (contacts->shear) contacts->shear[at] *= most / force;
+        if (contacts->shear_f) contacts->shear_f[at] *= (float)(most / force);
     }
 }
 
@@ -431,6 +430,17 @@ void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem) {
         b->rn[c] = -fabs(b->rn[c]);
         b->cause[c] = GN_BOND_DISSOLVED;
         b->broken_time[c] = ctx->time;
+    }
+}
+
+void gn_bonds_strengthen(gn_dem *dem, double factor) {
+    gn_contacts *b = &dem->bonds.contacts;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        if (!gn_contact_bonded(b, c)) continue;
+        b->rn[c] *= factor;
+        if (b->rt) b->rt[c] *= factor;
+        if (b->rn_f) b->rn_f[c] = (float)b->rn[c];
+        if (b->rt_f) b->rt_f[c] = (float)b->rt[c];
     }
 }
 

@@ -5,9 +5,9 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/union_find.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/events.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -93,23 +93,27 @@ static bool is_break(const gn_event *event) {
     return gn_broken((uint8_t)event->cause);
 }
 
-static gneiss_status join_all(const gn_step_context *ctx, const gn_dem *dem, const gn_bursts *b,
-                              int32_t *parent, gneiss_error *error) {
+static gneiss_status join_all(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_bursts *bursts, int32_t *parent, gneiss_error *error) {
     const gn_events *list = &dem->events;
-    grid g = {
-        .ctx = ctx, .dem = dem, .events = list->rows, .bursts = b, .parent = parent, .mask = 1023};
+    grid g = {.ctx = ctx,
+              .dem = dem,
+              .events = list->rows,
+              .bursts = bursts,
+              .parent = parent,
+              .mask = 1023};
     while (g.mask < list->count) g.mask = 2 * g.mask + 1;
     for (int a = 0; a < 3; a++) {
         const double period = ctx->period[a];
-        if (period > 0.0) g.most[a] = (int64_t)fmax(1.0, floor(period / b->reach));
-        g.size[a] = period > 0.0 ? period / (double)g.most[a] : b->reach;
+        if (period > 0.0) g.most[a] = (int64_t)fmax(1.0, floor(period / bursts->reach));
+        g.size[a] = period > 0.0 ? period / (double)g.most[a] : bursts->reach;
     }
     g.before = gn_alloc_array(list->count + 1, sizeof *g.before);
     g.latest = gn_alloc_array(g.mask + 1, sizeof *g.latest);
     const bool held = g.before && g.latest;
     if (held) memset(g.latest, -1, (g.mask + 1) * sizeof *g.latest);
     for (size_t k = 0; k < list->count; k++) parent[k] = (int32_t)k;
-    for (size_t k = 0; held && b->reach > 0.0 && k < list->count; k++)
+    for (size_t k = 0; held && bursts->reach > 0.0 && k < list->count; k++)
         if (is_break(&list->rows[k])) join(&g, (int32_t)k);
     gn_free(g.before);
     gn_free(g.latest);

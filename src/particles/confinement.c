@@ -5,10 +5,9 @@
  * length r, and V = sum A r/d: its mean, tr/d, is sum f_n/sum A whatever the dimension d. A bond
  * gets the mean of its two particles times its own section. Bonds that broke count as they press;
  * what else touches a particle has no section and does not count. */
-#include "frame/step_context.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 static double pressure_of(const double around[2]) {
@@ -16,28 +15,29 @@ static double pressure_of(const double around[2]) {
 }
 
 static double normal_of(const gn_step_context *ctx, const gn_dem *dem, const gn_law *law,
-                        const gn_contacts *b, size_t c) {
+                        const gn_contacts *contacts, size_t c) {
     const double *pos = dem->particles.pos;
     double d[3];
-    double length = sqrt(gn_branch(ctx, pos + 4 * (int64_t)b->i[c], pos + 4 * (int64_t)b->j[c], d));
-    return law->held(b, c, length, length - b->length0[c]).normal;
+    double length = sqrt(
+        gn_branch(ctx, pos + 4 * (int64_t)contacts->i[c], pos + 4 * (int64_t)contacts->j[c], d));
+    return law->held(contacts, c, length, length - contacts->length0[c]).normal;
 }
 
-static void put(const gn_contacts *b, size_t c, double value) {
-    if (b->confined) b->confined[c] = value;
-    if (b->confined_f) b->confined_f[c] = (float)value;
+static void put(const gn_contacts *contacts, size_t c, double value) {
+    if (contacts->confined) contacts->confined[c] = value;
+    if (contacts->confined_f) contacts->confined_f[c] = (float)value;
 }
 
-static double get(const gn_contacts *b, size_t c) {
-    return b->confined ? b->confined[c] : (double)b->confined_f[c];
+static double get(const gn_contacts *contacts, size_t c) {
+    return contacts->confined ? contacts->confined[c] : (double)contacts->confined_f[c];
 }
 
 /* Sums go by the order of the list, on one thread, so that they are the same for any number. */
-static void add_up(const gn_dem *dem, const gn_contacts *b, double *around) {
+static void add_up(const gn_dem *dem, const gn_contacts *contacts, double *around) {
     for (size_t p = 0; p < 2 * dem->particles.soa.count; p++) around[p] = 0.0;
-    for (size_t c = 0; c < b->soa.count; c++) {
-        double force = get(b, c), section = b->section[c];
-        double *i = around + 2 * (int64_t)b->i[c], *j = around + 2 * (int64_t)b->j[c];
+    for (size_t c = 0; c < contacts->soa.count; c++) {
+        double force = get(contacts, c), section = contacts->section[c];
+        double *i = around + 2 * (int64_t)contacts->i[c], *j = around + 2 * (int64_t)contacts->j[c];
         i[0] += force;
         i[1] += section;
         j[0] += force;
@@ -45,18 +45,18 @@ static void add_up(const gn_dem *dem, const gn_contacts *b, double *around) {
     }
 }
 
-void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *b) {
+void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *contacts) {
     double *around = dem->around;
-    const size_t count = b->soa.count;
-    if (!(b->soa.effects & GN_FX_CONFINED) || !count) return;
-    const gn_law *law = gn_law_of(b->soa.effects);
+    const size_t count = contacts->soa.count;
+    if (!(contacts->soa.effects & GN_FX_CONFINED) || !count) return;
+    const gn_law *law = gn_law_of(contacts->soa.effects);
 #pragma omp parallel for schedule(static) num_threads(ctx->threads)
-    for (size_t c = 0; c < count; c++) put(b, c, normal_of(ctx, dem, law, b, c));
-    add_up(dem, b, around);
+    for (size_t c = 0; c < count; c++) put(contacts, c, normal_of(ctx, dem, law, contacts, c));
+    add_up(dem, contacts, around);
 #pragma omp parallel for schedule(static) num_threads(ctx->threads)
     for (size_t c = 0; c < count; c++) {
-        double pi = pressure_of(around + 2 * (int64_t)b->i[c]);
-        double pj = pressure_of(around + 2 * (int64_t)b->j[c]);
-        put(b, c, 0.5 * (pi + pj) * b->section[c]);
+        double pi = pressure_of(around + 2 * (int64_t)contacts->i[c]);
+        double pj = pressure_of(around + 2 * (int64_t)contacts->j[c]);
+        put(contacts, c, 0.5 * (pi + pj) * contacts->section[c]);
     }
 }

@@ -1,13 +1,13 @@
 #include "particles/contact_lists.h"
 
 #include "base/memory.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "kernels/dispatch.h"
 #include "kernels/motion.h"
 #include "measure/measure.h"
-#include "neigh/pairs.h"
-#include "particles/dem.h"
+#include "neigh/neigh.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "sched/deal.h"
 
 #include <stddef.h>
@@ -18,9 +18,7 @@ const gn_list_kind *const gn_list_kinds[GN_LIST_COUNT] = {
 #undef X
 };
 
-_Static_assert((int)GN_LIST_COUNT <= (int)GN_DEAL_LISTS &&
-                   (int)GN_LIST_COUNT <= (int)GN_MOTION_LISTS &&
-                   (int)GN_LIST_COUNT <= (int)GN_ASSEMBLY_LISTS,
+_Static_assert((int)GN_LIST_COUNT <= (int)GN_LISTS_MOST,
                "sweep, motion and measures have room for all lists");
 
 bool gn_list_used(const gn_scene *scene, int list) {

@@ -1,17 +1,14 @@
 /* Particles: from a packing to records, and what is asked of them as a whole. */
-#include "particles/dem.h"
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
 #include "io/packing.h"
-#include "kernels/contact.h"
 #include "kernels/dispatch.h"
-#include "kernels/law.h"
 #include "kernels/partials.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/events.h"
 #include "particles/flow.h"
@@ -20,6 +17,7 @@
 #include "particles/law.h"
 #include "particles/observe.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
@@ -156,9 +154,7 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_er
     GN_TRY(take_velocities(ctx, dem, error));
     GN_TRY(gn_sets_apply(ctx, dem, error));
     GN_TRY(gn_flow_create(ctx, dem, error));
-    d->index_of_id = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->index_of_id);
-    if (!d->index_of_id)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    GN_TRY(gn_new(&d->index_of_id, d->particles.soa.count + 1, "particle numbers", error));
     GN_TRY(gn_pieces_create(ctx, dem, error));
     d->verlet.skin = ctx->scene.skin > 0.0 ? ctx->scene.skin : automatic_skin(ctx, dem);
     d->verlet.skin_start = d->verlet.skin;
@@ -169,28 +165,38 @@ gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneis
     GN_TRY(gn_soa_create(&gn_particle_record, &dem->particles, 0, ctx->effects, error));
     for (int l = 0; l < GN_LIST_COUNT; l++) GN_TRY(gn_list_create_empty(ctx, dem, l, error));
     dem->verlet.skin = dem->verlet.skin_start = 1.0;
-    dem->stable = INFINITY;
     return GNEISS_OK;
 }
 
-void gn_dem_free(gn_dem *d) {
-    gn_soa_destroy(&gn_particle_record, &d->particles);
-    for (int l = 0; l < GN_LIST_COUNT; l++) gn_contact_list_free(&d->list[l]);
-    gn_soa_destroy(&gn_contact_record, &d->prepared);
-    gn_deal_free(&d->deal);
-    gn_hold_free(&d->hold);
-    gn_events_free(&d->events);
-    gn_flow_free(&d->flow);
-    gn_near_free(&d->near);
+gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    GN_TRY(gn_motion_kernel_choose(ctx->kernels, ctx->effects, &dem->motion_kernel, error));
+    /* Effects that differ between stages have no storage; files state the present ones. */
+    dem->particles.soa.effects = ctx->effects;
+    gn_lists_set_effects(ctx, dem);
+    if (dem->dormant) dem->prepared.soa.effects = dem->bonds.contacts.soa.effects;
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_kinds[l]->of_materials)
+            GN_TRY(gn_contacts_take_materials(ctx, dem, &dem->list[l].contacts, error));
+    return GNEISS_OK;
+}
+
+void gn_dem_free(gn_dem *dem) {
+    gn_soa_destroy(&gn_particle_record, &dem->particles);
+    for (int l = 0; l < GN_LIST_COUNT; l++) gn_contact_list_free(&dem->list[l]);
+    gn_soa_destroy(&gn_contact_record, &dem->prepared);
+    gn_deal_free(&dem->deal);
+    gn_hold_free(&dem->hold);
+    gn_events_free(&dem->events);
+    gn_flow_free(&dem->flow);
+    gn_near_free(&dem->near);
     void *blocks[] = {
-        d->membrane,       d->patches,         d->skin_gradient,   d->skin_body,
-        d->index_of_id,    d->channel_set,     d->set_reaction,    d->loose,
-        d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
-        d->motion_sums,    d->vel_past,        d->spin_past,       d->around,
-        d->pieces.parent,  d->pieces.members,  d->pieces.volume,   d->still,
-        d->dormant,        d->hertz,           d->driven,          d->ways};
+        dem->index_of_id,    dem->channel_set,     dem->set_reaction,    dem->loose,
+        dem->prescribed.set, dem->prescribed.mask, dem->prescribed.load, dem->prescribed.velocity,
+        dem->motion_sums,    dem->vel_past,        dem->spin_past,       dem->around,
+        dem->pieces.parent,  dem->pieces.members,  dem->pieces.volume,   dem->still,
+        dem->dormant,        dem->hertz,           dem->driven,          dem->ways};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    *d = (gn_dem){0};
+    *dem = (gn_dem){0};
 }
 
 /* --- all of it --- */

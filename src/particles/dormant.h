@@ -4,9 +4,9 @@
 #define GN_PARTICLES_DORMANT_H
 
 #include "base/error.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -29,6 +29,17 @@ static inline size_t gn_dormant_element(const gn_dem *dem, size_t p) {
     return (size_t)gn_dormant_of(dem, p)->element;
 }
 
+/* Prepares a model of which elements convert, at the start: no particle has its element yet. */
+gneiss_status gn_dormant_create(gn_dem *dem, gneiss_error *error);
+/* Makes all particles dormant and stores their bonds in dem->prepared. */
+gneiss_status gn_dormant_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
+                                        gneiss_error *error);
+/* Takes over the bonds of the active particles, sorted, in place of the present ones. */
+gneiss_status gn_dormant_take_bonds(const gn_step_context *ctx, gn_dem *dem, gn_contacts *bonds,
+                                    gneiss_error *error);
+/* Activates all dormant particles with their bonds, for an evaluation of the whole packing, or
+ * undoes this. Does nothing without couple.convert. */
+void gn_dormant_swap(const gn_step_context *ctx, gn_dem *dem);
 /* Marks the blocks of particles that are all dormant, when lists are made. */
 gneiss_status gn_dormant_find_blocks(gn_dem *dem, gneiss_error *error);
 /* Returns the number of dormant particles. */

@@ -3,11 +3,10 @@
 #include "particles/events.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "soa/records.h"
 
 #include <stdlib.h>
@@ -19,8 +18,8 @@ static gneiss_status grow(gn_events *list, size_t more, gneiss_error *error) {
     if (list->count + more <= list->capacity) return GNEISS_OK;
     size_t capacity = list->capacity ? 2 * list->capacity : 64;
     while (capacity < list->count + more) capacity *= 2;
-    gn_event *rows = gn_alloc_array(capacity, sizeof *rows);
-    if (!rows) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", capacity);
+    gn_event *rows = NULL;
+    GN_TRY(gn_new(&rows, capacity, "events", error));
     if (list->count) memcpy(rows, list->rows, list->count * sizeof *rows);
     gn_free(list->rows);
     list->rows = rows;

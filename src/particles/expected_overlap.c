@@ -1,8 +1,8 @@
 #include "particles/expected_overlap.h"
 
 #include "base/vec3.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 
 #include <math.h>
 
@@ -10,7 +10,7 @@
 static double fall(const gn_step_context *ctx, const gn_dem *dem) {
     const double *g = ctx->scene.gravity;
     double pull = ctx->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
-    return (pull + dem->push) * dem->verlet.skin;
+    return (pull + ctx->choice.push) * dem->verlet.skin;
 }
 
 /* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
@@ -18,14 +18,15 @@ static double fall(const gn_step_context *ctx, const gn_dem *dem) {
 double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
                            double inverse_mass, double speed2, double radius, double known) {
     if (!(inverse_mass > 0.0)) return known;
-    if (dem->gain > 0.0) speed2 = (sqrt(speed2) + dem->gain) * (sqrt(speed2) + dem->gain);
+    if (ctx->choice.gain > 0.0)
+        speed2 = (sqrt(speed2) + ctx->choice.gain) * (sqrt(speed2) + ctx->choice.gain);
     double energy = (0.5 * speed2 + fall(ctx, dem)) / inverse_mass, u = known * radius;
     if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
     return pow(3.75 * energy / kn, 0.4) / radius;
 }
 
-double gn_pair_radius(const gn_particles *q, size_t i, size_t j) {
-    double ri = q->pos[4 * i + 3], rj = q->pos[4 * j + 3];
+double gn_pair_radius(const gn_particles *particles, size_t i, size_t j) {
+    double ri = particles->pos[4 * i + 3], rj = particles->pos[4 * j + 3];
     return ri * rj / (ri + rj);
 }
 

@@ -12,7 +12,7 @@
 #define GN_OVERLAP_LEAST 1e-6
 
 /* Returns the radius of a contact of two particles, m: r_i r_j/(r_i + r_j). */
-double gn_pair_radius(const gn_particles *q, size_t i, size_t j);
+double gn_pair_radius(const gn_particles *particles, size_t i, size_t j);
 /* Returns the square of the relative velocity of two rows, m2/s2. */
 double gn_relative_speed2(const double *a, const double *b);
 /* Returns the overlap over `radius` at which a contact of stiffness kn sqrt(overlap) holds the

@@ -2,12 +2,12 @@
 #include "particles/flow.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "pack/domain.h"
 #include "pack/sizes.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/flow_def.h"
 #include "scene/place.h"
 #include "scene/scene.h"
@@ -119,6 +119,17 @@ double gn_flow_largest_radius(const gn_step_context *ctx, const gn_dem *dem) {
     return most;
 }
 
+double gn_flow_widest_radius(const gn_step_context *ctx, const gn_dem *dem) {
+    double most = gn_flow_largest_radius(ctx, dem);
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        most = fmax(most, dem->particles.pos[4 * p + 3]);
+    return most;
+}
+
+void gn_flow_listed(const gn_step_context *ctx, gn_dem *dem) {
+    if (ctx->scene.sink_count) dem->flow.largest = gn_flow_widest_radius(ctx, dem);
+}
+
 double gn_flow_mean_radius(const gn_step_context *ctx) {
     double sum = 0.0;
     for (size_t k = 0; k < ctx->scene.source_count; k++) sum += ctx->scene.sources[k].mean_radius;
@@ -182,17 +193,17 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
                                 gneiss_error *error) {
     gn_flow *f = &dem->flow;
     const gn_particles *q = &dem->particles;
-    if (f->lost_count == f->lost_room) {
-        size_t room = 2 * f->lost_room + 16;
-        gn_lost *lost = gn_alloc_array(room, sizeof *lost);
-        if (!lost)
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu lost particles", room);
+    if (f->lost_count >= f->lost_room) { /* checkpoints have no room beyond the count */
+        size_t room = 2 * f->lost_count + 16;
+        gn_lost *lost = NULL;
+        GN_TRY(gn_new(&lost, room, "lost particles", error));
         if (f->lost_count) memcpy(lost, f->lost, f->lost_count * sizeof *lost);
         gn_free(f->lost);
         f->lost = lost;
         f->lost_room = room;
     }
     gn_lost *l = &f->lost[f->lost_count++];
+    dem->lost++;
     *l = (gn_lost){.id = q->id[p], .time = ctx->time};
     gn_world_point_out(ctx, q->pos + 4 * p, l->place);
     memcpy(l->velocity, q->vel + 4 * p, sizeof l->velocity);

@@ -1,6 +1,7 @@
 /* Particles that come and go: sources, sinks, and those that left the domain. The part of particles
- * (dem.h) owns all of it. Both act when lists are made, so that nothing else has to know: what is
- * near, what touches and what the step must hold follow as for particles that were there before. */
+ * (particles.h) owns all of it. Both act when lists are made, so that nothing else has to know:
+ * what is near, what touches and what the step must hold follow as for particles that were there
+ * before. */
 #ifndef GN_PARTICLES_FLOW_H
 #define GN_PARTICLES_FLOW_H
 
@@ -43,7 +44,6 @@ typedef struct gn_flow {
     gn_lost *lost;
     size_t lost_count, lost_room;
     double largest; /* m: radius, when the lists were made; with sinks */
-    bool forced;    /* the lists are made for a source or a thin sink alone */
 } gn_flow;
 
 /* A particle that comes in. */
@@ -62,6 +62,10 @@ void gn_flow_free(gn_flow *flow);
  * over sources; the box about all of them, which is empty without. */
 double gn_flow_least_radius(const gn_step_context *ctx, const gn_dem *dem);
 double gn_flow_largest_radius(const gn_step_context *ctx, const gn_dem *dem);
+/* m: the largest radius of present particles and of those that a source may bring. */
+double gn_flow_widest_radius(const gn_step_context *ctx, const gn_dem *dem);
+/* Notes it for sinks when lists have been made. */
+void gn_flow_listed(const gn_step_context *ctx, gn_dem *dem);
 double gn_flow_mean_radius(const gn_step_context *ctx);
 void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[3],
                     double upper[3]);

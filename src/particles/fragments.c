@@ -2,11 +2,11 @@
 
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/union_find.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/dormant.h"
+#include "particles/particles.h"
 #include "soa/bond_causes.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
@@ -63,11 +63,11 @@ gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_e
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles", n);
 }
 
-static void start(const gn_pieces *q, size_t n) {
+static void start(const gn_pieces *pieces, size_t n) {
     for (size_t p = 0; p < n; p++) {
-        q->parent[p] = (int32_t)p;
-        q->members[p] = 0;
-        q->volume[p] = 0.0;
+        pieces->parent[p] = (int32_t)p;
+        pieces->members[p] = 0;
+        pieces->volume[p] = 0.0;
     }
 }
 
@@ -128,28 +128,29 @@ static bool is_there(const gn_dem *dem, size_t p) {
 }
 
 /* `at`: the first particle of the piece by its id, for images. */
-static void add_particle(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *f, size_t at,
-                         size_t p) {
+static void add_particle(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *fragment,
+                         size_t at, size_t p) {
     const gn_particles *q = &dem->particles;
     const double mass = gn_own_share(q, p) / q->vel[4 * p + 3];
     double d[3];
     gn_branch(ctx, q->pos + 4 * at, q->pos + 4 * p, d);
     for (size_t a = 0; a < 3; a++) {
-        f->centre[a] += mass * d[a];
-        f->velocity[a] += mass * q->vel[4 * p + a];
+        fragment->centre[a] += mass * d[a];
+        fragment->velocity[a] += mass * q->vel[4 * p + a];
     }
-    f->mass += mass;
-    f->volume += gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
-    f->particles++;
+    fragment->mass += mass;
+    fragment->volume += gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
+    fragment->particles++;
 }
 
-static void finish(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *f, size_t at) {
+static void finish(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *fragment,
+                   size_t at) {
     double centre[3];
     for (size_t a = 0; a < 3; a++) {
-        centre[a] = dem->particles.pos[4 * at + a] + f->centre[a] / f->mass;
-        f->velocity[a] /= f->mass;
+        centre[a] = dem->particles.pos[4 * at + a] + fragment->centre[a] / fragment->mass;
+        fragment->velocity[a] /= fragment->mass;
     }
-    gn_world_point_out(ctx, centre, f->centre);
+    gn_world_point_out(ctx, centre, fragment->centre);
 }
 
 static int by_volume(const void *a, const void *b) {
@@ -184,11 +185,8 @@ gneiss_status gn_fragments_list(const gn_step_context *ctx, const gn_dem *dem,
     const gn_pieces *q = &dem->pieces;
     *list = (gn_fragment_list){0};
     if (!(ctx->effects & GN_FX_BONDS) || !n) return GNEISS_OK;
-    list->row = gn_alloc_array(n + 1, sizeof *list->row);
-    list->of = gn_alloc_array(n + 1, sizeof *list->of);
-    if (!list->row || !list->of)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles",
-                       n);
+    GN_TRY(gn_new(&list->row, n + 1, "the fragments of particles", error));
+    GN_TRY(gn_new(&list->of, n + 1, "the fragments of particles", error));
     start(q, n);
     join(&dem->bonds.contacts, q->parent);
     memset(list->of, -1, n * sizeof *list->of);

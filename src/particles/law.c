@@ -1,16 +1,14 @@
 /* Contact laws (kernels/law.h) applied to the particles of a world. */
-#include "kernels/law.h"
+#include "particles/law.h"
 #include "base/error.h"
-#include "base/memory.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
-#include "neigh/pairs.h"
+#include "base/new.h"
+#include "frame/frame.h"
+#include "neigh/neigh.h"
 #include "particles/body_springs.h"
 #include "particles/bond_sections.h"
-#include "particles/dem.h"
 #include "particles/expected_overlap.h"
-#include "particles/law.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "soa/field.h"
@@ -30,6 +28,14 @@ double gn_contact_damping_fraction(const gn_scene *scene) {
                                     : gn_restitution_fraction(scene->restitution);
 }
 
+gneiss_status gn_hertz_renew(const gn_step_context *ctx, gn_dem *dem, gn_hertz_pair **before,
+                             gneiss_error *error) {
+    *before = dem->hertz;
+    dem->hertz = NULL;
+    dem->damping_fraction = gn_contact_damping_fraction(&ctx->scene);
+    return gn_hertz_prepare(ctx, dem, error);
+}
+
 /* All pairs of materials that may meet. */
 gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -37,8 +43,7 @@ gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_e
     dem->damping_least = dem->damping_fraction;
     if (!(ctx->effects & GN_FX_HERTZ)) return GNEISS_OK;
     gn_free(dem->hertz);
-    dem->hertz = gn_alloc_array(count * sides, sizeof *dem->hertz);
-    if (!dem->hertz) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu walls", sides);
+    GN_TRY(gn_new(&dem->hertz, count * sides, "walls", error));
     double most = 0.0, least = INFINITY;
     for (size_t a = 0; a < count; a++)
         for (size_t b = 0; b < count + sides; b++) {

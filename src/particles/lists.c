@@ -2,16 +2,14 @@
 #include "particles/lists.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "frame/ledger.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
 #include "kernels/partials.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"
@@ -237,15 +235,15 @@ void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem) {
 
 void gn_dem_sum_masses(gn_dem *dem) {
     const gn_particles *q = &dem->particles;
-    gn_mass_scaling *s = &dem->scaling;
+    gn_raised_masses *s = &dem->raised;
     dem->mass = s->added = s->largest = 0.0;
-    s->raised = 0;
+    s->count = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_particle_is_active(q, p)) continue; /* removed */
         double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
         dem->mass += own < 1.0 ? own * mass : mass;
         s->added += (1.0 - own) * mass;
         s->largest = fmax(s->largest, 1.0 / own);
-        s->raised += own < 1.0;
+        s->count += own < 1.0;
     }
 }

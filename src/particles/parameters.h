@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "frame/parts.h"
 #include "kernels/partials.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "soa/records.h"
 
 #include <stddef.h>
@@ -21,6 +21,9 @@ gneiss_status gn_law_derive(const gn_step_context *ctx, gn_dem *dem, const gn_pa
 /* Effective Hertz-Mindlin parameters of all pairs of materials, walls and bodies included
  * (law.c). */
 gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Finds them anew from the scene of another stage; *before: the caller's. */
+gneiss_status gn_hertz_renew(const gn_step_context *ctx, gn_dem *dem, gn_hertz_pair **before,
+                             gneiss_error *error);
 /* Parameters of all contacts of a list from the materials as they are now, but not what they have
  * gone through. */
 gneiss_status gn_contacts_take_materials(const gn_step_context *ctx, const gn_dem *dem,
@@ -47,5 +50,9 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
                                    gneiss_error *error);
 /* The pressure around bonds whose friction sees it, before their forces (confinement.c). */
 void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds);
+
+/* Multiplies the strengths of all intact bonds, so that none breaks or softens; yield stresses stay
+ * as they are. */
+void gn_bonds_strengthen(gn_dem *dem, double factor);
 
 #endif

@@ -3,12 +3,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "kernels/motion.h"
-#include "particles/dem.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 
@@ -128,9 +127,9 @@ static void apply_set(const gn_step_context *ctx, gn_dem *dem, const gn_set_def 
 }
 
 /* Returns the own mass of a particle; removed ones have none. */
-static double own_mass(const gn_particles *q, size_t p) {
-    double inverse = q->vel[4 * p + 3];
-    return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;
+static double own_mass(const gn_particles *particles, size_t p) {
+    double inverse = particles->vel[4 * p + 3];
+    return inverse > 0.0 ? gn_own_share(particles, p) / inverse : 0.0;
 }
 
 static void share_force(const gn_step_context *ctx, gn_dem *dem, size_t set) {

@@ -6,9 +6,9 @@
  * are next to each other, so that the diagonal of the ways of two by two by two cells bounds by how
  * much they closed in. */
 #include "base/memory.h"
+#include "frame/frame.h"
 #include "frame/periodic_box.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 
@@ -43,13 +43,13 @@ static void merge(ways *to, const double low[3], const double high[3]) {
 }
 
 /* Room that the places of then take up; *radius: the largest. */
-static ways extent(const gn_particles *q, double *radius) {
+static ways extent(const gn_particles *particles, double *radius) {
     ways room = none;
     *radius = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        const double *x = q->ref + 4 * p;
+    for (size_t p = 0; p < particles->soa.count; p++) {
+        const double *x = particles->ref + 4 * p;
         merge(&room, x, x);
-        *radius = fmax(*radius, q->pos[4 * p + 3]);
+        *radius = fmax(*radius, particles->pos[4 * p + 3]);
     }
     return room;
 }
@@ -88,12 +88,12 @@ static void find_layers(const ways *room, grid *g) {
     g->end = low > 0 ? place_of(g, room->high[2], 2) + 1 : g->count[2];
 }
 
-static void fill(const gn_particles *q, grid *g) {
+static void fill(const gn_particles *particles, grid *g) {
     const size_t layer = cells_of_layer(g);
     for (size_t k = layer * g->begin; k < layer * g->end; k++) g->cell[k] = none;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_particle_is_active(q, p)) continue;
-        const double *x = q->pos + 4 * p, *from = q->ref + 4 * p;
+    for (size_t p = 0; p < particles->soa.count; p++) {
+        if (!gn_particle_is_active(particles, p)) continue;
+        const double *x = particles->pos + 4 * p, *from = particles->ref + 4 * p;
         const double d[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
         merge(cell_of(g, from), d, d);
     }
@@ -136,12 +136,12 @@ static double longest2(const grid *g) {
 }
 
 /* Room for so many that is kept from look to look: fresh memory costs more than a look. */
-static ways *room_for(gn_dem *d, size_t cells) {
-    if (cells <= d->ways_room) return d->ways;
-    gn_free(d->ways);
-    d->ways = gn_alloc_array_raw(cells, sizeof(ways));
-    d->ways_room = d->ways ? cells : 0;
-    return d->ways;
+static ways *room_for(gn_dem *dem, size_t cells) {
+    if (cells <= dem->ways_room) return dem->ways;
+    gn_free(dem->ways);
+    dem->ways = gn_alloc_array_raw(cells, sizeof(ways));
+    dem->ways_room = dem->ways ? cells : 0;
+    return dem->ways;
 }
 
 /* m, by which any two closed in that were not near; at most twice the way of one. */

@@ -1,7 +1,7 @@
 #include "plan/propose.h"
 
 #include "plan/setting.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 #include <string.h>
@@ -239,7 +239,7 @@ static gn_proposal current_settings(const gn_step_context *ctx, const gn_dem *de
     gn_proposal p = {.pace = 1.0, .particles = plan->groups.particles, .packings = 1, .cell = 1.0};
     p.safety = plan->groups.safety;
     p.step_ratio = p.bound_step_ratio = plan->groups.step_ratio;
-    p.added_mass = dem->mass > 0.0 ? dem->scaling.added / dem->mass : 0.0;
+    p.added_mass = dem->mass > 0.0 ? dem->raised.added / dem->mass : 0.0;
     p.mixed = plan->groups.mixed;
     p.first_break = plan->groups.first_break;
     judge(plan, ctx, &p);
@@ -303,7 +303,7 @@ static const char *cannot_start(const gn_step_context *ctx, const gn_dem *dem) {
 static gneiss_status measure_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     const gn_zones *zones, gn_plan *plan, gneiss_error *error) {
-    plan->unscaled_step = plan->groups.step_ratio > 1.0 ? dem->scaling.unscaled : ctx->dt;
+    plan->unscaled_step = plan->groups.step_ratio > 1.0 ? ctx->choice.scaling.unscaled : ctx->dt;
     for (size_t m = 1; !plan->groups.mesh && m < COUNT(factors); m++)
         GN_TRY(gn_dem_predict_masses(ctx, dem, boundary, solids, zones,
                                      factors[m] * plan->unscaled_step, &plan->bound_step_ratio[m],

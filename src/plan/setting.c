@@ -1,6 +1,6 @@
 #include "plan/setting.h"
 #include "base/new.h"
-#include "io/files.h"
+#include "io/io.h"
 
 #include <locale.h>
 #include <math.h>

@@ -6,8 +6,8 @@
 
 #include "accuracy/accuracy.h"
 #include "frame/parts.h"
-#include "io/files.h"
 #include "io/h5.h"
+#include "io/io.h"
 #include "test_kinds/readings.h"
 #include "world/world.h"
 

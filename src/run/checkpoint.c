@@ -5,12 +5,9 @@
 #include "base/new.h"
 #include "base/printable.h"
 #include "base/version.h"
-#include "frame/ledger.h"
 #include "io/atomic_file.h"
-#include "io/h5.h"
 #include "io/h5_pieces.h"
 #include "io/listing.h"
-#include "measure/energy.h"
 #include "measure/measure.h"
 #include "run/checkpoint_internal.h"
 #include "run/kept.h"
@@ -29,7 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 21 };
+enum { FORMAT = 22 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -49,6 +46,7 @@ static const gn_piece pieces[] = {
     GN_MEASURED(MEASURED) DOUBLES(world.ledger.stress),
     DOUBLES(world.ctx.seconds),
     DOUBLES(world.zones.state),
+    DOUBLES(world.converted),
     DOUBLES(world.ctx.period),
     DOUBLES(world.box),
     DOUBLES(world.ctx.machine),
@@ -336,8 +334,8 @@ static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_erro
     const struct {
         const char *name;
         double value;
-    } rates[] = {{"world_boundary_surface_rate", w->boundary.surface_rate},
-                 {"world_boundary_vertex_rate", w->boundary.vertex_rate},
+    } rates[] = {{"world_dem_surface_rate", w->ctx.choice.surface_rate},
+                 {"world_dem_vertex_rate", w->ctx.choice.vertex_rate},
                  {"world_zones_state", w->zones.state.rate[0]},
                  {"world_zones_state", w->zones.state.rate[1]}};
     if (w->ctx.dt < least)
@@ -429,7 +427,7 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_run_note_looks(run, error));
     gn_kept_resume(run);
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
-    GN_TRY(gn_coupled_resume(w, error));
+    GN_TRY(gn_coupled_resume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_world_restore(w, error));
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     uint64_t hash = 0;

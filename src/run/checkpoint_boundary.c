@@ -4,14 +4,12 @@
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
-#include "boundary/surface.h"
-#include "io/h5.h"
 #include "io/h5_pieces.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 #include "world/world.h"
 
 #include <stdint.h>
@@ -19,8 +17,7 @@
 
 #define DOUBLES(member) GN_PIECE_DOUBLES("world.boundary.", gn_boundary, member)
 
-static const gn_piece pieces[] = {DOUBLES(surface_rate), DOUBLES(vertex_rate),
-                                  DOUBLES(pairs.deepest), DOUBLES(pairs.pushed)};
+static const gn_piece pieces[] = {DOUBLES(pairs.deepest), DOUBLES(pairs.pushed)};
 enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 6 };
 
 _Static_assert(sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0 &&
@@ -109,14 +106,9 @@ gneiss_status gn_boundary_load(gn_world *w, const gn_h5 *file, const char *path,
         GN_TRY(gn_h5_rows(file, "arrays/body_corner", &b->body_corner_count, error));
         if (gn_h5_has(file, "arrays/body_pairs"))
             GN_TRY(gn_h5_rows(file, "arrays/body_pairs", &b->pairs.count, error));
-        b->pairs.most = b->pairs.count;
     }
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
-    b->wall_normals = gn_alloc_array(w->ctx.scene.wall_count + 1, 4 * sizeof(double));
-    if (!b->wall_normals) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
-        memcpy(b->wall_normals + 4 * k, b->walls[k].normal, 3 * sizeof(double));
     if (w->ctx.effects & GN_FX_WALLS)
         GN_TRY(gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &b->contacts,
                                 w->ctx.effects, error));

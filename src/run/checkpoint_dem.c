@@ -1,12 +1,11 @@
 /* The part of a checkpoint for particles. */
 #include "base/effects.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "conversion/conversion.h"
-#include "io/h5.h"
 #include "io/h5_pieces.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
 #include "soa/field.h"
@@ -17,22 +16,11 @@
 #include <stdint.h>
 
 #define DOUBLES(member) GN_PIECE_DOUBLES("world.dem.", gn_dem, member)
-#define LIMIT(member)   GN_PIECE_ANY("world.dem.", gn_dem, member)
 #define INTEGER(member) GN_PIECE_INTEGER("world.dem.", gn_dem, member)
+#define CHOSEN(member)  GN_PIECE_DOUBLES("world.dem.", gn_step_choice, member)
+#define LIMIT(member)   GN_PIECE_ANY("world.dem.", gn_step_choice, member)
 
 static const gn_piece pieces[] = {
-    LIMIT(listed),
-    LIMIT(listed_holds),
-    LIMIT(resolution.step),
-    LIMIT(resolution.contact),
-    INTEGER(resolution.first),
-    INTEGER(resolution.second),
-    LIMIT(stable),
-    LIMIT(limit.bound),
-    LIMIT(limit.sharp),
-    LIMIT(limit.sharp_low),
-    LIMIT(limit.frequency),
-    LIMIT(limit.literature),
     INTEGER(broken_tension),
     INTEGER(broken_shear),
     INTEGER(bonds_at_start),
@@ -48,29 +36,51 @@ static const gn_piece pieces[] = {
     INTEGER(verlet.rebuilds),
     INTEGER(verlet.last_step),
     DOUBLES(derived),
-    LIMIT(radius_min),
-    LIMIT(done.motion.speed2),
-    DOUBLES(push),
+    GN_PIECE_ANY("world.dem.", gn_dem, radius_min),
+    GN_PIECE_ANY("world.dem.", gn_dem, done.motion.speed2),
     DOUBLES(depth),
-    DOUBLES(scaling.unscaled),
-    DOUBLES(scaling.step),
-    DOUBLES(scaling.reached),
 };
-enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 12 };
+static const gn_piece choice_pieces[] = {
+    LIMIT(listed),
+    LIMIT(listed_holds),
+    LIMIT(resolution.step),
+    LIMIT(resolution.contact),
+    GN_PIECE_INTEGER("world.dem.", gn_step_choice, resolution.first),
+    GN_PIECE_INTEGER("world.dem.", gn_step_choice, resolution.second),
+    LIMIT(stable),
+    LIMIT(limit.bound),
+    LIMIT(limit.sharp),
+    LIMIT(limit.sharp_low),
+    LIMIT(limit.frequency),
+    LIMIT(limit.literature),
+    CHOSEN(whole),
+    CHOSEN(surface_rate),
+    CHOSEN(vertex_rate),
+    CHOSEN(push),
+    CHOSEN(scaling.unscaled),
+    CHOSEN(scaling.step),
+    CHOSEN(scaling.reached),
+};
+enum {
+    PIECES = sizeof pieces / sizeof *pieces,
+    CHOICE_PIECES = sizeof choice_pieces / sizeof *choice_pieces,
+    MOST_ARRAYS = 12
+};
 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     size_t n = 0;
     gn_prescription *f = &w->dem.prescribed;
     if (w->ctx.effects & GN_FX_MEMBRANE) {
-        out[n++] = GN_CHECKPOINT_MEMBERS("membrane", GN_F64, 1, offsetof(gn_membrane, bodies) / 8,
-                                         &w->dem.membrane, gn_membrane, pressure);
-        out[n++] = GN_CHECKPOINT_MEMBERS("membrane_bodies", GN_I64, 1, 1, &w->dem.membrane,
-                                         gn_membrane, bodies);
         out[n++] =
-            GN_CHECKPOINT_MEMBERS("patches", GN_F64, w->dem.patch_count,
-                                  offsetof(gn_patch, owner) / 8, &w->dem.patches, gn_patch, point);
-        out[n++] = GN_CHECKPOINT_MEMBERS("patch_owners", GN_I32, w->dem.patch_count, 2,
-                                         &w->dem.patches, gn_patch, owner);
+            GN_CHECKPOINT_MEMBERS("membrane", GN_F64, 1, offsetof(gn_membrane_state, bodies) / 8,
+                                  &w->membrane.state, gn_membrane_state, pressure);
+        out[n++] = GN_CHECKPOINT_MEMBERS("membrane_bodies", GN_I64, 1, 1, &w->membrane.state,
+                                         gn_membrane_state, bodies);
+        out[n++] = GN_CHECKPOINT_MEMBERS("patches", GN_F64, w->membrane.patch_count,
+                                         offsetof(gn_patch, owner) / 8, &w->membrane.patches,
+                                         gn_patch, point);
+        out[n++] = GN_CHECKPOINT_MEMBERS("patch_owners", GN_I32, w->membrane.patch_count, 2,
+                                         &w->membrane.patches, gn_patch, owner);
     }
     if (w->ctx.effects & GN_FX_HERTZ && w->ctx.scene.has_specimen)
         out[n++] = GN_CHECKPOINT_ARRAY("driven", GN_F64,
@@ -128,6 +138,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
             gn_h5_put(file, "near_act", GN_U8, groups, 1, 0, w->dem.near.act, NULL, NULL, error));
     if (gn_converts(&w->ctx)) GN_TRY(put_dormant(w, file, error));
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
+    GN_TRY(gn_h5_put_pieces(file, "run", choice_pieces, CHOICE_PIECES, &w->ctx.choice, error));
     GN_TRY(gn_checkpoint_put_events(w, file, error));
     GN_TRY(gn_checkpoint_put_flow(w, file, error));
     return gn_checkpoint_put_arrays(file, arrays, count, error);
@@ -171,10 +182,10 @@ static bool good_prescription(const gn_world *w) {
 }
 
 static bool good_patches(const gn_world *w) {
-    const gn_membrane *m = w->dem.membrane;
+    const gn_membrane_state *m = w->membrane.state;
     bool good = !m || (m->bodies >= 0 && m->bodies <= w->dem.ids + 1);
-    for (size_t k = 0; k < w->dem.patch_count; k++) {
-        const gn_patch *patch = &w->dem.patches[k];
+    for (size_t k = 0; k < w->membrane.patch_count; k++) {
+        const gn_patch *patch = &w->membrane.patches[k];
         good = good && patch->owner >= -1 && patch->owner < w->dem.ids && patch->body >= 0 &&
                (patch->body == 0 || patch->body < m->bodies);
     }
@@ -236,8 +247,7 @@ static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of steps, found %g",
                            path, whole[k]);
     GN_TRY(gn_h5_rows(file, "near_paths", &n->kept_path_count, error));
-    n->kept_paths = gn_alloc_array(n->kept_path_count + 1, sizeof *n->kept_paths);
-    if (!n->kept_paths) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for paths");
+    GN_TRY(gn_new(&n->kept_paths, n->kept_path_count + 1, "paths", error));
     GN_TRY(
         gn_h5_get(file, "near_paths", GN_F64, n->kept_path_count, PATH, 0, n->kept_paths, error));
     n->kept_groups = 0;
@@ -253,6 +263,7 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
     gn_dem *d = &w->dem;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, d, error));
+    GN_TRY(gn_h5_get_pieces(file, "run", choice_pieces, CHOICE_PIECES, &w->ctx.choice, error));
     if (!(d->ids >= 0 && d->ids <= INT32_MAX && d->made >= 0 && d->made <= d->ids))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a number of particles, found %lld",
                        path, (long long)d->ids);
@@ -260,7 +271,7 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
     if (w->ctx.effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
     if (w->ctx.effects & GN_FX_MEMBRANE)
-        GN_TRY(gn_h5_rows(file, "arrays/patches", &d->patch_count, error));
+        GN_TRY(gn_h5_rows(file, "arrays/patches", &w->membrane.patch_count, error));
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
     GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->ctx.effects,

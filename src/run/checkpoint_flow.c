@@ -57,7 +57,6 @@ gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, const char 
                                      gneiss_error *error) {
     gn_checkpoint_array arrays[ARRAYS_MOST];
     GN_TRY(gn_h5_rows(file, "arrays/lost", &w->dem.flow.lost_count, error));
-    w->dem.flow.lost_room = w->dem.flow.lost_count;
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, list_arrays(w, arrays), error));
     return check_flow(w, path, error);
 }

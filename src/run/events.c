@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/new.h"
-#include "io/h5.h"
 #include "particles/events.h"
 #include "soa/field.h"
 #include "world/world.h"

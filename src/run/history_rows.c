@@ -93,7 +93,7 @@ static double rounding_of(const gn_world *w, double mass, double coordinate) {
 
 /* Bodies may lie anywhere and travel far. */
 static double rounding_energy(const gn_world *w) {
-    double sum = rounding_of(w, gn_world_mass(&w->dem, &w->solids) + w->dem.scaling.added,
+    double sum = rounding_of(w, gn_world_mass(&w->dem, &w->solids) + w->dem.raised.added,
                              largest_coordinate(w));
     for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         const gn_rigid *b = &w->boundary.bodies[k];

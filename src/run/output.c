@@ -7,17 +7,13 @@
 #include "base/vec3.h"
 #include "base/version.h"
 #include "conversion/conversion.h"
-#include "frame/ledger.h"
 #include "io/atomic_file.h"
-#include "io/files.h"
-#include "io/h5.h"
+#include "io/io.h"
 #include "io/snapshot.h"
-#include "measure/energy.h"
 #include "membrane/membrane.h"
-#include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/flow.h"
-#include "particles/observe.h"
+#include "particles/particles.h"
 #include "run/budget.h"
 #include "run/output_contacts.h"
 #include "run/output_fields.h"
@@ -29,8 +25,8 @@
 #include "scene/values.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/space.h"
 #include "world/world.h"
 #include "zones/zone_state.h"
@@ -184,8 +180,8 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
 /* Reports the corrections of the momentum that changes of the particles' masses would have
  * caused. */
 static void summary_corrections(const gn_world *w, gn_json *j) {
-    const gn_corrections *c = &w->zones.state.corrected;
-    const gn_conversion_parts *p = &w->zones.state.parts;
+    const gn_corrections *c = &w->converted.corrected;
+    const gn_conversion_parts *p = &w->converted.parts;
     if (!gn_converts(&w->ctx)) return;
     gn_json_object(j, "conversions");
     GN_JSON_NUMBERS(j, {"count", (double)c->count}, {"wider", (double)c->wider},
@@ -203,7 +199,7 @@ static void summary_corrections(const gn_world *w, gn_json *j) {
 
 /* Reports the relaxations of converted particles. */
 static void summary_relaxation(const gn_world *w, gn_json *j) {
-    const gn_relaxations *r = &w->zones.state.relaxed;
+    const gn_relaxations *r = &w->converted.relaxed;
     if (!gn_converts(&w->ctx) || !(w->ctx.scene.couple.convert.relax > 0.0)) return;
     gn_json_object(j, "relaxation");
     GN_JSON_NUMBERS(j, {"count", (double)r->count}, {"iterations", (double)r->iterations},
@@ -232,9 +228,9 @@ static gneiss_status put_test(const gn_world *w, gn_h5 *file, gneiss_error *erro
 
 /* Writes the mass that was added for a longer step. */
 static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_mass_scaling *s = &w->dem.scaling;
+    const gn_mass_scaling *s = &w->ctx.choice.scaling;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
-    const gn_h5_attribute list[] = {{"added_mass", .number = &s->added},
+    const gn_h5_attribute list[] = {{"added_mass", .number = &w->dem.raised.added},
                                     {"own_mass", .number = &w->dem.mass},
                                     {"dt_without_added_mass", .number = &s->unscaled}};
     return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
@@ -242,12 +238,12 @@ static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_err
 
 /* Writes the volume and the membrane stress that enter the mean stress of the specimen. */
 static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const double volume =
-        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
+    const double volume = gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                          &w->box, &w->approach);
     const bool membrane = w->ctx.effects & GN_FX_MEMBRANE;
     double stress[9] = {0};
     if (!membrane && volume == w->ctx.volume) return GNEISS_OK;
-    gn_membrane_stress(&w->ctx, &w->dem, volume, stress);
+    gn_membrane_stress(&w->ctx, &w->membrane, volume, stress);
     const gn_h5_attribute list[] = {{"stress_volume", .number = &volume},
                                     {"membrane_stress", .number = stress, .count = 9}};
     return gn_h5_attributes(file, "/", list, membrane ? 2 : 1, error);
@@ -480,22 +476,22 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
 }
 
 static void summary_step(const gn_world *w, gn_json *j) {
-    GN_JSON_NUMBERS(
-        j, {"steps", (double)w->ctx.step}, {"time", w->ctx.time}, {"dt", w->ctx.dt},
-        {"dt_limit", w->ctx.stable},
-        {"dt_limit_sharp", gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones)},
-        {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones)},
-        {"dt_resolution", w->dem.resolution.step});
+    GN_JSON_NUMBERS(j, {"steps", (double)w->ctx.step}, {"time", w->ctx.time}, {"dt", w->ctx.dt},
+                    {"dt_limit", w->ctx.stable},
+                    {"dt_limit_sharp", gn_world_sharp_limit(&w->ctx, &w->solids)},
+                    {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones)},
+                    {"dt_resolution", w->ctx.choice.resolution.step});
 }
 
 /* Reports the mass that was added for a longer step. */
 static void summary_mass_scaling(const gn_world *w, gn_json *j) {
-    const gn_mass_scaling *s = &w->dem.scaling;
+    const gn_mass_scaling *s = &w->ctx.choice.scaling;
+    const gn_raised_masses *raised = &w->dem.raised;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return;
     gn_json_object(j, "mass_scaling");
-    GN_JSON_NUMBERS(j, {"added_mass", s->added}, {"added_share", s->added / w->dem.mass},
+    GN_JSON_NUMBERS(j, {"added_mass", raised->added}, {"added_share", raised->added / w->dem.mass},
                     {"added_kinetic", gn_dem_added_kinetic(&w->dem)},
-                    {"particles", (double)s->raised}, {"largest_factor", s->largest},
+                    {"particles", (double)raised->count}, {"largest_factor", raised->largest},
                     {"dt_wanted", s->step > 0.0 ? s->step : s->unscaled},
                     {"dt_without", s->unscaled});
     gn_json_end(j);

@@ -4,9 +4,7 @@
 
 #include "base/error.h"
 #include "base/new.h"
-#include "boundary/surface.h"
-#include "io/files.h"
-#include "io/h5.h"
+#include "io/io.h"
 #include "io/snapshot.h"
 #include "run/parts.h"
 #include "run/quantities.h"

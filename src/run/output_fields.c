@@ -8,10 +8,9 @@
 #include "boundary/loads.h"
 #include "conversion/conversion.h"
 #include "measure/measure.h"
-#include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/fragments.h"
-#include "particles/observe.h"
+#include "particles/particles.h"
 #include "soa/bond_causes.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"
@@ -416,9 +415,9 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
         if (w->dem.index_of_id[id] >= 0) v->row[w->dem.index_of_id[id]] = row++;
     gn_assembly assembly = gn_assembly_of(&w->ctx, &w->dem, &w->boundary);
     for (int l = 0; l < GN_LIST_COUNT; l++) assembly.list[l] = &seen->list[l];
-    const double solid =
-        (1.0 - gn_dem_porosity(&w->ctx, &w->dem)) * w->ctx.volume /
-        gn_space_volume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, &w->approach);
+    const double solid = (1.0 - gn_dem_porosity(&w->ctx, &w->dem)) * w->ctx.volume /
+                         gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                         &w->box, &w->approach);
     gn_stress_particles(&assembly, 1.0 - solid, v->stress);
     gneiss_status status =
         gn_coupled_add_stress(&w->ctx, &w->dem, &w->solids, &w->zones, v->stress, error);

@@ -4,8 +4,8 @@
 #define GN_RUN_OUTPUT_TABLE_H
 
 #include "base/asked.h"
-#include "io/files.h"
 #include "io/h5.h"
+#include "io/io.h"
 #include "io/snapshot.h"
 #include "run/run.h"
 

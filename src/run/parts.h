@@ -4,7 +4,6 @@
 #define GN_RUN_PARTS_H
 
 #include "frame/parts.h"
-#include "io/h5.h"
 #include "run/output_table.h"
 #include "world/world.h"
 

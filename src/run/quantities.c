@@ -7,7 +7,7 @@
 #include "membrane/membrane.h"
 #include "soa/bond_causes.h"
 #include "solids/dormant_places.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/space.h"
 #include "zones/zones.h"
 
@@ -179,14 +179,14 @@ static double end_stress(const gn_world *w, bool upper_end) {
     bool bare =
         gn_scene_test(&w->ctx.scene)->confined && w->ctx.scene.membrane.faces == GN_FACES_SIDES;
     return (upper_end ? upper : lower) / gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box) -
-           (bare ? gn_membrane_pressure(&w->dem) : 0.0);
+           (bare ? gn_membrane_pressure(&w->membrane) : 0.0);
 }
 READ(test_lower, end_stress(w, false))
 READ(test_upper, end_stress(w, true))
 READ(test_stress, gn_scene_test(&w->ctx.scene)->isotropic
                       ? mean_pressure(w)
                       : 0.5 * (end_stress(w, false) + end_stress(w, true)))
-READ(membrane_pressure, gn_membrane_pressure(&w->dem))
+READ(membrane_pressure, gn_membrane_pressure(&w->membrane))
 READ(membrane_area, gn_membrane_area(&w->dem))
 static double normal_stress(const gn_world *w, double of_lower, double of_upper) {
     double lower, upper;

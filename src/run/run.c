@@ -2,10 +2,9 @@
 
 #include "base/error.h"
 #include "base/timer.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "io/listing.h"
 #include "io/snapshot.h"
-#include "measure/energy.h"
 #include "run/folder.h"
 #include "run/kept.h"
 #include "run/parts.h"
@@ -14,8 +13,8 @@
 #include "scene/manifest.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -340,6 +339,11 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
             return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
                                                                    : GNEISS_ERROR_INPUT;
     }
+    if (sets(overrides, count, "time.end") && w->ctx.scene.end < w->ctx.time - 1.5 * w->ctx.dt)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "--set time.end: expected a time after the %.6g s that the run has reached, "
+                       "found %.6g s",
+                       w->ctx.time, w->ctx.scene.end);
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     /* A scene that was written out has auto for keys that were not given. */
     if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&

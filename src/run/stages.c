@@ -12,7 +12,6 @@
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
-#include "scene/table.h"
 #include "scene/values.h"
 #include "world/world.h"
 
@@ -99,7 +98,7 @@ static gn_servo_row membrane_row(const gn_run *run, size_t row) {
         count += 1.0;
     }
     /* Under a membrane that follows a single body the mean stress refers to the enclosed volume. */
-    const bool follows = s->membrane.follow && run->world.dem.membrane->bodies == 1;
+    const bool follows = s->membrane.follow && run->world.membrane.state->bodies == 1;
     return (gn_servo_row){sum / count / (follows ? 1.0 : volume_left(run, row)),
                           gn_table_at(&s->membrane.pressure, in_row(run, "time", row))};
 }

@@ -12,7 +12,7 @@
 #include "run/stages.h"
 #include "scene/acts.h"
 #include "timestep/indentation.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -131,7 +131,7 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_step(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!*gn_world_step_warning(&run->world.ctx, &run->world.dem, text, sizeof text)) return;
+    if (!*gn_world_step_warning(&run->world.ctx, text, sizeof text)) return;
     gn_warn(list, "time_step", "%s", text);
 }
 
@@ -189,7 +189,7 @@ static void warn_of_shear(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    const gn_mass_scaling *s = &w->dem.scaling;
+    const gn_mass_scaling *s = &w->ctx.choice.scaling;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING && s->step > 0.0 &&
           s->reached < (1.0 - 1e-9) * s->step))
         return;
@@ -270,7 +270,7 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
 /* Warns of a condition that was not fulfilled in time. */
 static void warn_of_stages(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    if (!run->finished || !gn_run_stages_left(run)) return;
+    if (!run->finished || w->outcome.halt[0] || !gn_run_stages_left(run)) return;
     gn_warn(list, "stages_left",
             "time.end (%g s) was reached in stage '%s' (%zu of %zu), before its end condition: "
             "use a later time.end, or another condition under its end",
@@ -281,11 +281,11 @@ static void warn_of_stages(const gn_run *run, gn_warnings *list) {
 /* Warns of much added mass. The inertia of a little added mass is small for every reading. */
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
-    if (!(run->world.ctx.effects & GN_FX_MASS_SCALING && d->scaling.added > d->mass)) return;
+    if (!(run->world.ctx.effects & GN_FX_MASS_SCALING && d->raised.added > d->mass)) return;
     gn_warn(list, "added_mass",
             "time.mass_scaling added %.3g times the particles' own mass: its effect was not "
             "measured to that extent, and waves may dominate the readings",
-            d->scaling.added / d->mass);
+            d->raised.added / d->mass);
 }
 
 /* Warns of sources behind their rate; a hundredth of the time, or one particle, is no delay. */

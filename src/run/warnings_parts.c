@@ -83,7 +83,7 @@ static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
 }
 
 static void warn_of_packing(const gn_run *run, gn_warnings *list) {
-    const gn_packing_differs *d = &run->world.zones.state.differs;
+    const gn_packing_differs *d = &run->world.converted.differs;
     if (!(d->modulus[0] > 0.0)) return;
     const bool space = run->world.ctx.scene.dimension == 3;
     char last[32] = "";
@@ -128,7 +128,7 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
     const double made = -e->conversion;
     if (!(run->world.ctx.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
     char what[320];
-    say_what_made(&run->world.zones.state.parts, what, sizeof what);
+    say_what_made(&run->world.converted.parts, what, sizeof what);
     gn_warn(
         list, "energy_conversion",
         "conversion of elements to particles generated %.3g of the energy throughput of %.4g J: %s",
@@ -140,7 +140,7 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
 static const double turned_most = 0.01;
 
 static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
-    const gn_corrections *c = &run->world.zones.state.corrected;
+    const gn_corrections *c = &run->world.converted.corrected;
     if (!(c->most > turned_most * c->scale)) return;
     gn_warn(list, "conversion_missed",
             "conversion of elements to particles changed the body's angular momentum by up to "
@@ -154,7 +154,7 @@ static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    const gn_relaxations *r = &w->zones.state.relaxed;
+    const gn_relaxations *r = &w->converted.relaxed;
     const char *const why[] = {
         "bonds would have broken, so their ends were not moved (lower limits convert sooner)",
         "some particles had no support and were not moved",
@@ -217,18 +217,18 @@ gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_e
 static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished) return;
-    const double past = w->ctx.time - w->dem.membrane->since;
+    const double past = w->ctx.time - w->membrane.state->since;
     if (w->ctx.scene.membrane.ramp - past <= w->ctx.dt) return;
     gn_warn(list, "membrane_ramp",
             "the pressure had reached %.4g Pa, %.3g of its target, when the run ended after %.4g "
             "s: membrane.ramp is %.4g s",
-            w->dem.membrane->pressure, past / w->ctx.scene.membrane.ramp, past,
+            w->membrane.state->pressure, past / w->ctx.scene.membrane.ramp, past,
             w->ctx.scene.membrane.ramp);
 }
 
 /* Warns of patches with a bounded stretch. */
 static void warn_of_stretch(const gn_run *run, gn_warnings *list) {
-    const double unlike = run->world.dem.membrane->unlike;
+    const double unlike = run->world.membrane.state->unlike;
     if (!(unlike > 0.0)) return;
     gn_warn(list, "membrane_stretch",
             "on up to %.3g of the area of the membrane the particles have moved such that it "
@@ -479,8 +479,10 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings
 
 /* Warns that the model ended the run (conversion/conversion.c) before the end of the test. */
 static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warnings *list) {
-    const double drop = gn_scene_peak_drop(&run->world.ctx.scene);
-    if (!run->finished || !run->world.outcome.halt[0] || isnan(r->peak_stress)) return;
+    const gn_world *w = &run->world;
+    const double drop = gn_run_staged(run) ? w->ctx.scene.stages[w->stages.now].peak_drop
+                                           : gn_scene_peak_drop(&w->ctx.scene);
+    if (!run->finished || !w->outcome.halt[0] || isnan(r->peak_stress)) return;
     if (!(r->peak_fall < drop)) return;
     gn_warn(list, "peak_halted",
             "conversion ended the run (conversion_halted) with the stress %.1f %% below the %.4g "

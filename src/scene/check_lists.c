@@ -419,15 +419,8 @@ static bool motion_changes(const gn_motion *motion) {
     return found;
 }
 
-const char *gn_scene_statics_refusal(const gn_scene *scene) {
+const char *gn_scene_loading_refusal(const gn_scene *scene) {
     if (!scene->has_specimen || scene->bonds != GN_SWITCH_ON) return "bonded particles, found none";
-    if (scene->bond_radius_multiplier > 0)
-        return "bonds without moments, found bonds.radius_multiplier";
-    if (scene->softening != GN_SOFTENING_NONE)
-        return "bonds that break at once, found law.softening";
-    for (size_t k = 0; k < scene->material_count; k++)
-        if (scene->materials[k].yield_stress[0] > 0)
-            return "bonds that break at once, found a material with yield_stress_1";
     if (scene->has_elements) return "particles alone, found elements";
     if (scene->body_count) return "walls and sets, found bodies";
     if (scene->has_membrane) return "walls and sets, found a membrane";
@@ -438,16 +431,8 @@ const char *gn_scene_statics_refusal(const gn_scene *scene) {
         return "equal damping of spins and velocities, found damping.background.rotation";
     if (scene->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
     if (scene->has_pulse) return "a specimen at rest, found initial.pulse";
-    for (size_t k = 0; k < scene->wall_count; k++) {
+    for (size_t k = 0; k < scene->wall_count; k++)
         if (scene->walls[k].servo.active) return "walls with prescribed motion, found a servo";
-        if (motion_changes(&scene->walls[k].motion))
-            return "motions at constant velocity, found a wall whose velocity changes";
-    }
-    for (size_t k = 0; k < scene->set_count; k++)
-        if (motion_changes(&scene->sets[k].motion))
-            return "motions at constant velocity, found a set whose velocity changes";
-    if (scene->stop_unbalanced > 0)
-        return "conditions that count from the start of steps, found time.stop.unbalanced";
     for (size_t k = 0; k < scene->set_count; k++)
         for (int a = 0; a < 3; a++) {
             const gn_set_def *set = &scene->sets[k];
@@ -455,6 +440,27 @@ const char *gn_scene_statics_refusal(const gn_scene *scene) {
             bool spins = set->initial_spin[a] != 0 && !set->motion.spin[a].count;
             if (moves || spins) return "a specimen at rest, found a set with an initial velocity";
         }
+    return NULL;
+}
+
+const char *gn_scene_statics_refusal(const gn_scene *scene) {
+    const char *reason = gn_scene_loading_refusal(scene);
+    if (reason) return reason;
+    if (scene->bond_radius_multiplier > 0)
+        return "bonds without moments, found bonds.radius_multiplier";
+    if (scene->softening != GN_SOFTENING_NONE)
+        return "bonds that break at once, found law.softening";
+    for (size_t k = 0; k < scene->material_count; k++)
+        if (scene->materials[k].yield_stress[0] > 0)
+            return "bonds that break at once, found a material with yield_stress_1";
+    for (size_t k = 0; k < scene->wall_count; k++)
+        if (motion_changes(&scene->walls[k].motion))
+            return "motions at constant velocity, found a wall whose velocity changes";
+    for (size_t k = 0; k < scene->set_count; k++)
+        if (motion_changes(&scene->sets[k].motion))
+            return "motions at constant velocity, found a set whose velocity changes";
+    if (scene->stop_unbalanced > 0)
+        return "conditions that count from the start of steps, found time.stop.unbalanced";
     return NULL;
 }
 
@@ -476,14 +482,15 @@ const char *gn_check_stop(const gn_scene *scene) {
                                         : NULL;
 }
 
-/* Stop conditions are evaluated in rows of the history. */
+/* Stop conditions are evaluated in rows of the history; a single row is that of the start. */
 static gneiss_status check_stops(const check *section, const gn_scene *scene) {
     const char *stop = gn_check_stop(scene);
-    if (!stop || scene->history_rows > 0 || !gn_check_is_valid(section, "output.history_rows"))
+    if (!stop || scene->history_rows > 1 || !gn_check_is_valid(section, "output.history_rows"))
         return GNEISS_OK;
     return gn_check_fail(section, stop,
-                         "expected output.history_rows above 0, as it is evaluated in rows of the "
-                         "history, found 0: it would never stop the run");
+                         "expected output.history_rows above 1, as it is evaluated in rows of the "
+                         "history, found %lld: it would never stop the run",
+                         (long long)scene->history_rows);
 }
 
 gneiss_status gn_check_time(const check *section, const gn_scene *scene) {

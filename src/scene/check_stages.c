@@ -307,10 +307,11 @@ static gneiss_status check_growth(const check *section, const gn_scene *before,
 static gneiss_status check_can_end(const check *section, const gn_scene *before,
                                    const gn_scene *scene, size_t stage, bool first) {
     const gn_stage *e = &scene->stages[stage];
-    if (scene->history_rows == 0 && end_by_rows(e))
+    if (scene->history_rows < 2 && end_by_rows(e))
         return gn_check_fail(section, end_by_rows(e),
-                             "expected output.history_rows above 0, as it is evaluated in rows of "
-                             "the history, found 0: the stage would never end by it");
+                             "expected output.history_rows above 1, as it is evaluated in rows of "
+                             "the history, found %lld: the stage would never end by it",
+                             (long long)scene->history_rows);
     gn_stage others = *e;
     others.held = 0.0;
     /* A pressure of 0 that a stage gives belongs to a series; otherwise the membrane may begin

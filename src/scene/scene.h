@@ -677,6 +677,10 @@ int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
  * the scene. */
 const char *gn_scene_statics_refusal(const gn_scene *scene);
 
+/* Returns the reason why a small loading of the scene's test cannot be followed by equilibria
+ * without steps (static/first_break.h); NULL: none is visible in the scene. */
+const char *gn_scene_loading_refusal(const gn_scene *scene);
+
 /* True if specimen.from is a packing, not the results of a run. */
 bool gn_scene_from_packing(const gn_scene *scene);
 

@@ -20,7 +20,7 @@ gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error) {
     deal->deferred = gn_alloc_array(n, sizeof *deal->deferred);
     bool held = deal->share && deal->mark && deal->task_first && deal->owned_first &&
                 deal->shared_first && deal->deferred;
-    for (int l = 0; l < GN_DEAL_LISTS; l++) {
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
         deal->cut[l] = gn_alloc_array(n + 1, sizeof *deal->cut[l]);
         held = held && deal->cut[l];
     }
@@ -53,7 +53,7 @@ void gn_deal_free(gn_deal *deal) {
     gn_free(deal->owned_first);
     gn_free(deal->shared_first);
     gn_free(deal->deferred);
-    for (int l = 0; l < GN_DEAL_LISTS; l++) gn_free(deal->cut[l]);
+    for (int l = 0; l < GN_LISTS_MOST; l++) gn_free(deal->cut[l]);
     free_tasks(deal);
     free_particles(deal);
     *deal = (gn_deal){0};
@@ -229,7 +229,7 @@ static size_t task_of(const gn_deal *deal, int l, size_t block) {
  * included. */
 typedef struct sequence {
     int t;
-    size_t next[GN_DEAL_LISTS];
+    size_t next[GN_LISTS_MOST];
     size_t length;
 } sequence;
 

@@ -30,10 +30,9 @@
 #include "base/error.h"
 #include "kernels/partials.h"
 #include "sched/pace.h"
+#include "soa/field.h"
 
 #include <stdatomic.h>
-
-enum { GN_DEAL_LISTS = 4 }; /* at most */
 
 /* A list of items; it is empty without partial sums. */
 typedef struct gn_deal_list {
@@ -60,8 +59,8 @@ typedef struct gn_deal {
     double *share;      /* [threads + 1] fraction of the work before a thread's own */
     gn_deal_mark *mark; /* [threads] */
     int lists;
-    gn_deal_list list[GN_DEAL_LISTS];
-    size_t *cut[GN_DEAL_LISTS]; /* [threads + 1] first block of a thread's share of a list */
+    gn_deal_list list[GN_LISTS_MOST];
+    size_t *cut[GN_LISTS_MOST]; /* [threads + 1] first block of a thread's share of a list */
     int team;                   /* threads of the present cuts; 0: cuts are to be made */
     uint64_t sweeps;            /* number of sweeps so far */
 

@@ -1,15 +1,13 @@
 #include "sched/hold.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 
 #include <string.h>
 
 gneiss_status gn_hold_create(gn_hold *hold, size_t blocks, gneiss_error *error) {
     *hold = (gn_hold){.blocks = blocks};
-    hold->slot = gn_alloc_array(blocks + 1, sizeof *hold->slot);
-    hold->block = gn_alloc_array(blocks + 1, sizeof *hold->block);
-    if (!hold->slot || !hold->block)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu blocks", blocks);
+    GN_TRY(gn_new(&hold->slot, blocks + 1, "blocks", error));
+    GN_TRY(gn_new(&hold->block, blocks + 1, "blocks", error));
     gn_hold_clear(hold);
     return GNEISS_OK;
 }
@@ -29,8 +27,8 @@ void gn_hold_clear(gn_hold *hold) {
 /* Enlarges the storage. Loads are those of one step, so that old ones need not be copied. */
 static gneiss_status make_room(gn_hold *hold, gneiss_error *error) {
     size_t room = 2 * hold->count + 4;
-    double *load = gn_alloc_array(room * GN_BLOCK_LOAD, sizeof *load);
-    if (!load) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu held blocks", room);
+    double *load = NULL;
+    GN_TRY(gn_new(&load, room * GN_BLOCK_LOAD, "held blocks", error));
     gn_free(hold->load);
     hold->load = load;
     hold->room = room;

@@ -60,6 +60,9 @@ typedef struct gn_record {
 /* The least number of padding items beyond `count`, so that kernels need no remainder loop. */
 enum { GN_LANES_MAX = 16 };
 
+/* The largest number of contact lists of a model. */
+enum { GN_LISTS_MOST = 4 };
+
 size_t gn_type_size(gn_type type);
 bool gn_field_active(const gn_field *field, gn_effects effects);
 

@@ -2,10 +2,10 @@
 
 #include "base/memory.h"
 #include "couple/ties.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/dormant.h"
-#include "solids/elements.h"
+#include "particles/particles.h"
+#include "solids/solids.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,10 +4,9 @@
 #include "base/memory.h"
 #include "base/union_find.h"
 #include "base/vec3.h"
-#include "boundary/surface.h"
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "boundary/surface.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 
 #include <stdint.h>
 

@@ -2,18 +2,17 @@
  * and what particles do to the nodes joins their forces as contacts with walls join those of
  * particles. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "boundary/surface.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/element_bodies.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 #include "surfaces/facet.h"
 
 #include <math.h>
@@ -23,9 +22,7 @@
 static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneiss_error *error) {
     size_t n = q->solid.nodes.soa.count, count = 0;
     gn_element_contact *k = &q->contact;
-    k->first = gn_alloc_array(n + 2, sizeof *k->first);
-    if (!k->first)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for contacts of %zu nodes", n);
+    GN_TRY(gn_new(&k->first, n + 2, "contacts of nodes", error));
     for (size_t c = 0; c < (size_t)f->corners * f->count; c++) k->first[f->corner[c] + 1] = 1;
     for (size_t v = 0; v < n; v++) k->first[v + 1] += k->first[v];
     count = (size_t)k->first[n];

@@ -3,13 +3,12 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
-#include "scene/table.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,12 +1,11 @@
 #include "base/point.h"
 
 #include "boundary/boundary.h"
-#include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "mesh/joints.h"
-#include "particles/dem.h"
-#include "solids/elements.h"
+#include "particles/particles.h"
+#include "solids/solids.h"
 
 #include <math.h>
 #include <stdio.h>

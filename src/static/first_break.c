@@ -16,12 +16,11 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "limit/equilibrium.h"
-#include "particles/dem.h"
+#include "particles/parameters.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
 #include "static/trial.h"
 #include "world/world.h"
@@ -36,6 +35,8 @@ enum {
     INCREMENTS = 8, /* target number of increments up to the start */
     INCREMENTS_MOST = 200,
     SOLUTIONS_MOST = 12, /* limit for one increment */
+    SOLUTIONS_LOADING = 60,
+    HALVES_MOST = 6, /* of a correction */
     HALVINGS_MOST = 30
 };
 
@@ -45,6 +46,12 @@ enum {
  * more. */
 static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_start = 1e-5;
 static const double balanced_worst = 300.0;
+/* That of states from which elastic constants are read. */
+static const double balanced_loading = 1e-6;
+/* Strengths of bonds in it over those of the scene: none breaks. */
+static const double strengthened = 1e9;
+/* Time of their loading over time.end. */
+static const double slowness = 1e6;
 /* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
  * most to these fractions of its load. */
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
@@ -73,6 +80,7 @@ typedef struct search {
     const gn_first_break_watch *watch;
     gn_first_break *found;
     double *path, *rate;      /* [particles][6] of the increment; their rates in the previous one */
+    double *shorter;          /* [particles][6] path before the last correction; NULL: not stored */
     bond_force *before, *now; /* [bonds] at both ends of the last increment */
     double span;              /* s, of the last increment; 0: none yet */
     double scale;             /* N, of forces: see in_balance */
@@ -86,6 +94,8 @@ refuse(const gn_world *world, gneiss_error *error, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    if (world->ctx.scene.start != GN_START_FIRST_BREAK)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s", text);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s",
                    gn_scene_at(&world->ctx.scene, world->ctx.scene.start_where, "time.start").text,
                    text);
@@ -170,17 +180,37 @@ static gneiss_status correct(search *run, double balanced, gn_equilibrium *linea
     return GNEISS_OK;
 }
 
+/* Contacts that close and open in turn make Newton's method cycle. Takes half of the last
+ * correction back if the loads have grown by it; returns false if they have not, or several halves
+ * were in vain. */
+static bool shorten(search *run, double before, int *halves) {
+    if (!run->shorter || !(run->trial.mean_load > before) || *halves == HALVES_MOST) {
+        *halves = 0;
+        return false;
+    }
+    for (size_t at = 0; at < N * run->trial.count; at++)
+        run->path[at] = 0.5 * (run->path[at] + run->shorter[at]);
+    ++*halves;
+    return true;
+}
+
 /* Runs Newton's method from the present path. */
 static gneiss_status balance(search *run, double span, bool loads, double balanced, outcome *what,
                              gn_equilibrium *linear, gneiss_error *error) {
     gn_trial *t = &run->trial;
+    const int most = run->shorter ? SOLUTIONS_LOADING : SOLUTIONS_MOST;
+    double before = INFINITY;
+    int halves = 0;
     *linear = (gn_equilibrium){.unsupported = -1};
-    for (int k = 0;; k++) {
+    for (int k = 0;;) {
         gn_trial_go(t, run->path, span, loads);
         *what = t->broken ? BROKE : BALANCED;
         if (t->broken || in_balance(run, balanced)) return GNEISS_OK;
         *what = STUCK;
-        if (k == SOLUTIONS_MOST) return GNEISS_OK;
+        if (shorten(run, before, &halves)) continue;
+        if (k++ == most) return GNEISS_OK;
+        before = t->mean_load;
+        if (run->shorter) memcpy(run->shorter, run->path, N * t->count * sizeof *run->path);
         GN_TRY(correct(run, balanced, linear, error));
     }
 }
@@ -197,8 +227,8 @@ static gneiss_status no_equilibrium(const search *run, const gn_equilibrium *lin
     return refuse(run->w, error,
                   "expected an equilibrium %s, found none in %d solutions: at t = %g s particle %d "
                   "has the largest of loads that are %.2g of the contact forces",
-                  when, SOLUTIONS_MOST, run->w->ctx.time, run->trial.worst,
-                  run->trial.mean_load / run->trial.mean_force);
+                  when, run->shorter ? SOLUTIONS_LOADING : SOLUTIONS_MOST, run->w->ctx.time,
+                  run->trial.worst, run->trial.mean_load / run->trial.mean_force);
 }
 
 static gneiss_status tell(const search *run, gneiss_error *error) {
@@ -278,13 +308,20 @@ static bool beyond_lists(const search *run, double span) {
 static gneiss_status increment(search *run, double span, double balanced, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what = BALANCED;
+    bool broke = false;
     for (int k = 0; k < HALVINGS_MOST; k++, span *= 0.5) {
         for (size_t at = 0; at < N * run->trial.count; at++) run->path[at] = span * run->rate[at];
         gn_trial_prescribe(&run->trial, span, run->path);
         GN_TRY(balance(run, span, false, balanced, &what, &linear, error));
+        broke = broke || what == BROKE;
         if (what == BALANCED && !beyond_lists(run, span)) return take(run, span, false, error);
         if (what == STUCK && linear.unsupported >= 0) break;
     }
+    if (broke && linear.unsupported < 0)
+        return refuse(run->w, error,
+                      "expected bonds that hold under the prescribed motion, found that they break "
+                      "however short the increment (t = %g s)",
+                      run->w->ctx.time);
     return no_equilibrium(run, &linear, false, error);
 }
 
@@ -401,6 +438,119 @@ static gneiss_status find(search *run, gneiss_error *error) {
     return leave(run, error);
 }
 
+/* --- loading without failure --- */
+
+static double displacement(const gn_motion *motion, double time) {
+    double most = 0.0;
+    for (int a = 0; a < 3; a++)
+        most = fmax(most, fabs(gn_table_between(&motion->velocity[a], 0.0, time)));
+    return most;
+}
+
+/* Returns the largest prescribed displacement of a wall or a set up to a time, m. */
+static double prescribed_path(const gn_scene *scene, double time) {
+    double most = 0.0;
+    for (size_t k = 0; k < scene->wall_count; k++)
+        most = fmax(most, displacement(&scene->walls[k].motion, time));
+    for (size_t k = 0; k < scene->set_count; k++)
+        most = fmax(most, displacement(&scene->sets[k].motion, time));
+    return most;
+}
+
+/* Finds the time at which the prescribed displacement is `path`, s; motions may go on after the end
+ * of the scene. */
+static gneiss_status time_of_path(const search *run, double path, double *time,
+                                  gneiss_error *error) {
+    const gn_step_context *ctx = &run->w->ctx;
+    double low = 0.0, high = ctx->scene.end;
+    for (int k = 0; k < 60 && !(prescribed_path(&ctx->scene, high) >= path); k++) high *= 2.0;
+    if (!(prescribed_path(&ctx->scene, high) >= path))
+        return refuse(run->w, error, "expected walls or sets that move by %.3g m, found %.3g m",
+                      path, prescribed_path(&ctx->scene, high));
+    while (high - low > 1e-15 * high) {
+        const double middle = 0.5 * (low + high);
+        if (middle <= low || middle >= high) break;
+        *(prescribed_path(&ctx->scene, middle) >= path ? &high : &low) = middle;
+    }
+    *time = high;
+    return GNEISS_OK;
+}
+
+/* Makes a motion up to `time` one at constant velocity that takes until `end`. */
+static void spread_motion(gn_motion *motion, double time, double end) {
+    for (int k = 0; k < N; k++) {
+        gn_table *table = k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
+        if (!table->count) continue;
+        table->value[0] = gn_table_between(table, 0.0, time) / end;
+        table->count = 1;
+    }
+}
+
+/* Replaces the prescribed motions by steady ones with the same displacements, so slow that dashpots
+ * and drag have no part. */
+static gneiss_status slow_down(search *run, double path, gneiss_error *error) {
+    gn_scene *scene = &run->w->ctx.scene;
+    const double end = slowness * scene->end;
+    double time = 0.0;
+    GN_TRY(time_of_path(run, path, &time, error));
+    for (size_t k = 0; k < scene->wall_count; k++)
+        spread_motion(&scene->walls[k].motion, time, end);
+    for (size_t k = 0; k < scene->set_count; k++) spread_motion(&scene->sets[k].motion, time, end);
+    scene->end = end;
+    return GNEISS_OK;
+}
+
+/* Goes on to a time, in several increments if contact lists have to be rebuilt on the way. */
+static gneiss_status go_to(search *run, double time, double path, gneiss_error *error) {
+    const double near = 1e-9;
+    for (int k = 0; k < INCREMENTS_MOST; k++) {
+        GN_TRY(increment(run, time - run->w->ctx.time, balanced_loading, error));
+        if (run->w->ctx.time >= time * (1.0 - near)) return GNEISS_OK;
+    }
+    return refuse(run->w, error,
+                  "expected a displacement of %.3g m, found %.3g m after %d increments", path,
+                  prescribed_path(&run->w->ctx.scene, run->w->ctx.time), INCREMENTS_MOST);
+}
+
+static gneiss_status load_up(search *run, double path, int count, gneiss_error *error) {
+    GN_TRY(allocate(run, error));
+    run->shorter = gn_alloc_array(run->w->dem.particles.soa.count + 1, N * sizeof *run->shorter);
+    if (!run->shorter)
+        return gn_fail(error, GNEISS_ERROR_MEMORY,
+                       "no memory for the equilibrium of the particles");
+    GN_TRY(slow_down(run, path, error));
+    gn_bonds_strengthen(&run->w->dem, strengthened);
+    GN_TRY(gn_trial_begin(run->w, &run->trial, error));
+    run->speed = fastest(&run->w->ctx, &run->w->dem);
+    GN_TRY(take_up_loads(run, error));
+    GN_TRY(tell(run, error));
+    for (int k = 1; k <= count; k++) {
+        GN_TRY(go_to(run, run->w->ctx.scene.end * k / count, path, error));
+        run->found->unbalanced = run->trial.mean_load / run->trial.mean_force;
+        GN_TRY(tell(run, error));
+    }
+    return GNEISS_OK;
+}
+
+static void free_search(search *run) {
+    gn_trial_free(&run->trial);
+    gn_free(run->path);
+    gn_free(run->rate);
+    gn_free(run->shorter);
+    gn_free(run->before);
+    gn_free(run->now);
+}
+
+gneiss_status gn_static_loading(gn_world *world, double path, int count,
+                                const gn_first_break_watch *watch, gn_first_break *found,
+                                gneiss_error *error) {
+    *found = (gn_first_break){.time = INFINITY};
+    search s = {.w = world, .watch = watch, .found = found};
+    gneiss_status status = load_up(&s, path, count, error);
+    free_search(&s);
+    return status;
+}
+
 gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *watch,
                                    gn_first_break *found, gneiss_error *error) {
     *found = (gn_first_break){0};
@@ -408,10 +558,6 @@ gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *
         return refuse(world, error, "first_break: expected bonds, found none in this specimen");
     search s = {.w = world, .watch = watch, .found = found};
     gneiss_status status = find(&s, error);
-    gn_trial_free(&s.trial);
-    gn_free(s.path);
-    gn_free(s.rate);
-    gn_free(s.before);
-    gn_free(s.now);
+    free_search(&s);
     return status;
 }

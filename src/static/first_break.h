@@ -32,4 +32,14 @@ typedef struct gn_first_break_watch {
 gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *watch,
                                    gn_first_break *found, gneiss_error *error);
 
+/* Takes a world without any step through equilibria in which its largest prescribed displacement
+ * grows by `path`/`count`, m, `count` times: without steps, for the elastic constants of a
+ * test. Bonds hold, whatever their strength. `watch` is called with the first state, under the
+ * loads at the start, and with each one after it. Motions become steady and slow ones, with the
+ * displacements that those of the scene have when the largest reaches `path`. GNEISS_ERROR_INPUT:
+ * nothing moves that far, or there is no equilibrium. */
+gneiss_status gn_static_loading(gn_world *world, double path, int count,
+                                const gn_first_break_watch *watch, gn_first_break *found,
+                                gneiss_error *error);
+
 #endif

@@ -5,18 +5,14 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "frame/balance.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "limit/equilibrium.h"
-#include "measure/energy.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
-#include "scene/table.h"
+#include "particles/particles.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "soa/single.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/particle_step.h"
 #include "world/world.h"
 
@@ -455,10 +451,7 @@ gneiss_status gn_trial_leave(gn_trial *t, const double *path, double span, gneis
     gn_particles *q = &w->dem.particles;
     restore_lists(t);
     put_walls(t, 0.0, 0.0);
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
-        for (int a = 0; a < 3; a++)
-            w->boundary.walls[k].velocity[a] =
-                gn_table_at(&w->ctx.scene.walls[k].motion.velocity[a], w->ctx.time);
+    gn_walls_take_velocities(&w->ctx, &w->boundary);
     for (size_t p = 0; p < t->count; p++)
         for (size_t a = 0; a < 3; a++) {
             q->pos[4 * p + a] = t->pos[4 * p + a];

@@ -5,7 +5,7 @@
 #include "base/new.h"
 #include "base/printable.h"
 #include "base/version.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "soa/field.h"
 
 #include <inttypes.h>

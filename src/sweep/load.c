@@ -1,7 +1,7 @@
 /* Reads a sweep file into parameters and their values. Their combinations are made in expand.c. */
 #include "base/memory.h"
 #include "base/names.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "sweep/expand.h"
 #include "sweep/range.h"
 

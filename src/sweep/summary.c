@@ -2,8 +2,8 @@
 
 #include "base/new.h"
 #include "base/printable.h"
-#include "io/files.h"
 #include "io/h5.h"
+#include "io/io.h"
 #include "io/listing.h"
 #include "measure/energy.h"
 #include "run/folder.h"

@@ -1,8 +1,8 @@
 /* Files of the summary. */
 #include "base/new.h"
 #include "base/version.h"
-#include "io/files.h"
 #include "io/h5.h"
+#include "io/io.h"
 #include "sweep/envelope.h"
 #include "sweep/range.h"
 #include "sweep/summary.h"

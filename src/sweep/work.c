@@ -3,7 +3,7 @@
 
 #include "base/new.h"
 #include "base/timer.h"
-#include "io/files.h"
+#include "io/io.h"
 #include "io/listing.h"
 #include "run/folder.h"
 #include "sweep/summary.h"

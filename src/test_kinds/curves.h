@@ -86,7 +86,6 @@ double gn_nonlinearity(const gn_curves *curves, gn_slope_of *slope);
 double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *readings);
 
 /* Conditions that a slope must meet to be a reading. */
-void gn_need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
 void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
 /* Over these rows only the stress along the axis may grow, and the mean strain must be that of the
  * ends. */

@@ -25,7 +25,7 @@ void gn_reading_absent(gn_readings *readings, gn_reading which, const char *form
     va_end(args);
 }
 
-void gn_need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings) {
+static void need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings) {
     size_t rows = curves->loading.last - curves->loading.first;
     if (rows < 3)
         gn_reading_absent(
@@ -46,7 +46,7 @@ double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings 
 
 void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings *readings) {
     const size_t rows = curves->elastic.last - curves->elastic.first;
-    if (!curves->cut_reason) gn_need_rows(curves, which, readings);
+    if (!curves->cut_reason) need_rows(curves, which, readings);
     if (rows < 3 && curves->cut_reason)
         gn_reading_absent(
             readings, which,

@@ -5,23 +5,21 @@
  * open and close undamped; all steps once the specimen has disintegrated, and for wedged debris
  * (debris.c). */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "kernels/dashpot.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
 #include "particles/law.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 #include "zones/zones.h"
 
@@ -31,57 +29,6 @@
 double gn_world_contact_steps(const gn_step_context *ctx) {
     if (ctx->scene.contact_steps > 0.0) return ctx->scene.contact_steps;
     return ctx->effects & GN_FX_HERTZ ? GN_STEPS_PER_HERTZ : GN_STEPS_PER_CONTACT;
-}
-
-/* --- what is loose --- */
-
-static double radius(const gn_dem *dem, size_t p) {
-    return dem->particles.pos[4 * p + 3];
-}
-
-/* Tells whether a particle sits in a pore: as many bonded ones as can hold it are closer than its
- * radius. */
-static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
-    const gn_particles *q = &dem->particles;
-    const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
-    int near = 0, needed = (int)ctx->scene.dimension + 1;
-    for (size_t j = 0; j < q->soa.count && near < needed; j++) {
-        double reach = 2.0 * radius(dem, p) + radius(dem, j), d[3];
-        if (!q->bonds0 || q->bonds0[j] == 0) continue;
-        near += gn_branch(ctx, x, q->start + 4 * j, d) < reach * reach;
-    }
-    return near >= needed;
-}
-
-/* A particle without a bond at the start is loose, unless most of its cohesive group is bonded and
- * it sits in a pore: a particle of a specimen that just missed its bonds belongs to it. (Pores are
- * searched pair by pair; above MANY pairs all such particles count as part of the specimen.) */
-gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
-    const double MANY = 1e9;
-    const gn_particles *q = &dem->particles;
-    size_t n = q->soa.count, without = 0;
-    int32_t groups = 1;
-    if (dem->loose) return GNEISS_OK;
-    for (size_t p = 0; p < n; p++) groups = q->group[p] >= groups ? q->group[p] + 1 : groups;
-    int64_t *lead = gn_alloc_array((size_t)groups, sizeof *lead); /* bonded less unbonded ones */
-    dem->loose = gn_alloc((size_t)dem->ids + 1);
-    if (!lead || !dem->loose) {
-        gn_free(lead);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    }
-    for (size_t p = 0; p < n; p++) {
-        bool bonded = q->bonds0 && q->bonds0[p] > 0;
-        lead[q->group[p]] += bonded ? 1 : -1;
-        without += !bonded;
-    }
-    bool look = (double)without * (double)n <= MANY;
-    for (size_t p = 0; p < n; p++) {
-        bool bonded = q->bonds0 && q->bonds0[p] > 0;
-        bool part = q->group[p] != 0 && lead[q->group[p]] > 0;
-        dem->loose[q->id[p]] = !bonded && !(part && (!look || in_pore(ctx, dem, p)));
-    }
-    gn_free(lead);
-    return GNEISS_OK;
 }
 
 static bool loose(const gn_dem *dem, size_t p) {
@@ -150,8 +97,7 @@ static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
     const gn_contacts *b = &dem->bonds.contacts;
     size_t n = dem->particles.soa.count;
     *t = (ties){.share = share_of_bonds(ctx, dem)};
-    t->inverse = gn_alloc_array(n + 1, sizeof *t->inverse);
-    if (!t->inverse) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    GN_TRY(gn_new(&t->inverse, n + 1, "particles", error));
     find_inverse(ctx, dem, solids, zones, t->inverse);
     if (!b->soa.count) return GNEISS_OK;
     t->wedged = gn_alloc(n + 1);
@@ -244,8 +190,7 @@ static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, 
     const gn_contacts *k = &dem->pairs.contacts;
     *sum = NULL;
     if (!gn_world_is_underdamped(ctx, dem) || !k->soa.count) return GNEISS_OK;
-    *sum = gn_alloc_array(dem->particles.soa.count, sizeof **sum);
-    if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
+    GN_TRY(gn_new(sum, dem->particles.soa.count, "crowds", error));
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         double kn = gn_contact_spring(dem, k, c).kn;
@@ -457,6 +402,10 @@ typedef struct extremes {
     size_t count, place[4]; /* two smallest, two largest */
 } extremes;
 
+static double radius(const gn_dem *dem, size_t p) {
+    return dem->particles.pos[4 * p + 3];
+}
+
 static void keep_extremes(const gn_dem *dem, extremes *e, size_t p) {
     double r = radius(dem, p);
     if (e->count < 4) {
@@ -536,8 +485,8 @@ static void flight_of_walls(const gn_step_context *ctx, const gn_dem *dem,
 static gneiss_status find_flight(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary, flight *f, gneiss_error *error) {
     size_t count = 4 * ctx->scene.material_count;
-    extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
-    if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
+    extremes *classes = NULL;
+    GN_TRY(gn_new(&classes, count + 1, "classes", error));
     for (size_t p = 0; p < dem->particles.soa.count; p++) {
         if (!gn_particle_is_active(&dem->particles, p)) continue;
         size_t held = inverse_mass(ctx, dem, p) == 0.0, kind = 2 * held + loose(dem, p);
@@ -568,9 +517,8 @@ gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- words --- */
 
-const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
-                               size_t size) {
-    const gn_resolution *r = &dem->resolution;
+const char *gn_resolution_text(const gn_step_context *ctx, char *text, size_t size) {
+    const gn_resolution *r = &ctx->choice.resolution;
     int64_t walls = (int64_t)ctx->scene.wall_count, bodies = (int64_t)ctx->scene.body_count,
             k = -1 - r->second;
     if (r->first < 0 && (-1 - r->first >= bodies || k < 0 || k >= walls + bodies))

@@ -6,18 +6,17 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "couple/consistent.h"
-#include "couple/ties.h"
+#include "fem/fem.h"
 #include "fem/linear.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "limit/damped.h"
 #include "limit/springs.h"
 #include "limit/step_limits.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
@@ -350,13 +349,13 @@ const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t siz
     return text;
 }
 
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_solids *solids, const gn_zones *zones) {
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_solids *solids,
+                                         const gn_zones *zones) {
     const gn_element_model *lead = NULL;
     for (size_t k = 0; k < solids->count; k++)
         if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];
     const gn_whole_limit *found = gn_coupled_whole(ctx, zones);
     if (found) return found->side == GN_SIDE_ELEMENTS ? lead : NULL;
-    bool after = lead && ctx->scene.has_specimen && dem->stable < lead->stable;
+    bool after = lead && ctx->scene.has_specimen && ctx->choice.stable < lead->stable;
     return after ? NULL : lead;
 }

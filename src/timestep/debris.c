@@ -11,15 +11,13 @@
  * throughput while such a particle collides with a relevant energy are its contacts resolved as
  * those of loose particles. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/law.h"
+#include "particles/particles.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -92,11 +90,10 @@ static int64_t broken(const gn_dem *dem) {
     return dem->broken_tension + dem->broken_shear;
 }
 
-gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
-                             gneiss_error *error) {
+gneiss_status gn_debris_find(gn_step_context *ctx, gn_dem *dem, bool *some, gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
     *some = false;
-    if (broken(dem) == dem->broken_without_debris || ctx->scene.step > 0.0 ||
+    if (broken(dem) == ctx->choice.broken_without_debris || ctx->scene.step > 0.0 ||
         !gn_world_is_underdamped(ctx, dem))
         return GNEISS_OK;
     uint8_t *left = gn_alloc(n + 1);
@@ -104,7 +101,7 @@ gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some
     gn_bonds_left(dem, left);
     for (size_t p = 0; p < n && !*some; p++) *some = left[p] < 2 && dem->particles.bonds0[p] > 0;
     gn_free(left);
-    if (!*some) dem->broken_without_debris = broken(dem);
+    if (!*some) ctx->choice.broken_without_debris = broken(dem);
     return GNEISS_OK;
 }
 
@@ -120,11 +117,11 @@ gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint
     bool some = false;
     *any = false;
     for (size_t p = 0; p < n && !some; p++) some = adrift[p];
-    if (!some || !dem->debris_reported) return GNEISS_OK;
+    if (!some || !ctx->choice.debris_reported) return GNEISS_OK;
     const double least = MATTERS * held_at_most(dem);
     if (!(least > 0.0 && least < INFINITY)) return GNEISS_OK;
-    surroundings *of = gn_alloc_array(n + 1, sizeof *of);
-    if (!of) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    surroundings *of = NULL;
+    GN_TRY(gn_new(&of, n + 1, "particles", error));
     find_surroundings(ctx, dem, &dem->pairs.contacts, adrift, of);
     find_surroundings(ctx, dem, &dem->bonds.contacts, adrift, of);
     for (size_t p = 0; p < n; p++) {

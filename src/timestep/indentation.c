@@ -8,18 +8,16 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
+#include "particles/depth.h"
 #include "particles/expected_overlap.h"
 #include "particles/law.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -134,7 +132,7 @@ static void update_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundar
 
 void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     if (!(ctx->effects & GN_FX_HERTZ)) return;
-    dem->push = applied(ctx, dem);
+    ctx->choice.push = applied(ctx, dem);
     for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, GN_OVERLAP_LEAST);
     update_pairs(ctx, dem);
     update_walls(ctx, dem, boundary);
@@ -212,11 +210,11 @@ static gneiss_status check_driven(gn_step_context *ctx, gn_dem *dem, gn_boundary
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                   gneiss_error *error) {
     if (!dem->driven) return GNEISS_OK;
-    dem->gain = driven_gain(ctx, dem, boundary);
-    gneiss_status status =
-        dem->gain > 0.0 ? gn_world_check_lists(ctx, dem, boundary, solids, zones, ledger, error)
-                        : GNEISS_OK;
-    dem->gain = 0.0;
+    ctx->choice.gain = driven_gain(ctx, dem, boundary);
+    gneiss_status status = ctx->choice.gain > 0.0 ? gn_world_check_lists(ctx, dem, boundary, solids,
+                                                                         zones, ledger, error)
+                                                  : GNEISS_OK;
+    ctx->choice.gain = 0.0;
     return status;
 }
 
@@ -225,33 +223,11 @@ gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *b
                                gneiss_error *error) {
     GN_TRY(check_driven(ctx, dem, boundary, solids, zones, ledger, error));
     if (!dem->pressed) return GNEISS_OK;
-    dem->pressed = false;
     return gn_world_check_lists(ctx, dem, boundary, solids, zones, ledger, error);
 }
 
 /* Steps between two checks, each of which takes a third of the time of a step. */
 enum { LOOK_INTERVAL = 50 };
-
-/* Overlaps below this, m, are less than the largest known one. */
-static double known_overlap(const gn_dem *dem, double radius) {
-    return dem->depth.excess * GN_DEPTH_LOOSE * radius;
-}
-
-static void record(const gn_step_context *ctx, gn_dem *dem, double overlap, double radius, size_t p,
-                   double second) {
-    gn_depth *d = &dem->depth;
-    const double id = dem->particles.id[p];
-    bool loose = dem->loose[(size_t)id] || (second >= 0.0 && dem->loose[(size_t)second]);
-    double excess = overlap / radius / (loose ? GN_DEPTH_LOOSE : GN_DEPTH_BONDED);
-    if (!(excess > d->excess)) return;
-    *d = (gn_depth){excess,
-                    overlap / radius,
-                    overlap,
-                    ctx->time,
-                    second >= 0.0 ? fmin(id, second) : id,
-                    second >= 0.0 ? fmax(id, second) : second,
-                    d->looked};
-}
 
 static void record_pairs(const gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
@@ -259,14 +235,14 @@ static void record_pairs(const gn_step_context *ctx, gn_dem *dem) {
     for (size_t c = 0; c < k->soa.count; c++) {
         const size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         const double *a = q->pos + 4 * i, *b = q->pos + 4 * j;
-        const double radius = fmin(a[3], b[3]), most = a[3] + b[3] - known_overlap(dem, radius);
+        const double radius = fmin(a[3], b[3]), most = a[3] + b[3] - gn_depth_known(dem, radius);
         double d[3], d2 = gn_branch(ctx, a, b, d);
         if (!(most > 0.0 && d2 < most * most)) continue;
         if (!(gn_inverse_mass_along(dem, i, d) + gn_inverse_mass_along(dem, j, d) > 0.0)) continue;
         /* Elements still represent their bond: the overlap is that of the packing, without
          * force. */
         if (q->blend && !(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
-        record(ctx, dem, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
+        gn_depth_note(ctx, dem, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
     }
 }
 
@@ -280,12 +256,12 @@ static size_t record_surface(const gn_step_context *ctx, gn_dem *dem, gn_boundar
     for (size_t k = 0; k < count; k++) {
         const gn_surface *s = found[k].surface;
         const double overlap = -found[k].contact.overlap;
-        if (!(overlap > known_overlap(dem, radius))) continue;
+        if (!(overlap > gn_depth_known(dem, radius))) continue;
         if (!(gn_inverse_mass_along(dem, p, found[k].contact.n) > 0.0 ||
               gn_surface_yields(boundary, s)))
             continue;
-        record(ctx, dem, overlap, radius, p,
-               -1.0 - (double)ctx->scene.wall_count - (double)(s - boundary->surfaces));
+        gn_depth_note(ctx, dem, overlap, radius, p,
+                      -1.0 - (double)ctx->scene.wall_count - (double)(s - boundary->surfaces));
     }
     return row;
 }
@@ -301,18 +277,17 @@ static void record_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *b
         const gn_wall *of = &boundary->walls[wall];
         const double *x = dem->particles.pos + 4 * p;
         const double overlap = x[3] + k->gap0[c] - gn_wall_distance(of, x);
-        if (overlap > known_overlap(dem, x[3]) && gn_inverse_mass_along(dem, p, of->normal) > 0.0)
-            record(ctx, dem, overlap, x[3], p, -1.0 - (double)wall);
+        if (overlap > gn_depth_known(dem, x[3]) && gn_inverse_mass_along(dem, p, of->normal) > 0.0)
+            gn_depth_note(ctx, dem, overlap, x[3], p, -1.0 - (double)wall);
         c++;
     }
 }
 
 gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error) {
-    GN_TRY(gn_loose_find(ctx, dem, error));
+    GN_TRY(gn_depth_begin(ctx, dem, error));
     record_pairs(ctx, dem);
     record_walls(ctx, dem, boundary);
-    dem->depth.looked = (double)ctx->step;
     return GNEISS_OK;
 }
 

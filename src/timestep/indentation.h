@@ -12,13 +12,6 @@ gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *b
                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                gneiss_error *error);
 
-/* Overlap over radius from which Hertz's theory and any spring between hardly touching particles
- * are misleading, for particles that were not bonded at the start. Bonded specimens are pressed
- * further by platens and among debris without harm to their readings; beyond this value a particle
- * is passing through. */
-#define GN_DEPTH_LOOSE  0.1
-#define GN_DEPTH_BONDED 0.5
-
 /* Updates dem->depth from the listed contacts at the present positions: when lists are made,
  * and in measured steps some steps later. Contacts whose sides cannot move are left out. */
 gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,

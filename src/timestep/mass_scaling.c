@@ -4,17 +4,16 @@
  * more than the sharp limit does, so it is evaluated at a smaller step, which is searched until the
  * sharp limit is the wanted step. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -122,16 +121,14 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
                                    bool listed, const uint8_t *changed, double *held,
                                    gneiss_error *error) {
     enum { ROUNDS = 8 }; /* of dashpots */
-    const gn_mass_scaling *s = &dem->scaling;
+    const gn_mass_scaling *s = &ctx->choice.scaling;
     *held = 0.0;
     if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0)) return GNEISS_OK;
-    double step = gn_limit_needed(ctx, dem, boundary, solids, zones,
+    double step = gn_limit_needed(ctx, dem, solids, zones,
                                   s->reached / (listed ? listed_share : ctx->scene.safety));
     if (!isfinite(step)) return GNEISS_OK; /* other parts leave no room */
-    double *factor = gn_alloc_array(dem->particles.soa.count + 1, sizeof *factor);
-    if (!factor)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses",
-                       dem->particles.soa.count);
+    double *factor = NULL;
+    GN_TRY(gn_new(&factor, dem->particles.soa.count + 1, "masses", error));
     gneiss_status status = GNEISS_OK;
     for (int round = 0; round < ROUNDS; round++) {
         status = gn_dem_masses(ctx, dem, boundary, listed, step, changed, factor, error);
@@ -159,8 +156,8 @@ static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boun
         double beyond = ctx->scene.safety * ctx->stable / q->step;
         bool reached = ctx->dt >= (1.0 - 1e-9) * q->step;
         if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;
-        if (reached && dem->scaling.added == added) return GNEISS_OK; /* for collisions */
-        added = reached ? dem->scaling.added : added;
+        if (reached && dem->raised.added == added) return GNEISS_OK; /* for collisions */
+        added = reached ? dem->raised.added : added;
         *(reached ? &high : &low) = part;
         bool close = high - low < 0.004 || k >= TRIES;
         if (close && reached) return GNEISS_OK;
@@ -210,8 +207,7 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
                                     const gn_zones *zones, double step, double *of_bound,
                                     double *added, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
-    const double limit =
-        gn_limit_needed(ctx, dem, boundary, solids, zones, step / ctx->scene.safety);
+    const double limit = gn_limit_needed(ctx, dem, solids, zones, step / ctx->scene.safety);
     *of_bound = *added = INFINITY;
     if (!isfinite(limit)) return GNEISS_OK;
     double *factor = gn_alloc_array(q->soa.count + 1, sizeof *factor), most = 1.0, sum = 0.0;
@@ -236,17 +232,17 @@ gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary
     if (!(ctx->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
     wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * ctx->dt,
                 .sharp = s->estimate == GN_STEP_SHARP};
-    dem->scaling.unscaled = ctx->dt;
+    ctx->choice.scaling.unscaled = ctx->dt;
     if (q.step <= ctx->dt) return GNEISS_OK;
     double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
-    q.limit = gn_limit_needed(ctx, dem, boundary, solids, zones, q.step / s->safety);
-    q.listed = gn_limit_needed(ctx, dem, boundary, solids, zones, q.step / listed_share);
+    q.limit = gn_limit_needed(ctx, dem, solids, zones, q.step / s->safety);
+    q.listed = gn_limit_needed(ctx, dem, solids, zones, q.step / listed_share);
     if (s->safety * elements < q.step || !isfinite(q.limit))
         return refuse(ctx, solids, q.step, error);
-    dem->scaling.step = q.step;
+    ctx->choice.scaling.step = q.step;
     gneiss_status status = make_room(dem, &q, error);
     if (status == GNEISS_OK) status = search(ctx, dem, boundary, solids, zones, ledger, &q, error);
-    dem->scaling.reached = ctx->dt;
+    ctx->choice.scaling.reached = ctx->dt;
     gn_free(q.factor);
     gn_free(q.also);
     gn_free(q.own);

@@ -1,19 +1,19 @@
 /* The step that the particles allow: with the active springs, with those that may become active
  * before the lists are rebuilt, and for collisions. */
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "limit/equilibrium.h"
 #include "limit/step_limits.h"
 #include "measure/measure.h"
-#include "particles/dem.h"
+#include "particles/depth.h"
+#include "particles/particles.h"
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 #include "zones/zone_state.h"
 
@@ -114,8 +114,8 @@ static gneiss_status find_changed(const gn_spectrum *spectrum, int which, uint8_
                                   size_t *count, gneiss_error *error) {
     const gn_particles *q = spectrum->assembly->particles;
     size_t n = q->soa.count;
-    int32_t *marks = gn_alloc_array(n + 1, sizeof *marks);
-    if (!marks) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    int32_t *marks = NULL;
+    GN_TRY(gn_new(&marks, n + 1, "particles", error));
     gn_step_contact_hashes(spectrum, marks);
     *count = 0;
     for (size_t p = 0; p < n; p++) {
@@ -199,29 +199,27 @@ gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Tells whether the rigorous bound suffices without Lanczos: the scene asks for it, or a given step
  * is below it. */
-static bool bound_suffices(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, double bound) {
+static bool bound_suffices(const gn_step_context *ctx, const gn_dem *dem, double bound) {
     if (ctx->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
     /* The sharp limit sets the springs of zones, however the step is chosen. */
     if (ctx->scene.has_couple && ctx->scene.couple.constraint == GN_COUPLE_PENALTY) return false;
-    return ctx->scene.step > 0.0 &&
-           ctx->scene.step <= gn_limit_beside_surfaces(ctx, dem, boundary, bound);
+    return ctx->scene.step > 0.0 && ctx->scene.step <= gn_limit_beside_surfaces(ctx, dem, bound);
 }
 
-static gneiss_status find_limit(const gn_step_context *ctx, gn_dem *dem,
-                                const gn_boundary *boundary, gneiss_error *error) {
+static gneiss_status find_limit(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                gneiss_error *error) {
     gn_step_limit quick = {0};
-    const question sharp = {.tolerance = 1e-3, .limit = &dem->limit};
+    const question sharp = {.tolerance = 1e-3, .limit = &ctx->choice.limit};
     if (ctx->scene.estimate != GN_STEP_BOUND && !(ctx->scene.step > 0.0))
         return ask(ctx, dem, boundary, false, &sharp,
                    error); /* no bound suffices, so that the springs are assembled once */
     GN_TRY(ask(ctx, dem, boundary, false, &(question){.limit = &quick}, error));
-    if (!bound_suffices(ctx, dem, boundary, quick.bound))
+    if (!bound_suffices(ctx, dem, quick.bound))
         return ask(ctx, dem, boundary, false, &sharp, error);
-    dem->limit = quick;
-    dem->limit.sharp = quick.bound;
-    dem->limit.sharp_id = quick.bound_id;
-    dem->limit.iterations = 0;
+    ctx->choice.limit = quick;
+    ctx->choice.limit.sharp = quick.bound;
+    ctx->choice.limit.sharp_id = quick.bound_id;
+    ctx->choice.limit.iterations = 0;
     return GNEISS_OK;
 }
 
@@ -237,7 +235,7 @@ static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, double *limit, gneiss_error *error) {
     gn_step_limit listed = {0};
     gn_resolution unused;
-    *limit = trusted(ctx, &dem->limit);
+    *limit = trusted(ctx, &ctx->choice.limit);
     if (*limit < INFINITY) return GNEISS_OK;
     GN_TRY(ask(ctx, dem, boundary, true,
                &(question){.tolerance = tolerance_of(ctx), .limit = &listed}, error));
@@ -287,7 +285,7 @@ static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell,
                                 gneiss_error *error) {
     /* With elements the particles may hold more than alone. */
-    double known = fmax(trusted(ctx, &dem->limit), zones->state.whole);
+    double known = fmax(trusted(ctx, &ctx->choice.limit), ctx->choice.whole);
     gn_step_verdict verdict = {0};
     question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
     GN_TRY(ask_of_others(ctx, dem, boundary, solids, zones, ledger, false, &q, error));
@@ -304,7 +302,7 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
     GN_TRY(gn_boundary_limit(ctx, dem, boundary, fell, due, error));
     if (!*due) return GNEISS_OK;
     if (fell) GN_TRY(find_limit(ctx, dem, boundary, error));
-    return usable_limit(ctx, dem, boundary, &dem->stable, error);
+    return usable_limit(ctx, dem, boundary, &ctx->choice.stable, error);
 }
 
 /* --- what may happen before the lists are made again --- */
@@ -315,11 +313,11 @@ gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary
                                   bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
-    double needed = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
+    double needed = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99);
     *fine = false; /* of a given step the answer stays */
-    if (!full && ctx->scene.step > 0.0 && ctx->dt > dem->listed) return GNEISS_OK;
+    if (!full && ctx->scene.step > 0.0 && ctx->dt > ctx->choice.listed) return GNEISS_OK;
     /* The particles have to hold more than they were found to hold, because bodies yield more. */
-    bool all = full || needed > dem->listed_holds, finite = needed < INFINITY;
+    bool all = full || needed > ctx->choice.listed_holds, finite = needed < INFINITY;
     question q = {.tolerance = all || !finite ? tolerance_of(ctx) : 0.0};
     if (finite) {
         q.step = needed;
@@ -333,10 +331,10 @@ gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary
     else
         GN_TRY(ask(ctx, dem, boundary, true, &q, error));
     *fine = finite && verdict.holds;
-    if (*fine && all) dem->listed_holds = needed;
+    if (*fine && all) ctx->choice.listed_holds = needed;
     if (*fine) return GNEISS_OK;
-    dem->listed_holds = finite ? verdict.limit : trusted(ctx, &limit);
-    dem->listed = gn_limit_of_all(ctx, dem, boundary, solids, zones, dem->listed_holds);
+    ctx->choice.listed_holds = finite ? verdict.limit : trusted(ctx, &limit);
+    ctx->choice.listed = gn_limit_of_all(ctx, dem, solids, zones, ctx->choice.listed_holds);
     return GNEISS_OK;
 }
 
@@ -351,46 +349,45 @@ gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99),
+    question q = {.step = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99),
                   .verdict = &verdict};
     *far = false;
-    if (ctx->dt > 0.5 * dem->stable || !(q.step < INFINITY)) return GNEISS_OK;
+    if (ctx->dt > 0.5 * ctx->choice.stable || !(q.step < INFINITY)) return GNEISS_OK;
     GN_TRY(gn_dem_with_spectrum(ctx, dem, boundary, true, by_sums, &q, error));
     *far = verdict.holds;
     return GNEISS_OK;
 }
 
-static bool resolve(gn_dem *dem, gn_resolution r) {
-    bool shorter = r.step < dem->resolution.step;
-    if (shorter) dem->resolution = r;
+static bool resolve(gn_step_context *ctx, gn_resolution r) {
+    bool shorter = r.step < ctx->choice.resolution.step;
+    if (shorter) ctx->choice.resolution = r;
     return shorter;
 }
 
-gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, bool *shorter, gneiss_error *error) {
+gneiss_status gn_dem_resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                    const gn_solids *solids, const gn_zones *zones, bool *shorter,
+                                    gneiss_error *error) {
     gn_resolution resolution;
     GN_TRY(gn_loose_find(ctx, dem, error));
     GN_TRY(gn_resolution_listed(ctx, dem, boundary, solids, zones, &resolution, error));
-    *shorter = resolve(dem, resolution);
+    *shorter = resolve(ctx, resolution);
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, bool *shorter,
-                                    gneiss_error *error) {
+gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                    bool *shorter, gneiss_error *error) {
     gn_resolution flight;
     double unused;
     *shorter = false;
-    if (dem->resolution.step < INFINITY) return GNEISS_OK;
+    if (ctx->choice.resolution.step < INFINITY) return GNEISS_OK;
     GN_TRY(gn_flight_limits(ctx, dem, boundary, &unused, &flight, error));
-    *shorter = resolve(dem, flight);
+    *shorter = resolve(ctx, flight);
     return GNEISS_OK;
 }
 
-void gn_dem_limit_anew(gn_dem *dem) {
-    dem->listed = INFINITY;
-    dem->resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
+void gn_dem_limit_anew(gn_step_context *ctx) {
+    ctx->choice.listed = INFINITY;
+    ctx->choice.resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
 }
 
 /* Marks the particles whose contacts with others have rotated since the last check. */
@@ -407,8 +404,7 @@ static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary 
                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                  const uint8_t *turned, bool *hold, gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step =
-                      gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / GN_TURNED_SHARE),
+    question q = {.step = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / GN_TURNED_SHARE),
                   .tolerance = tolerance_of(ctx),
                   .verdict = &verdict,
                   .whether = true,
@@ -435,5 +431,5 @@ gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary
     *due = status == GNEISS_OK && !hold;
     if (!*due) return status;
     GN_TRY(find_limit(ctx, dem, boundary, error));
-    return usable_limit(ctx, dem, boundary, &dem->stable, error);
+    return usable_limit(ctx, dem, boundary, &ctx->choice.stable, error);
 }

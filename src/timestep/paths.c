@@ -7,17 +7,14 @@
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "boundary/surface.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
+#include "frame/frame.h"
 #include "kernels/motion.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "scene/values.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 
 #include <math.h>
 

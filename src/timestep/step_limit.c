@@ -1,18 +1,16 @@
 /* Choice and supervision of the step that all parts allow together. */
-#include "timestep/step_limit.h"
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/timer.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "boundary/surface.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
 #include "particles/flow.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
@@ -46,32 +44,30 @@ static double turned_limit(const gn_dem *dem, const gn_zones *zones, double part
 
 /* Limit of the partners of the particles: free bodies, finite elements that they touch, springs of
  * zones. */
-static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
+static double partner_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones) {
-    double bodies = together(dem, limit_of(boundary->surface_rate), limit_of(zones->state.rate[0]));
-    if (!(boundary->vertex_rate > 0.0)) return bodies;
+    double bodies =
+        together(dem, limit_of(ctx->choice.surface_rate), limit_of(zones->state.rate[0]));
+    if (!(ctx->choice.vertex_rate > 0.0)) return bodies;
     double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
-    return fmin(bodies, together(dem, elements, limit_of(boundary->vertex_rate)));
+    return fmin(bodies, together(dem, elements, limit_of(ctx->choice.vertex_rate)));
 }
 
 /* Bodies and elements do not touch each other. */
-double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double particles) {
+double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       const gn_zones *zones, double particles) {
     double share = gn_world_nonviscous_share(ctx),
            turned = turned_limit(dem, zones, share * particles);
     double elements =
         together(dem, share * gn_elements_stable(solids), limit_of(zones->state.rate[1]));
-    return fmin(
-        together(dem,
-                 together(dem, share * particles, partner_limit(ctx, dem, boundary, solids, zones)),
-                 turned),
-        together(dem, elements, turned));
+    return fmin(together(dem,
+                         together(dem, share * particles, partner_limit(ctx, dem, solids, zones)),
+                         turned),
+                together(dem, elements, turned));
 }
 
-double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, double particles) {
-    double rate = fmax(boundary->surface_rate, boundary->vertex_rate);
+double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem, double particles) {
+    double rate = fmax(ctx->choice.surface_rate, ctx->choice.vertex_rate);
     return together(dem, gn_world_nonviscous_share(ctx) * particles, limit_of(rate));
 }
 
@@ -82,41 +78,42 @@ static double without(const gn_dem *dem, double rate, double other) {
 }
 
 /* With slaved spins the elements limit it too, unless the limit of both as one is known. */
-double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double step) {
+double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       const gn_zones *zones, double step) {
     const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
-    double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids, zones));
+    double left = without(dem, 1.0 / step, partner_limit(ctx, dem, solids, zones));
     if (isfinite(own)) left /= 1.0 / together(dem, 1.0, own);
-    if (isfinite(own) && !(zones->state.whole > 0.0))
+    if (isfinite(own) && !(ctx->choice.whole > 0.0))
         left = fmin(left, own * without(dem, 1.0 / step, share * gn_elements_stable(solids)));
     return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
 }
 
 /* Limit of particles and elements as one system (coupled_limit.c): free bodies yield to them, and
  * strain has stiffened elements at most by a factor. */
-static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids, double whole) {
+static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                             double whole) {
     double stiffer = 1.0;
     for (size_t k = 0; k < solids->count; k++)
         stiffer = fmax(stiffer, solids->elements[k]->stiffening);
     return together(dem, gn_world_nonviscous_share(ctx) * whole / stiffer,
-                    limit_of(boundary->surface_rate));
+                    limit_of(ctx->choice.surface_rate));
 }
 
 /* Finds the limit of the active springs: that of both sides by themselves, which is never above
  * that of both as one, and the latter where the step may be longer. Without an active spring the
  * particles' limit is that of future contacts, which the system of both does not contain. */
-static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
-    *limit = gn_limit_of_all(ctx, dem, boundary, solids, zones,
-                             ctx->scene.has_specimen ? dem->stable : INFINITY);
-    if (!gn_coupled_has_limit(ctx, solids) || !(dem->limit.bound < INFINITY)) return GNEISS_OK;
+    *limit = gn_limit_of_all(ctx, dem, solids, zones,
+                             ctx->scene.has_specimen ? ctx->choice.stable : INFINITY);
+    if (!gn_coupled_has_limit(ctx, solids) || !(ctx->choice.limit.bound < INFINITY))
+        return GNEISS_OK;
     if (ctx->scene.step > 0.0 && ctx->scene.step <= *limit) return GNEISS_OK;
     gn_whole_limit *whole = &zones->coupled->whole;
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, false, whole, error));
-    zones->state.whole = whole->sharp;
-    *limit = fmax(*limit, limit_of_whole(ctx, dem, boundary, solids, whole->sharp));
+    ctx->choice.whole = whole->sharp;
+    *limit = fmax(*limit, limit_of_whole(ctx, dem, solids, whole->sharp));
     /* Slaved spins: elements may be much smaller than the particles that they rotate. */
     if (zones->state.turned > 0.0)
         *limit = fmin(*limit, gn_world_nonviscous_share(ctx) * whole->sharp);
@@ -126,14 +123,14 @@ static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn
 /* --- what is done about it --- */
 
 /* Names the particle, element or zone that sets the limit. */
-static const char *name_limiting_part(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_solids *solids, const gn_zones *zones, char *text,
-                                      size_t size) {
-    const gn_element_model *lead = gn_elements_lead(ctx, dem, solids, zones);
+static const char *name_limiting_part(const gn_step_context *ctx, const gn_solids *solids,
+                                      const gn_zones *zones, char *text, size_t size) {
+    const gn_element_model *lead = gn_elements_lead(ctx, solids, zones);
     const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
     if (whole) return gn_whole_culprit(whole, text, size);
     if (lead) return gn_elements_culprit(ctx, lead, text, size);
-    int32_t id = ctx->scene.estimate == GN_STEP_BOUND ? dem->limit.bound_id : dem->limit.sharp_id;
+    int32_t id = ctx->scene.estimate == GN_STEP_BOUND ? ctx->choice.limit.bound_id
+                                                      : ctx->choice.limit.sharp_id;
     if (id >= 0)
         snprintf(text, size, "particle %d", id);
     else
@@ -178,9 +175,8 @@ static double step_of_bodies(const gn_step_context *ctx, const gn_dem *dem,
 
 /* A step below the precision of the time would never end the run. gn_world_check_duration is
  * stricter at the start. */
-static gneiss_status check_advance(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_solids *solids, const gn_zones *zones,
-                                   gneiss_error *error) {
+static gneiss_status check_advance(const gn_step_context *ctx, const gn_solids *solids,
+                                   const gn_zones *zones, gneiss_error *error) {
     char text[160];
     if (ctx->step == 0 || ctx->time + ctx->dt > ctx->time) return GNEISS_OK;
     return gn_fail(
@@ -188,7 +184,7 @@ static gneiss_status check_advance(const gn_step_context *ctx, const gn_dem *dem
         "step %lld, t = %.6g s: expected a time step that changes the time, found %.3g s "
         "(set by %s): stiffnesses and masses do not go together",
         (long long)ctx->step, ctx->time, ctx->dt,
-        name_limiting_part(ctx, dem, solids, zones, text, sizeof text));
+        name_limiting_part(ctx, solids, zones, text, sizeof text));
 }
 
 static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
@@ -196,7 +192,7 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
                            gneiss_error *error) {
     char text[160], bound[96] = "";
     if (ctx->scene.step == 0.0) {
-        double wanted = ctx->scene.safety * limit, raised_for = dem->scaling.step;
+        double wanted = ctx->scene.safety * limit, raised_for = ctx->choice.scaling.step;
         if (!isfinite(limit)) wanted = step_of_bodies(ctx, dem, boundary);
         if (!isfinite(wanted)) return refuse_endless(ctx, dem, error);
         if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
@@ -204,7 +200,7 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
         if (ctx->step > 0 && wanted > 0.97 * ctx->dt) return GNEISS_OK;
         if (ctx->step > 0) ctx->dt_lowered++;
         set_step(ctx, dem, wanted);
-        return check_advance(ctx, dem, solids, zones, error);
+        return check_advance(ctx, solids, zones, error);
     }
     set_step(ctx, dem, ctx->scene.step);
     if (ctx->dt <= limit || ctx->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
@@ -216,9 +212,8 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
                    "set by %s%s), found %.6g s = %.3f of the limit "
                    "(time.on_unstable: warn runs it all the same)",
                    gn_scene_at(&ctx->scene, ctx->scene.time_where, "time.step").text, limit,
-                   (long long)ctx->step,
-                   name_limiting_part(ctx, dem, solids, zones, text, sizeof text), bound, ctx->dt,
-                   ctx->dt / limit);
+                   (long long)ctx->step, name_limiting_part(ctx, solids, zones, text, sizeof text),
+                   bound, ctx->dt, ctx->dt / limit);
 }
 
 /* --- what may happen before the lists are made again --- */
@@ -242,8 +237,8 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
                                     gneiss_error *error) {
     bool shorter;
     GN_TRY(gn_dem_resolve_listed(ctx, dem, boundary, solids, zones, &shorter, error));
-    if (shorter) lower(ctx, dem, dem->resolution.step);
-    return check_advance(ctx, dem, solids, zones, error);
+    if (shorter) lower(ctx, dem, ctx->choice.resolution.step);
+    return check_advance(ctx, solids, zones, error);
 }
 
 static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
@@ -289,7 +284,8 @@ static double fastest_body(const gn_step_context *ctx, const gn_boundary *bounda
 static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
     const double most = 0.1 * dem->radius_min;
     double speed = sqrt(ctx->step > 0 ? dem->done.motion.speed2 : fastest2(dem));
-    if (ctx->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(ctx, boundary)) + dem->gain;
+    if (ctx->effects & GN_FX_HERTZ)
+        speed = fmax(speed, fastest_body(ctx, boundary)) + ctx->choice.gain;
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     double fall = sqrt(gn_dot3(ctx->scene.gravity, ctx->scene.gravity));
     if (ctx->dt * ctx->dt * fall > most) lower(ctx, dem, sqrt(0.5 * most / fall));
@@ -297,26 +293,26 @@ static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *
 }
 
 /* Particles alone do not hold the step with all listed contacts; with elements they may. */
-static gneiss_status check_whole(const gn_step_context *ctx, gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 gn_zones *zones, bool *fine, gneiss_error *error) {
+static gneiss_status check_whole(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                 const gn_solids *solids, gn_zones *zones, bool *fine,
+                                 gneiss_error *error) {
     gn_whole_limit whole;
-    if (!gn_coupled_has_limit(ctx, solids) || !(zones->state.whole > 0.0)) return GNEISS_OK;
+    if (!gn_coupled_has_limit(ctx, solids) || !(ctx->choice.whole > 0.0)) return GNEISS_OK;
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, true, &whole, error));
-    dem->listed = fmax(dem->listed, limit_of_whole(ctx, dem, boundary, solids, whole.sharp));
-    double needed = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
-    *fine = ctx->dt <= 0.99 * dem->listed;
+    ctx->choice.listed = fmax(ctx->choice.listed, limit_of_whole(ctx, dem, solids, whole.sharp));
+    double needed = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99);
+    *fine = ctx->dt <= 0.99 * ctx->choice.listed;
     if (*fine && isfinite(needed))
-        dem->listed_holds = needed; /* only changes have to be checked from now
-                                     * on */
+        ctx->choice.listed_holds = needed; /* only changes have to be checked from now
+                                            * on */
     return GNEISS_OK;
 }
 
 /* Finds the limit anew after nodes have lost mass with removed particles. */
 static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                    const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
-    if (!(zones->state.whole < 0.0)) return GNEISS_OK;
-    zones->state.whole = 0.0;
+    if (!(ctx->choice.whole < 0.0)) return GNEISS_OK;
+    ctx->choice.whole = 0.0;
     GN_TRY(limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error));
     return react(ctx, dem, boundary, solids, zones, ctx->stable, error);
 }
@@ -337,8 +333,8 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
     if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
     /* Two hundredths below the limit, so that the next lists need not lower it again. */
-    if (!*fine) lower(ctx, dem, 0.98 * dem->listed);
-    return check_advance(ctx, dem, solids, zones, error);
+    if (!*fine) lower(ctx, dem, 0.98 * ctx->choice.listed);
+    return check_advance(ctx, solids, zones, error);
 }
 
 gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
@@ -360,11 +356,11 @@ static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                 gneiss_error *error) {
     bool fine, shorter;
-    gn_dem_limit_anew(dem);
+    gn_dem_limit_anew(ctx);
     GN_TRY(check_lists(ctx, dem, boundary, solids, zones, ledger, true, &fine, error));
     if (!ctx->scene.has_specimen) return GNEISS_OK;
     GN_TRY(gn_dem_resolve_flight(ctx, dem, boundary, &shorter, error));
-    if (shorter) lower(ctx, dem, dem->resolution.step);
+    if (shorter) lower(ctx, dem, ctx->choice.resolution.step);
     return GNEISS_OK;
 }
 
@@ -410,9 +406,9 @@ gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_bounda
                                     gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                     gneiss_error *error) {
     if (!gn_debris_exceeds_ledger(ledger)) return GNEISS_OK;
-    dem->debris_reported = true;
+    ctx->choice.debris_reported = true;
     gneiss_status status = check_again(ctx, dem, boundary, solids, zones, error);
-    dem->debris_reported = false;
+    ctx->choice.debris_reported = false;
     return status;
 }
 
@@ -439,10 +435,9 @@ gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
     return limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
 }
 
-double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                            const gn_zones *zones) {
-    if (zones->state.whole > 0.0) return zones->state.whole;
-    double limit = ctx->scene.has_specimen ? dem->limit.sharp : INFINITY;
+double gn_world_sharp_limit(const gn_step_context *ctx, const gn_solids *solids) {
+    if (ctx->choice.whole > 0.0) return ctx->choice.whole;
+    double limit = ctx->scene.has_specimen ? ctx->choice.limit.sharp : INFINITY;
     for (size_t k = 0; k < solids->count; k++)
         limit = fmin(limit, solids->elements[k]->limit.sharp);
     return limit;
@@ -450,7 +445,8 @@ double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const
 
 double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                       const gn_zones *zones) {
-    double limit = ctx->scene.has_specimen ? dem->limit.bound : INFINITY, elements = INFINITY;
+    double limit = ctx->scene.has_specimen ? ctx->choice.limit.bound : INFINITY,
+           elements = INFINITY;
     for (size_t k = 0; k < solids->count; k++)
         elements = fmin(elements, solids->elements[k]->limit.bound);
     const double turned = turned_limit(dem, zones, limit);
@@ -458,22 +454,21 @@ double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_so
                 together(dem, together(dem, elements, limit_of(zones->state.rate[1])), turned));
 }
 
-const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
-                                  size_t size) {
+const char *gn_world_step_warning(const gn_step_context *ctx, char *text, size_t size) {
     char contact[160];
     *text = '\0';
     if (ctx->scene.step == 0.0) return text;
-    if (ctx->dt > dem->resolution.step)
+    if (ctx->dt > ctx->choice.resolution.step)
         snprintf(text, size,
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
-                 ctx->dt, gn_resolution_text(ctx, dem, contact, sizeof contact),
-                 dem->resolution.contact, dem->resolution.contact / ctx->dt,
-                 dem->resolution.contact / dem->resolution.step);
-    else if (ctx->dt > dem->listed)
+                 ctx->dt, gn_resolution_text(ctx, contact, sizeof contact),
+                 ctx->choice.resolution.contact, ctx->choice.resolution.contact / ctx->dt,
+                 ctx->choice.resolution.contact / ctx->choice.resolution.step);
+    else if (ctx->dt > ctx->choice.listed)
         snprintf(text, size,
                  "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
                  "touch that are near",
-                 ctx->dt, dem->listed);
+                 ctx->dt, ctx->choice.listed);
     return text;
 }

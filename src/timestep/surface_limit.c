@@ -1,23 +1,21 @@
 /* Contribution of surfaces to the stability limit. */
 #include "base/eigen.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "boundary/surface.h"
 #include "boundary/surfaces.h"
-#include "frame/step_context.h"
-#include "kernels/law.h"
+#include "frame/frame.h"
 #include "limit/step_limits.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
@@ -63,8 +61,7 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     if (!boundary->surface_count) return GNEISS_OK;
     GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, error));
     GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, error));
-    *springs = gn_alloc_array(rows + 1, sizeof **springs);
-    if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
+    GN_TRY(gn_new(springs, rows + 1, "springs", error));
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     size_t row = 0, many;
     while (gn_surface_contacts_next(ctx, dem, boundary, &row, reach, found, &many)) {
@@ -103,7 +100,7 @@ static double square_of(const gn_step_context *ctx, const gn_boundary *boundary,
 static double particle_square(const gn_step_context *ctx, const gn_dem *dem, double stiffness) {
     const gn_particles *q = &dem->particles;
     bool hertz = ctx->effects & GN_FX_HERTZ;
-    double give = 0.0, bound = dem->limit.bound;
+    double give = 0.0, bound = ctx->choice.limit.bound;
     for (size_t k = 0; k < ctx->scene.body_count && !hertz; k++)
         stiffness = fmax(stiffness, ctx->scene.bodies[k].stiffness);
     for (size_t k = 0; k < ctx->scene.wall_count && !hertz; k++)
@@ -438,8 +435,8 @@ static gneiss_status find_rates(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-static bool are_more(const gn_boundary *b, double bodies, double vertices) {
-    return bodies > 1.02 * b->surface_rate || vertices > 1.02 * b->vertex_rate;
+static bool are_more(const gn_step_choice *known, double bodies, double vertices) {
+    return bodies > 1.02 * known->surface_rate || vertices > 1.02 * known->vertex_rate;
 }
 
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
@@ -447,17 +444,17 @@ gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *
                                       gneiss_error *error) {
     double bodies, vertices;
     GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
-    *more = are_more(boundary, bodies, vertices);
+    *more = are_more(&ctx->choice, bodies, vertices);
     return GNEISS_OK;
 }
 
-gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error) {
+gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                                bool anew, bool *due, gneiss_error *error) {
     double bodies, vertices;
     GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
-    *due = anew || are_more(boundary, bodies, vertices);
+    *due = anew || are_more(&ctx->choice, bodies, vertices);
     if (!*due) return GNEISS_OK;
-    boundary->surface_rate = bodies;
-    boundary->vertex_rate = vertices;
+    ctx->choice.surface_rate = bodies;
+    ctx->choice.vertex_rate = vertices;
     return GNEISS_OK;
 }

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "frame/parts.h"
 #include "limit/step_limits.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -18,15 +18,13 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
                                  gn_extra_spring **springs, size_t *count, gneiss_error *error);
 /* Finds the expected overlaps of the present contacts (indentation.c). */
 void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary);
-/* Marks in dem->loose the particles that were not bonded at the start (collisions.c). */
-gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Tells whether the ledger of a measured step misses more than debris may (debris.c). */
 bool gn_debris_exceeds_ledger(const gn_ledger *ledger);
 /* Adds up the intact bonds of each particle into left [particles], which holds zeros: 0, 1, or 2
  * for more. */
 void gn_bonds_left(const gn_dem *dem, uint8_t *left);
 /* Reduces the particles with one bond at most (`adrift` 1, [particles]) to those that are wedged
- * and store a relevant energy, if dem->debris_reported. *any tells whether there are some;
+ * and store a relevant energy, if ctx->choice.debris_reported. *any tells whether there are some;
  * otherwise `adrift` may be unchanged. */
 gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint8_t *adrift,
                              bool *any, gneiss_error *error);
@@ -57,12 +55,11 @@ gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
                                gn_resolution *resolution, gneiss_error *error);
 /* Returns the limit, s, of the particles and of the surfaces that yield to them, from that of the
  * particles alone (step_limit.c). */
-double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, double particles);
+double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem, double particles);
 /* Returns the limit of the particles, s, at which `step` is the limit of all parts; INFINITY: there
  * is none. */
-double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double step);
+double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       const gn_zones *zones, double step);
 /* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
 

@@ -1,18 +1,20 @@
 /* Calls of the features, and the descriptors of those whose functions take parts of a world. */
 #include "world/features.h"
 
-#include "base/memory.h"
+#include "base/new.h"
+#include "base/timer.h"
 #include "conversion/conversion.h"
 #include "drive/box.h"
 #include "laboratory/ends.h"
 #include "laboratory/strain_gauge.h"
 #include "membrane/membrane.h"
-#include "particles/dem.h"
 #include "particles/events.h"
+#include "particles/particles.h"
 #include "sched/hold.h"
 #include "timestep/indentation.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/world.h"
+#include "zones/zones.h"
 
 #include <string.h>
 
@@ -59,8 +61,8 @@ gneiss_status gn_features_follow_lists(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_feature_add(gn_world *w, gn_feature feature, gneiss_error *error) {
     gn_features *f = &w->features;
-    gn_feature *added = gn_alloc_array(f->added_count + 1, sizeof *added);
-    if (!added) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a feature");
+    gn_feature *added = NULL;
+    GN_TRY(gn_new(&added, f->added_count + 1, "a feature", error));
     if (f->added) memcpy(added, f->added, f->added_count * sizeof *added);
     added[f->added_count++] = feature;
     gn_free(f->added);
@@ -83,7 +85,8 @@ static bool converts(const gn_world *w) {
 }
 
 GN_HOOK(convert) {
-    return gn_conversion_check_limits(w, error);
+    const gn_convertible model = gn_world_convertible(w);
+    return gn_conversion_check_limits(&model, error);
 }
 
 const gn_feature gn_feature_conversion = {
@@ -133,17 +136,18 @@ static bool may_have_debris(const gn_world *w) {
 }
 
 GN_HOOK(find_debris) {
-    w->dem.debris_read = false;
+    w->ctx.choice.debris_read = false;
     if ((w->ctx.step + 1) % DEBRIS_EVERY != 0) return GNEISS_OK;
-    GN_TRY(gn_debris_find(&w->ctx, &w->dem, &w->dem.debris_read, error));
-    w->ctx.measure |= w->dem.debris_read;
+    GN_TRY(gn_debris_find(&w->ctx, &w->dem, &w->ctx.choice.debris_read, error));
+    w->ctx.measure |= w->ctx.choice.debris_read;
     return GNEISS_OK;
 }
 
 GN_HOOK(check_debris) {
-    return w->dem.debris_read ? gn_world_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids,
-                                                      &w->zones, &w->ledger, error)
-                              : GNEISS_OK;
+    return w->ctx.choice.debris_read
+               ? gn_world_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                       &w->ledger, error)
+               : GNEISS_OK;
 }
 
 const gn_feature gn_feature_debris = {
@@ -230,7 +234,7 @@ static bool has_membrane(const gn_world *w) {
 }
 
 GN_HOOK(press) {
-    return gn_membrane_apply(&w->ctx, &w->dem, error);
+    return gn_membrane_apply(&w->ctx, &w->dem, &w->membrane, error);
 }
 
 const gn_feature gn_feature_membrane = {
@@ -263,4 +267,47 @@ const gn_feature gn_feature_box = {
     .used = is_periodic,
     .hook =
         {[GN_HOOK_READING] = ask_for_sums, [GN_HOOK_WORK] = book_box, [GN_HOOK_MOVED] = move_box},
+};
+
+static bool has_zones(const gn_world *w) {
+    return w->zones.coupled != NULL;
+}
+
+GN_HOOK(hold_zones) {
+    return gn_zones_hold(&w->ctx, &w->dem, &w->solids, &w->zones, error);
+}
+
+/* The stress of the elements is that at the places of the instant, before these have their loads.
+ */
+GN_HOOK(read_zones) {
+    if (!w->ctx.measure) return GNEISS_OK;
+    const double begin = gn_now();
+    gneiss_status status = gn_coupled_mean_stress(&w->ctx, &w->dem, &w->solids, &w->zones,
+                                                  w->zones.state.stress, error);
+    w->ctx.seconds[GN_PHASE_measure] += gn_now() - begin;
+    return status;
+}
+
+GN_HOOK(act_on_zones) {
+    gn_zones_act(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger);
+    return GNEISS_OK;
+}
+
+GN_HOOK(follow_elements) {
+    return gn_zones_elements_moved(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, error);
+}
+
+GN_HOOK(add_zones) {
+    gn_zones_add_to_reading(&w->zones, &w->ledger);
+    return GNEISS_OK;
+}
+
+const gn_feature gn_feature_zones = {
+    .name = "zones",
+    .used = has_zones,
+    .hook = {[GN_HOOK_LISTS] = hold_zones,
+             [GN_HOOK_BEFORE_FORCES] = read_zones,
+             [GN_HOOK_ACT] = act_on_zones,
+             [GN_HOOK_ELEMENTS_MOVED] = follow_elements,
+             [GN_HOOK_READ] = add_zones},
 };

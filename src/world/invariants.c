@@ -1,12 +1,12 @@
 #include "world/invariants.h"
 #include "boundary/boundary.h"
 
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "kernels/partials.h"
-#include "particles/dem.h"
 #include "particles/dormant.h"
 #include "particles/law.h"
 #include "particles/lists.h"
+#include "particles/particles.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
 

@@ -2,11 +2,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/contact_rows.h"
-#include "frame/ledger.h"
 #include "particles/bonds.h"
-#include "particles/dem.h"
 #include "particles/law.h"
 #include "particles/parameters.h"
+#include "particles/particles.h"
 #include "world/particle_step.h"
 #include "world/world.h"
 
@@ -28,9 +27,8 @@ static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem, gn_sta
 static gneiss_status enter_hertz(const gn_step_context *ctx, gn_dem *dem,
                                  const gn_boundary *boundary, gn_ledger *ledger,
                                  gneiss_error *error) {
-    gn_hertz_pair *before = dem->hertz;
-    dem->hertz = NULL;
-    gneiss_status status = gn_hertz_prepare(ctx, dem, error);
+    gn_hertz_pair *before;
+    gneiss_status status = gn_hertz_renew(ctx, dem, &before, error);
     if (status == GNEISS_OK && before)
         ledger->energy.stage_change += gn_touches_gain(ctx, dem, boundary, before);
     gn_free(before);
@@ -40,16 +38,8 @@ static gneiss_status enter_hertz(const gn_step_context *ctx, gn_dem *dem,
 gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     if (!w->ctx.scene.has_specimen) return GNEISS_OK;
     double stored = gn_contacts_stored(&w->ctx, &w->dem, &w->box);
-    w->dem.damping_fraction = gn_contact_damping_fraction(&w->ctx.scene);
     GN_TRY(enter_hertz(&w->ctx, &w->dem, &w->boundary, &w->ledger, error));
-    GN_TRY(gn_motion_kernel_choose(w->ctx.kernels, w->ctx.effects, &w->dem.motion_kernel, error));
-    /* Effects that differ between stages have no storage; files state the present ones. */
-    w->dem.particles.soa.effects = w->ctx.effects;
-    gn_lists_set_effects(&w->ctx, &w->dem);
-    if (w->dem.dormant) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
-    for (int l = 0; l < GN_LIST_COUNT; l++)
-        if (gn_list_kinds[l]->of_materials)
-            GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.list[l].contacts, error));
+    GN_TRY(gn_dem_take_effects(&w->ctx, &w->dem, error));
     GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->stages, error));
     w->ledger.energy.stage_change += gn_contacts_stored(&w->ctx, &w->dem, &w->box) - stored;
     gn_dem_step_changed(&w->ctx, &w->dem); /* dashpots */

@@ -1,13 +1,13 @@
 /* A plane wave that is under way at the start (initial.pulse). */
 #include "base/error.h"
 #include "base/vec3.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 #include "world/world.h"
 #include "zones/zones.h"
 

@@ -1,13 +1,14 @@
 /* When the lists of the world are made anew, and in which order. */
+#include "particles/refresh.h"
 #include "base/error.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "inflow/removal.h"
 #include "inflow/sources.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "timestep/indentation.h"
-#include "timestep/step_limit.h"
+#include "timestep/timestep.h"
 #include "world/features.h"
 #include "world/invariants.h"
 #include "world/particle_step.h"
@@ -27,9 +28,15 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+gn_convertible gn_world_convertible(gn_world *w) {
+    return (gn_convertible){
+        &w->ctx,         &w->dem,    &w->boundary, &w->solids,       &w->zones, &w->converted,
+        &w->most_loaded, &w->ledger, &w->outcome,  gn_world_rebuild, w};
+}
+
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
-    GN_TRY(gn_boundary_restore(&w->dem, &w->boundary, error));
+    GN_TRY(gn_boundary_restore(&w->ctx, &w->dem, &w->boundary, error));
     return gn_features_follow_lists(w, error);
 }
 
@@ -70,7 +77,7 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     const gn_verlet *v = &w->dem.verlet;
     double other = gn_boundary_travel(&w->ctx, &w->boundary, false);
     const double ahead = flown(&w->ctx, &w->dem), flow = w->box.path + 2.0 * ahead;
-    w->dem.flow.forced = false;
+    gn_dem_force_lists(&w->dem, false);
     const bool due = gn_flow_due(&w->ctx, &w->dem) || gn_sinks_are_due(&w->ctx, &w->dem);
     const double most = farthest(&w->ctx, &w->dem) - ahead;
     if (!due && v->closed + flow <= v->skin && v->drift + other <= most) return GNEISS_OK;
@@ -81,7 +88,7 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     /* A tenth of the skin in hand, or the next step would run out again. */
     if (1.1 * v->closed + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * most) {
         if (!due) return GNEISS_OK;
-        w->dem.flow.forced = true;
+        gn_dem_force_lists(&w->dem, true);
     }
     return gn_world_renew_lists(w, error);
 }

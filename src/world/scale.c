@@ -2,14 +2,13 @@
 
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "scene/place.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,12 +2,12 @@
 
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "laboratory/ends.h"
 #include "membrane/membrane.h"
-#include "particles/dem.h"
 #include "particles/flow.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"
@@ -95,20 +95,20 @@ static bool is_periodic_all_round(const gn_step_context *ctx) {
 }
 
 /* How a membrane has changed what it encloses; several bodies under one move apart. */
-static double membrane_growth(const gn_dem *dem) {
-    const double *f = dem->membrane->gradient;
+static double membrane_growth(const gn_membrane *membrane) {
+    const double *f = membrane->state->gradient;
     double cofactor[9];
-    if (dem->membrane->bodies != 1) return 1.0;
+    if (membrane->state->bodies != 1) return 1.0;
     gn_cofactor3(f, cofactor);
     const double growth = gn_dot3(f, cofactor);
     return growth > 0.0 ? growth : 1.0;
 }
 
-double gn_space_volume(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_periodic_box *box,
-                       const gn_approach *approach) {
+double gn_space_volume(const gn_step_context *ctx, const gn_dem *dem, const gn_membrane *membrane,
+                       const gn_boundary *boundary, const gn_solids *solids,
+                       const gn_periodic_box *box, const gn_approach *approach) {
     double now, start;
-    if (dem->membrane) return gn_membrane_volume(ctx, dem) * membrane_growth(dem);
+    if (membrane->state) return gn_membrane_volume(ctx, membrane) * membrane_growth(membrane);
     if (is_periodic_all_round(ctx) || !ctx->scene.has_specimen) return ctx->volume;
     if (gn_space_closed(ctx, dem, boundary, box, &now, &start))
         return ctx->effects & GN_FX_BONDS ? ctx->volume * now / start : now;
@@ -125,7 +125,7 @@ double gn_space_area(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
     double now, start;
     if (d->periodic_sides) return gn_box_section(ctx);
     if (!d->prism || t->given.area > 0.0 || t->given.diameter > 0.0) return ctx->test_area;
-    if (dem->membrane || !gn_space_closed(ctx, dem, boundary, box, &now, &start))
+    if (ctx->effects & GN_FX_MEMBRANE || !gn_space_closed(ctx, dem, boundary, box, &now, &start))
         return ctx->test_area;
     const span along = span_along(ctx, boundary, box, (int)t->axis);
     if (!(ctx->effects & GN_FX_BONDS)) return now / along.now;

@@ -14,9 +14,9 @@ bool gn_space_closed(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
 /* m3 (2D: m2 x 1 m): what the mean stress of the specimen refers to. Of walls that close it in, of
  * a membrane and of a periodic box as they are; of an oedometer test as its ends are; else that of
  * the start. */
-double gn_space_volume(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_periodic_box *box,
-                       const gn_approach *approach);
+double gn_space_volume(const gn_step_context *ctx, const gn_dem *dem, const gn_membrane *membrane,
+                       const gn_boundary *boundary, const gn_solids *solids,
+                       const gn_periodic_box *box, const gn_approach *approach);
 
 /* m2: what forces of the ends are over: between walls as they are, of a box as it is; else that of
  * the start, as where the scene gives it. */

@@ -6,14 +6,13 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "membrane/membrane.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/origin.h"
 #include "world/particle_step.h"
 #include "world/world.h"
@@ -29,7 +28,8 @@ static void start_table(void *context, gn_table *table) {
     for (size_t k = 0; k < table->count; k++) table->time[k] += start;
 }
 
-gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gneiss_error *error) {
+static gneiss_status stages_create(const gn_step_context *ctx, gn_stages *stages,
+                                   gneiss_error *error) {
     size_t count = ctx->given.stage_count;
     if (!count || stages->state) return GNEISS_OK;
     stages->state = gn_alloc_array(count, sizeof *stages->state);
@@ -38,7 +38,7 @@ gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gn
 }
 
 gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error) {
-    GN_TRY(gn_stages_create(&w->ctx, &w->stages, error));
+    GN_TRY(stages_create(&w->ctx, &w->stages, error));
     GN_TRY(gn_scene_stage(&w->ctx.given, w->stages.now, scene, error));
     gn_scene_shift(scene);
     gn_scene_tables(scene, start_table, w);
@@ -59,7 +59,7 @@ gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     gn_scene *next = calloc(1, sizeof *next); /* too large for a stack */
     if (!next) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
-    const double pressure = gn_membrane_pressure_now(&w->ctx, &w->dem);
+    const double pressure = gn_membrane_pressure_now(&w->ctx, &w->membrane);
     w->stages.now = stage;
     w->stages.state[stage].time = w->ctx.time;
     w->stages.state[stage].step = w->ctx.step;
@@ -72,7 +72,7 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     if (status != GNEISS_OK) return status;
     w->ctx.effects = gn_scene_effects(&w->ctx.scene);
     gn_features_choose(w);
-    gn_membrane_enter(&w->ctx, &w->dem, w->stages.now, pressure);
+    gn_membrane_enter(&w->ctx, &w->membrane, w->stages.now, pressure);
     GN_TRY(gn_dem_enter(w, error));
     gn_boundary_enter(&w->ctx, &w->boundary);
     GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
@@ -80,7 +80,8 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     if (w->ctx.scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
     const bool forms = w->ctx.scene.bonds_stage == stage + 1 && w->ctx.scene.bonds == GN_SWITCH_ON;
     if (forms)
-        GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+        GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                          error));
     return gn_world_choose_step(w, error);
 }
 

@@ -1,16 +1,13 @@
 /* One step of the model: lists, forces of all parts, motion, and the ledger. What a part does in
- * each is its own affair (dem.h, boundary.h, elements.h); what only some scenes use hooks into the
- * places of frame/feature.h. */
+ * each is its own affair (particles.h, boundary.h, solids.h); what only some scenes use hooks into
+ * the places of frame/feature.h. */
 #include "base/error.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
 #include "frame/balance.h"
-#include "frame/ledger.h"
-#include "kernels/contact.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "particles/particles.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/features.h"
 #include "world/particle_step.h"
 #include "world/world.h"

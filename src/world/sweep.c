@@ -2,11 +2,11 @@
 #include "base/timer.h"
 #include "boundary/boundary.h"
 #include "drive/box.h"
-#include "kernels/contact.h"
 #include "kernels/motion.h"
 #include "kernels/partials.h"
 #include "particles/active_pairs.h"
-#include "particles/dem.h"
+#include "particles/motion.h"
+#include "particles/particles.h"
 #include "sched/deal.h"
 #include "world/particle_step.h"
 #include "world/world.h"
@@ -64,15 +64,10 @@ static void move(void *context, size_t block) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
-    if (w->dem.still && w->dem.still[block]) {
-        w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
-        return;
-    }
-    if (w->ctx.effects & GN_FX_WALLS &&
+    if (w->ctx.effects & GN_FX_WALLS && !gn_dem_is_still(&w->dem, block) &&
         gn_boundary_work(&w->ctx, &w->dem, &w->boundary, block, first, last))
         book(k, GN_PHASE_walls);
-    w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
-    w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
+    gn_dem_move_block(&w->dem, k->motion, block);
     book(k, GN_PHASE_motion);
 }
 
@@ -98,14 +93,9 @@ void gn_dem_sweep(gn_world *w, const gn_contact_args contacts[GN_LIST_COUNT],
 
 /* Forces on walls were found with the loads. */
 void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
-    const size_t held = dem->hold.count, count = dem->particles.soa.count;
+    const size_t held = dem->hold.count;
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;
 #pragma omp parallel for schedule(static) num_threads(dem->deal.team)
-    for (size_t h = 0; h < held; h++) {
-        size_t block = (size_t)dem->hold.block[h], first = block * GN_PARTICLE_BLOCK;
-        size_t last = first + GN_PARTICLE_BLOCK < count ? first + GN_PARTICLE_BLOCK : count;
-        dem->motion_sums[block] = (gn_motion_sums){.bad = -1};
-        dem->motion_kernel(&args, first, last, &dem->motion_sums[block]);
-    }
+    for (size_t h = 0; h < held; h++) gn_dem_move_block(dem, &args, (size_t)dem->hold.block[h]);
 }

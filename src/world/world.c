@@ -7,8 +7,9 @@
 #include "base/threads.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
+#include "conversion/conversion.h"
 #include "drive/box.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "inflow/sources.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
@@ -18,16 +19,16 @@
 #include "measure/measure.h"
 #include "membrane/membrane.h"
 #include "mesh/mesh.h"
-#include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/particles.h"
 #include "particles/specimen.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "timestep/step_limit.h"
+#include "solids/solids.h"
+#include "timestep/timestep.h"
 #include "world/features.h"
 #include "world/origin.h"
 #include "world/particle_step.h"
@@ -225,8 +226,10 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     set_domain(&w->ctx, &w->dem);
     GN_TRY(check_specimen(&w->ctx, &w->dem, error));
     GN_TRY(gn_dem_complete(&w->ctx, &w->dem, error));
-    GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    GN_TRY(gn_coupled_create(w, error));
+    GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids, error));
+    if (gn_converts(&w->ctx))
+        GN_TRY(gn_conversion_prepare(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_coupled_create(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, w->solids.count, error));
     GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
     /* The volume that bodies leave free is sheared. */
@@ -236,11 +239,13 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, true, error));
     GN_TRY(gn_dem_arrange(w, error));
     GN_TRY(gn_world_rebuild(w, error));
-    GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
+                                      error));
     return check_some_left(&w->ctx, &w->dem, error);
 }
 
 static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
+    w->ctx.choice.stable = INFINITY;
     GN_TRY(gn_dem_create_empty(&w->ctx, &w->dem, error));
     return gn_world_restore(w, error);
 }
@@ -340,6 +345,7 @@ void gn_world_free(gn_world *w) {
     gn_boundary_free(&w->boundary);
     gn_elements_free(&w->solids);
     gn_dem_free(&w->dem);
+    gn_membrane_free(&w->membrane);
     gn_strain_gauge_free(&w->gauge.weights);
     gn_free(w->gauge.belongs);
     gn_features_free(&w->features);

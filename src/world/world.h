@@ -5,16 +5,18 @@
 
 #include "base/error.h"
 #include "boundary/boundary.h"
-#include "frame/ledger.h"
+#include "conversion/conversion.h"
+#include "conversion/records.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
 #include "frame/phases.h"
-#include "frame/step_context.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "laboratory/strain_gauge.h"
-#include "particles/dem.h"
+#include "membrane/membrane.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
-#include "solids/elements.h"
+#include "solids/solids.h"
 #include "world/features.h"
 #include "zones/zone_state.h"
 
@@ -43,11 +45,13 @@ struct gn_stages {
  * as they apply (docs/design.md). The world calls them in turn. */
 struct gn_world {
     gn_step_context ctx;
-    gn_dem dem;           /* particles and their contacts */
-    gn_boundary boundary; /* walls, bodies and facets that they touch */
-    gn_solids solids;     /* bodies of finite elements */
-    gn_zones zones;       /* particles and elements as one body; conversions */
-    gn_features features; /* what only some scenes use */
+    gn_dem dem;               /* particles and their contacts */
+    gn_boundary boundary;     /* walls, bodies and facets that they touch */
+    gn_solids solids;         /* bodies of finite elements */
+    gn_membrane membrane;     /* around the specimen */
+    gn_zones zones;           /* particles and elements as one body */
+    gn_conversions converted; /* sums over conversions */
+    gn_features features;     /* what only some scenes use */
 
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */
@@ -93,6 +97,9 @@ gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
 /* After the records of a checkpoint were read: null particles, padding, partial and block sums. */
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 
+/* Returns the parts of the world as conversion takes them; valid as long as the world. */
+gn_convertible gn_world_convertible(gn_world *world);
+
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
@@ -113,8 +120,6 @@ size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
 /* The scene of world->stages.now, relative to the origin, from world->ctx.given; room for what the
  * stages come to (stages.c). */
 gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
-
-gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gneiss_error *error);
 
 /* GNEISS_ERROR_INPUT where the first stage waits for what no pressed contact can bring. */
 gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *dem,

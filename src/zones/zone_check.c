@@ -1,15 +1,14 @@
 /* Properties of zones that `gneiss check` prints. */
 #include "base/ball.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/vec3.h"
-#include "couple/ties.h"
 #include "couple/zone.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "particles/observe.h"
+#include "particles/particles.h"
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -186,8 +185,8 @@ static gneiss_status check_at_rest(const gn_step_context *ctx, const gn_dem *dem
 gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              const gn_ties *ties, gneiss_error *error) {
     const size_t count = ctx->scene.couple.zone_count;
-    zone_sides *sides = gn_alloc_array(count + 1, sizeof *sides);
-    if (!sides) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu zones", count);
+    zone_sides *sides = NULL;
+    GN_TRY(gn_new(&sides, count + 1, "zones", error));
     gneiss_status status = GNEISS_OK;
     for (size_t k = 0; k < count && status == GNEISS_OK; k++) {
         sides[k] = sides_of(solids, &ctx->scene.couple.zones[k]);

@@ -2,10 +2,9 @@
  * lump's motion needs on top of loads, and what it misses of the energy; what nodes are to a force
  * at a particle's place. */
 #include "couple/consistent.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "sched/hold.h"
 #include "soa/records.h"
 #include "zones/zone_state.h"

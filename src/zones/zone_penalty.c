@@ -12,14 +12,11 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "couple/ties.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
 #include "sched/hold.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "world/world.h"
+#include "solids/solids.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"
@@ -120,7 +117,7 @@ void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids
     double most[2], particles, elements, low = 1e-6, high = 1e6;
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q || !q->stiffness) return;
-    particles = 2.0 / dem->stable;
+    particles = 2.0 / ctx->choice.stable;
     elements = 2.0 / gn_elements_stable(solids);
     zones->state.frequency = particles;
     gn_penalty_set(ctx, dem, solids, zones, q);
@@ -181,30 +178,29 @@ static double total(const double *value, size_t count) {
     return sum;
 }
 
-void gn_penalty_act(gn_world *w) {
-    gn_coupled *q = w->zones.coupled;
-    const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(gn_coupled_team(&w->ctx, &w->dem, q->ties.count))
-    for (size_t k = 0; k < q->ties.count; k++) pull(&w->ctx, &w->dem, &w->solids, q, k, width);
-    gn_coupled_add_to_nodes(&w->ctx, &w->dem, &w->solids, q);
-    w->ledger.energy.coupling_damping += total(q->lost, q->ties.count);
+void gn_penalty_act(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids, gn_coupled *q,
+                    gn_ledger *ledger) {
+    const int width = gn_row_width(ctx->scene.dimension == 3, ctx->effects & GN_FX_ROTATION);
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(ctx, dem, q->ties.count))
+    for (size_t k = 0; k < q->ties.count; k++) pull(ctx, dem, solids, q, k, width);
+    gn_coupled_add_to_nodes(ctx, dem, solids, q);
+    ledger->energy.coupling_damping += total(q->lost, q->ties.count);
 }
 
 /* Books the second half of the work of dashpots. */
-void gn_penalty_follow(gn_world *w) {
-    gn_coupled *q = w->zones.coupled;
+void gn_penalty_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       gn_coupled *q, gn_ledger *ledger) {
     for (size_t k = 0; k < q->ties.count; k++) {
         double slip[3], spin[3];
         q->lost[k] = 0.0;
         if (q->place[k] < 0 || !(q->viscosity[k] > 0.0)) continue;
-        slip_of(&w->dem, &w->solids, q, k, slip);
-        spin_of(&w->dem, q, k, spin);
-        for (int a = 0; a < (int)w->ctx.scene.dimension; a++)
-            q->lost[k] += 0.5 * w->ctx.dt * q->drag[k][a] * slip[a];
-        q->lost[k] -= 0.5 * w->ctx.dt * gn_dot3(q->twist[k], spin);
+        slip_of(dem, solids, q, k, slip);
+        spin_of(dem, q, k, spin);
+        for (int a = 0; a < (int)ctx->scene.dimension; a++)
+            q->lost[k] += 0.5 * ctx->dt * q->drag[k][a] * slip[a];
+        q->lost[k] -= 0.5 * ctx->dt * gn_dot3(q->twist[k], spin);
     }
-    w->ledger.energy.coupling_damping += total(q->lost, q->ties.count);
+    ledger->energy.coupling_damping += total(q->lost, q->ties.count);
 }
 
 void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading) {
@@ -214,35 +210,38 @@ void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading) {
 /* --- the holder of particles that touch walls --- */
 
 /* Returns the tie of a particle that a spring holds; q->ties.count: none does. */
-static size_t spring_of(const gn_world *w, size_t particle) {
-    const gn_coupled *q = w->zones.coupled;
-    const gn_tie *tie = gn_coupled_tie(q, w->dem.particles.id[particle]);
+static size_t spring_of(const gn_zones *zones, size_t particle) {
+    const gn_coupled *q = zones->coupled;
+    const gn_tie *tie = gn_coupled_tie(q, zones->dem->particles.id[particle]);
     return tie ? (size_t)(tie - q->ties.tie) : q->ties.count;
 }
 
-static double held_stiffness(const void *world, size_t particle) {
-    const gn_world *w = world;
-    const gn_coupled *q = w->zones.coupled;
-    const size_t k = spring_of(w, particle);
+static double held_stiffness(const void *context, size_t particle) {
+    const gn_zones *zones = context;
+    const gn_coupled *q = zones->coupled;
+    const size_t k = spring_of(zones, particle);
     return k < q->ties.count ? q->stiffness[k] : 0.0;
 }
 
 /* Spring and dashpot act at the present positions. */
-static double held_acceleration(const void *world, size_t particle, const double n[3]) {
-    const gn_world *w = world;
-    const gn_coupled *q = w->zones.coupled;
-    const size_t k = spring_of(w, particle);
+static double held_acceleration(const void *context, size_t particle, const double n[3]) {
+    const gn_zones *zones = context;
+    const gn_coupled *q = zones->coupled;
+    const size_t k = spring_of(zones, particle);
     double gap[3], slip[3], spin[3], with[3], sum = 0.0;
     if (k == q->ties.count) return 0.0;
-    gap_of(&w->dem, &w->solids, q, k, gap);
-    slip_of(&w->dem, &w->solids, q, k, slip);
-    spin_of(&w->dem, q, k, spin);
+    gap_of(zones->dem, zones->solids, q, k, gap);
+    slip_of(zones->dem, zones->solids, q, k, slip);
+    spin_of(zones->dem, q, k, spin);
     gn_cross3(spin, gap, with);
     for (size_t a = 0; a < 3; a++)
         sum -= n[a] * (q->stiffness[k] * gap[a] + q->viscosity[k] * (slip[a] - with[a]));
-    return sum * w->dem.particles.vel[4 * particle + 3];
+    return sum * zones->dem->particles.vel[4 * particle + 3];
 }
 
-void gn_penalty_hold(gn_world *w) {
-    gn_boundary_set_holder(&w->boundary, (gn_holder){w, held_stiffness, held_acceleration});
+void gn_penalty_hold(const gn_dem *dem, gn_boundary *boundary, const gn_solids *solids,
+                     gn_zones *zones) {
+    zones->dem = dem;
+    zones->solids = solids;
+    gn_boundary_set_holder(boundary, (gn_holder){zones, held_stiffness, held_acceleration});
 }

@@ -18,10 +18,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/step_context.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
+#include "particles/motion.h"
+#include "particles/particles.h"
 #include "sched/hold.h"
 #include "soa/records.h"
 #include "zones/zone_state.h"
@@ -45,8 +45,8 @@ void gn_spins_take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, i
     for (size_t a = space ? 0 : 2; a < 3; a++) {
         moment[a] = 0.5 * row[at + a];
         row[at + a] = spin[a] = 0.0;
-        if (dem->spin_past) dem->spin_past[4 * p + a] = 0.0;
     }
+    gn_dem_clear_past(dem, p, true);
     gn_tie_gradients(&q->ties, k, &gn_coupled_solid(solids)->nodes, g);
     for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
 }

@@ -1,29 +1,24 @@
 #include "zones/zones.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
-#include "base/timer.h"
 #include "base/vec3.h"
-#include "conversion/conversion.h"
 #include "couple/consistent.h"
-#include "couple/ties.h"
 #include "couple/zone.h"
-#include "fem/solid.h"
-#include "frame/ledger.h"
-#include "frame/step_context.h"
-#include "kernels/contact.h"
-#include "kernels/law.h"
-#include "particles/dem.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
+#include "particles/dormant.h"
+#include "particles/lists.h"
+#include "particles/motion.h"
+#include "particles/particles.h"
 #include "particles/sets.h"
 #include "scene/couple_def.h"
 #include "scene/place.h"
 #include "scene/scene.h"
-#include "scene/table.h"
 #include "sched/hold.h"
 #include "soa/particle_state.h"
 #include "soa/records.h"
-#include "solids/elements.h"
-#include "world/world.h"
+#include "solids/solids.h"
 #include "zones/zone_state.h"
 #include "zones/zones_private.h"
 
@@ -124,7 +119,7 @@ static gneiss_status check_free(const gn_step_context *ctx, const gn_dem *dem, c
                    gn_scene_at(&ctx->scene, s->where, key).text, tie->id, s->name);
 }
 
-static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) {
+gneiss_status gn_zones_check_law(const gn_step_context *ctx, gneiss_error *error) {
     for (int bonds = 0; bonds < 2; bonds++)
         if (!gn_law_of(gn_contact_list_effects(ctx->effects, bonds))->weigh)
             return refuse(ctx, ctx->scene.couple.where, "",
@@ -163,19 +158,42 @@ static gneiss_status check_damped(const gn_step_context *ctx, const gn_solids *s
     return GNEISS_OK;
 }
 
+/* Finds the ties of the active particles in the remaining elements. */
+static gneiss_status find_active_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
+                                      gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
+    size_t count;
+    int32_t *place = gn_fem_places(gn_coupled_solid(solids), &count);
+    int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
+    gneiss_status status =
+        place && element ? GNEISS_OK
+                         : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
+    for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
+        const bool awake = dem->prepared.soa.capacity && gn_particle_is_active(q, p);
+        if (gn_dormant_element(dem, p) >= count)
+            status = gn_fail(error, GNEISS_ERROR_INPUT,
+                             "expected particles in the %zu elements of the mesh, found number %zu",
+                             count, gn_dormant_element(dem, p));
+        else
+            element[p] = awake ? place[gn_dormant_element(dem, p)] : -1;
+    }
+    if (status == GNEISS_OK)
+        status = gn_ties_take(gn_coupled_solid(solids), q, element, ties, error);
+    gn_free(place);
+    gn_free(element);
+    return status;
+}
+
 static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                           gn_coupled **out, gneiss_error *error) {
     gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
     if (!q) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for zones");
     if (ctx->scene.couple.has_convert)
-        GN_TRY(gn_conversion_ties(dem, solids, &q->ties, error));
+        GN_TRY(find_active_ties(dem, solids, &q->ties, error));
     else
         GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &q->ties, error));
-    q->place = gn_alloc_array(q->ties.count + 1, sizeof *q->place);
-    q->load = gn_alloc_array(q->ties.count + 1, sizeof *q->load);
-    if (!q->place || !q->load)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
-                       q->ties.count);
+    GN_TRY(gn_new(&q->place, q->ties.count + 1, "particles of zones", error));
+    GN_TRY(gn_new(&q->load, q->ties.count + 1, "particles of zones", error));
     for (size_t k = 0; k < q->ties.count; k++) q->place[k] = q->ties.tie[k].id;
     if (ctx->scene.couple.constraint == GN_COUPLE_CONSISTENT) {
         q->before = gn_alloc_array(q->ties.nodes + 1, 3 * sizeof *q->before);
@@ -186,10 +204,7 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
         GN_TRY(check_damped(ctx, solids, &q->ties, error));
     }
     if (ctx->scene.couple.spins == GN_COUPLE_SLAVED && ctx->effects & GN_FX_ROTATION) {
-        q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
-        if (!q->turn)
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
-                           q->ties.count);
+        GN_TRY(gn_new(&q->turn, q->ties.count + 1, "particles of zones", error));
     }
     if (ctx->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(gn_penalty_create(q, error));
     return q->ties.count || ctx->scene.couple.has_convert
@@ -237,8 +252,7 @@ static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_cou
 static gneiss_status lump(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q,
                           gneiss_error *error) {
     gn_fem_solid *b = gn_coupled_solid(solids);
-    b->carried = gn_alloc_array(b->nodes.soa.count + 1, sizeof *b->carried);
-    if (!b->carried) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for masses of nodes");
+    GN_TRY(gn_new(&b->carried, b->nodes.soa.count + 1, "masses of nodes", error));
     sum_carried(dem, solids, q);
     return GNEISS_OK;
 }
@@ -267,17 +281,18 @@ static void find_places(const gn_dem *dem, gn_coupled *q) {
     }
 }
 
-GN_HOOK(hold) {
-    gn_coupled *q = w->zones.coupled;
-    gn_fem_solid *b = gn_coupled_solid(&w->solids);
-    find_places(&w->dem, q);
+gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                            gn_zones *zones, gneiss_error *error) {
+    gn_coupled *q = zones->coupled;
+    gn_fem_solid *b = gn_coupled_solid(solids);
+    find_places(dem, q);
     for (size_t k = 0; k < q->ties.count; k++)
-        if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
+        if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&dem->hold, (size_t)q->place[k], error));
     if (q->stiffness)
-        gn_penalty_set(&w->ctx, &w->dem, &w->solids, &w->zones, q); /* particles may have left */
+        gn_penalty_set(ctx, dem, solids, zones, q); /* particles may have left */
     else if (!b->carried)
-        GN_TRY(lump(&w->dem, &w->solids, q, error)); /* resumed: nodes have it already */
-    if (q->before) weigh_consistent(&w->dem, q);
+        GN_TRY(lump(dem, solids, q, error)); /* resumed: nodes have it already */
+    if (q->before) weigh_consistent(dem, q);
     for (size_t n = 0; n < q->ties.nodes; n++)
         GN_TRY(gn_hold_particle(&b->hold, (size_t)q->ties.node[n], error));
     return GNEISS_OK;
@@ -293,29 +308,17 @@ static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, d
         load[a] = row[a];
         row[a] = ctx->effects & GN_FX_GRAVITY ? -(mass * ctx->scene.gravity[a]) : 0.0;
         v[a] = 0.0;
-        if (dem->vel_past) dem->vel_past[4 * p + a] = 0.0;
     }
+    gn_dem_clear_past(dem, p, false);
 }
 
-/* The stress of the elements is that at the places of the instant, before these have their loads.
- */
-GN_HOOK(read_stress) {
-    if (!w->ctx.measure) return GNEISS_OK;
-    const double begin = gn_now();
-    gneiss_status status = gn_coupled_mean_stress(&w->ctx, &w->dem, &w->solids, &w->zones,
-                                                  w->zones.state.stress, error);
-    w->ctx.seconds[GN_PHASE_measure] += gn_now() - begin;
-    return status;
-}
-
-GN_HOOK(add_to_reading) {
-    const gn_coupled *q = w->zones.coupled;
-    for (int k = 0; k < 9; k++) w->ledger.stress[k] += w->zones.state.stress[k];
+void gn_zones_add_to_reading(const gn_zones *zones, gn_ledger *ledger) {
+    const gn_coupled *q = zones->coupled;
+    for (int k = 0; k < 9; k++) ledger->stress[k] += zones->state.stress[k];
     if (q->stiffness)
-        gn_penalty_book(q, &w->ledger.reading);
+        gn_penalty_book(q, &ledger->reading);
     else
-        w->ledger.reading.kinetic += q->kinetic;
-    return GNEISS_OK;
+        ledger->reading.kinetic += q->kinetic;
 }
 
 static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled *q, size_t n,
@@ -342,20 +345,19 @@ void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, cons
     }
 }
 
-static void hand_over(gn_world *w) {
-    gn_coupled *q = w->zones.coupled;
-    const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
-    if (q->before) gn_masses_store(&w->solids, q);
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(gn_coupled_team(&w->ctx, &w->dem, q->ties.count))
+static void hand_over(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                      gn_coupled *q) {
+    const int width = gn_row_width(ctx->scene.dimension == 3, ctx->effects & GN_FX_ROTATION);
+    if (q->before) gn_masses_store(solids, q);
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(ctx, dem, q->ties.count))
     for (size_t k = 0; k < q->ties.count; k++) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
-        if (q->place[k] >= 0) take(&w->ctx, &w->dem, width, (size_t)q->place[k], q->load[k]);
+        if (q->place[k] >= 0) take(ctx, dem, width, (size_t)q->place[k], q->load[k]);
         if (q->turn) memset(q->turn[k], 0, sizeof q->turn[k]);
-        if (q->turn && q->place[k] >= 0) gn_spins_take_moment(&w->dem, &w->solids, q, width, k);
+        if (q->turn && q->place[k] >= 0) gn_spins_take_moment(dem, solids, q, width, k);
     }
-    gn_coupled_add_to_nodes(&w->ctx, &w->dem, &w->solids, q);
-    if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
+    gn_coupled_add_to_nodes(ctx, dem, solids, q);
+    if (q->before) gn_masses_correct(ctx, solids, q);
 }
 
 /* Velocity and displacement at a tie. */
@@ -428,100 +430,88 @@ void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *
 }
 
 /* The stored largest speed is that of all particles. */
-static gneiss_status follow(gn_world *w, gneiss_error *error) {
-    gn_dem *d = &w->dem;
-    gn_coupled *q = w->zones.coupled;
-    if (q->before) gn_masses_book(&w->ctx, &w->solids, q);
-    double speed = place_all(&w->ctx, &w->dem, &w->solids, q), before = sqrt(d->done.motion.speed2);
+static gneiss_status follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                            gn_coupled *q, gneiss_error *error) {
+    if (q->before) gn_masses_book(ctx, solids, q);
+    double speed = place_all(ctx, dem, solids, q), before = sqrt(dem->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
-    d->verlet.drift += w->ctx.dt * (speed - before);
-    d->verlet.closed += 2.0 * (w->ctx.dt * (speed - before));
-    d->speed_most = speed * (1.0 + 1e-6);
-    if (w->ctx.dt * speed <= 0.5 * d->radius_min) return GNEISS_OK;
+    gn_dem_count_speed(ctx, dem, speed, before);
+    if (ctx->dt * speed <= 0.5 * dem->radius_min) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: couple: elements moved a particle of a zone farther in one "
         "step than half the smallest radius: %g m/s, smallest radius %g m; the step is "
         "%.3g s, its stability limit was estimated as %.3g s",
-        (long long)w->ctx.step, w->ctx.time, speed, d->radius_min, w->ctx.dt, w->ctx.stable);
+        (long long)ctx->step, ctx->time, speed, dem->radius_min, ctx->dt, ctx->stable);
 }
 
-GN_HOOK(act) {
-    if (w->zones.coupled->stiffness)
-        gn_penalty_act(w);
+void gn_zones_act(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids, gn_zones *zones,
+                  gn_ledger *ledger) {
+    if (zones->coupled->stiffness)
+        gn_penalty_act(ctx, dem, solids, zones->coupled, ledger);
     else
-        hand_over(w);
+        hand_over(ctx, dem, solids, zones->coupled);
+}
+
+gneiss_status gn_zones_elements_moved(const gn_step_context *ctx, gn_dem *dem,
+                                      const gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                      gneiss_error *error) {
+    if (!zones->coupled->stiffness) return follow(ctx, dem, solids, zones->coupled, error);
+    gn_penalty_follow(ctx, dem, solids, zones->coupled, ledger);
     return GNEISS_OK;
 }
-
-GN_HOOK(elements_moved) {
-    if (!w->zones.coupled->stiffness) return follow(w, error);
-    gn_penalty_follow(w);
-    return GNEISS_OK;
-}
-
-static bool has_zones(const gn_world *w) {
-    return w->zones.coupled != NULL;
-}
-
-const gn_feature gn_feature_zones = {
-    .name = "zones",
-    .used = has_zones,
-    .hook = {[GN_HOOK_LISTS] = hold,
-             [GN_HOOK_BEFORE_FORCES] = read_stress,
-             [GN_HOOK_ACT] = act,
-             [GN_HOOK_ELEMENTS_MOVED] = elements_moved,
-             [GN_HOOK_READ] = add_to_reading},
-};
 
 /* --- both ways to it --- */
 
-static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
-    GN_TRY(check_law(&w->ctx, error));
-    if (w->ctx.scene.couple.has_convert) {
-        GN_TRY(gn_conversion_prepare(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-        GN_TRY(find(&w->ctx, &w->dem, &w->solids, q, error));
-        return lump(&w->dem, &w->solids, *q, error);
+static gneiss_status prepare(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                             gn_coupled **q, gneiss_error *error) {
+    GN_TRY(gn_zones_check_law(ctx, error));
+    if (ctx->scene.couple.has_convert) {
+        GN_TRY(find(ctx, dem, solids, q, error));
+        return lump(dem, solids, *q, error);
     }
-    for (size_t k = 0; k < w->ctx.scene.couple.zone_count; k++)
-        GN_TRY(check_end(&w->ctx, &w->solids, k, error));
-    GN_TRY(find(&w->ctx, &w->dem, &w->solids, q, error));
+    for (size_t k = 0; k < ctx->scene.couple.zone_count; k++)
+        GN_TRY(check_end(ctx, solids, k, error));
+    GN_TRY(find(ctx, dem, solids, q, error));
     for (size_t k = 0; k < (*q)->ties.count; k++)
-        GN_TRY(check_free(&w->ctx, &w->dem, &(*q)->ties.tie[k], error));
-    GN_TRY(gn_zones_check(&w->ctx, &w->dem, &w->solids, &(*q)->ties, error));
-    weigh(&w->ctx, &w->dem, &w->solids, &(*q)->ties);
+        GN_TRY(check_free(ctx, dem, &(*q)->ties.tie[k], error));
+    GN_TRY(gn_zones_check(ctx, dem, solids, &(*q)->ties, error));
+    weigh(ctx, dem, solids, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;
+    gn_dem_number_ids(dem);
     if (!(*q)->stiffness) {
-        GN_TRY(lump(&w->dem, &w->solids, *q, error));
-        load_nodes(gn_coupled_solid(&w->solids));
-        place_all(&w->ctx, &w->dem, &w->solids, *q);
+        GN_TRY(lump(dem, solids, *q, error));
+        load_nodes(gn_coupled_solid(solids));
+        place_all(ctx, dem, solids, *q);
     }
     return GNEISS_OK;
 }
 
-static gneiss_status take_over(gn_world *w, gn_coupled *q, gneiss_status status) {
+static gneiss_status take_over(gn_dem *dem, gn_boundary *boundary, const gn_solids *solids,
+                               gn_zones *zones, gn_coupled *q, gneiss_status status) {
     if (status != GNEISS_OK) {
         gn_coupled_free(q);
         return status;
     }
-    w->zones.coupled = q;
-    if (q->stiffness) gn_penalty_hold(w);
+    zones->coupled = q;
+    if (q->stiffness) gn_penalty_hold(dem, boundary, solids, zones);
     return GNEISS_OK;
 }
 
-gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
+gneiss_status gn_coupled_create(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     gn_coupled *q = NULL;
-    if (!w->ctx.scene.has_couple) return GNEISS_OK;
-    gneiss_status status = prepare(w, &q, error);
-    return take_over(w, q, status);
+    if (!ctx->scene.has_couple) return GNEISS_OK;
+    gneiss_status status = prepare(ctx, dem, solids, &q, error);
+    return take_over(dem, boundary, solids, zones, q, status);
 }
 
-gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
+gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     gn_coupled *q = NULL;
-    if (!w->ctx.scene.has_couple) return GNEISS_OK;
-    gneiss_status status = find(&w->ctx, &w->dem, &w->solids, &q, error);
-    return take_over(w, q, status);
+    if (!ctx->scene.has_couple) return GNEISS_OK;
+    gneiss_status status = find(ctx, dem, solids, &q, error);
+    return take_over(dem, boundary, solids, zones, q, status);
 }
 
 /* --- particles that leave --- */
@@ -546,12 +536,12 @@ static double energy_of_nodes(const gn_dem *dem, const gn_coupled *q, size_t p) 
     return sum;
 }
 
-void gn_coupled_remove(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones, gn_ledger *ledger, const int32_t *gone) {
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
-    zones->state.whole = -fabs(zones->state.whole); /* to be looked for anew */
+    ctx->choice.whole = -fabs(ctx->choice.whole); /* to be looked for anew */
     const bool lumped = !q->before && !q->stiffness;
     double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {

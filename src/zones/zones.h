@@ -43,9 +43,27 @@ void gn_coupled_free(gn_coupled *coupled); /* NULL: nothing to do */
 
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
  * masses and before they have bonds. */
-gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
+gneiss_status gn_coupled_create(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                const gn_solids *solids, gn_zones *zones, gneiss_error *error);
 /* Does so for a world whose records were read. */
-gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
+gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                const gn_solids *solids, gn_zones *zones, gneiss_error *error);
+/* Refuses contact laws that cannot have a part of a contact. */
+gneiss_status gn_zones_check_law(const gn_step_context *ctx, gneiss_error *error);
+
+/* Their part of a step, with coupled != NULL. Holds the blocks of their particles and nodes when
+ * lists are made. */
+gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                            gn_zones *zones, gneiss_error *error);
+/* Hands the forces of particles to nodes, or adds those of springs to both. */
+void gn_zones_act(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids, gn_zones *zones,
+                  gn_ledger *ledger);
+/* Moves the particles with the nodes, or books the work of dashpots. */
+gneiss_status gn_zones_elements_moved(const gn_step_context *ctx, gn_dem *dem,
+                                      const gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                      gneiss_error *error);
+/* Adds their stress and energy to those of the instant. */
+void gn_zones_add_to_reading(const gn_zones *zones, gn_ledger *ledger);
 
 /* Finds the particles that follow nodes after a conversion, and their masses. */
 gneiss_status gn_coupled_recreate(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
@@ -82,7 +100,7 @@ void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
  * before these lose their masses. `gone` [particles], not 0. */
-void gn_coupled_remove(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones, gn_ledger *ledger, const int32_t *gone);
 /* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
  * particles of zones (zone_readings.c). */

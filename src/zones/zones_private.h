@@ -3,14 +3,11 @@
 #define GN_ZONES_ZONES_PRIVATE_H
 
 #include "base/error.h"
-#include "couple/ties.h"
-#include "fem/solid.h"
-#include "frame/feature.h"
+#include "fem/fem.h"
+#include "frame/frame.h"
 #include "frame/parts.h"
-#include "frame/step_context.h"
-#include "measure/energy.h"
-#include "particles/dem.h"
-#include "solids/elements.h"
+#include "particles/particles.h"
+#include "solids/solids.h"
 #include "zones/zones.h"
 
 #include <stddef.h>
@@ -37,9 +34,12 @@ void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coup
 gneiss_status gn_penalty_create(gn_coupled *q, gneiss_error *error);
 void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_zones *zones, gn_coupled *q);
-void gn_penalty_hold(gn_world *world);
-void gn_penalty_act(gn_world *world);
-void gn_penalty_follow(gn_world *world);
+void gn_penalty_hold(const gn_dem *dem, gn_boundary *boundary, const gn_solids *solids,
+                     gn_zones *zones);
+void gn_penalty_act(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids, gn_coupled *q,
+                    gn_ledger *ledger);
+void gn_penalty_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       gn_coupled *q, gn_ledger *ledger);
 void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading);
 
 /* Slaved spins (zone_spins.c): takes the moment on the particle of a tie and sets coupled->turn;

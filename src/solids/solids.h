@@ -1,12 +1,12 @@
 /* The part of a world that is finite elements: its solids, what drives them, what is read off them.
  * What is asked of the part is asked of all solids, in their order. */
-#ifndef GN_SOLIDS_ELEMENTS_H
-#define GN_SOLIDS_ELEMENTS_H
+#ifndef GN_SOLIDS_SOLIDS_H
+#define GN_SOLIDS_SOLIDS_H
 
 #include "frame/parts.h"
 
 #include "base/error.h"
-#include "fem/solid.h"
+#include "fem/fem.h"
 #include "frame/balance.h"
 #include "measure/energy.h"
 #include "mesh/joints.h"

@@ -1,6 +1,6 @@
 /* Search for near pairs of particles in a hierarchy of cell grids by size. */
-#ifndef GN_NEIGH_PAIRS_H
-#define GN_NEIGH_PAIRS_H
+#ifndef GN_NEIGH_NEIGH_H
+#define GN_NEIGH_NEIGH_H
 
 #include "base/error.h"
 #include "kernels/partials.h"

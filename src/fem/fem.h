@@ -4,8 +4,8 @@
  * Flow: gn_fem_solid_create (mesh -> nodes, elements), loads.c (sets, loads), gn_fem_limits (time
  * step), gn_fem_step, stress.c (readings), gn_fem_solid_free. Nodes are a particle record, so that
  * the motion kernels move them; the elements' kernel is kernels/element_template.c. */
-#ifndef GN_FEM_SOLID_H
-#define GN_FEM_SOLID_H
+#ifndef GN_FEM_FEM_H
+#define GN_FEM_FEM_H
 
 #include "kernels/dispatch.h"
 #include "mesh/mesh.h"

@@ -1,13 +1,13 @@
 /* Choice and supervision of the time step. */
-#ifndef GN_TIMESTEP_STEP_LIMIT_H
-#define GN_TIMESTEP_STEP_LIMIT_H
+#ifndef GN_TIMESTEP_TIMESTEP_H
+#define GN_TIMESTEP_TIMESTEP_H
 
 #include "base/effects.h"
 #include "base/error.h"
 #include "boundary/surface.h"
 #include "frame/parts.h"
 #include "limit/equilibrium.h"
-#include "particles/dem.h"
+#include "particles/particles.h"
 #include "scene/scene.h"
 #include "zones/zones.h"
 
@@ -16,12 +16,11 @@
 #include <stdint.h>
 
 /* Returns the limit of all parts together, s, from that of the particles alone (step_limit.c). */
-double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double particles);
+double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       const gn_zones *zones, double particles);
 /* Return the least of the limits, s, of the particles and of all bodies of elements, each alone and
  * undamped. */
-double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                            const gn_zones *zones);
+double gn_world_sharp_limit(const gn_step_context *ctx, const gn_solids *solids);
 double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                       const gn_zones *zones);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
@@ -53,8 +52,7 @@ gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundar
 void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
 /* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
  * need a smaller one. "": there is none. */
-const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
-                                  size_t size);
+const char *gn_world_step_warning(const gn_step_context *ctx, char *text, size_t size);
 
 /* Lowers *dt (s) of the coming step such that no vertex of a body moves farther than a quarter of
  * the smallest radius, and no body rotates by more than a quarter of a radian, or 0.01 with
@@ -87,13 +85,11 @@ bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem);
 /* Steps that a collision must last. */
 double gn_world_contact_steps(const gn_step_context *ctx);
 /* Names the two bodies of the shortest collision. */
-const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
-                               size_t size);
+const char *gn_resolution_text(const gn_step_context *ctx, char *text, size_t size);
 
 /* Sets *some if collisions are hardly damped (gn_world_is_underdamped), the step is automatic, and
  * a particle has lost all of its bonds or all but one. */
-gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
-                             gneiss_error *error);
+gneiss_status gn_debris_find(gn_step_context *ctx, gn_dem *dem, bool *some, gneiss_error *error);
 
 /* Names the free body whose contacts need steps a thousand times shorter than those of all other
  * parts, because it is light or stiff. "": there is none. */
@@ -128,14 +124,13 @@ gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_zones *zones, bool *far, gneiss_error *error);
 /* The shortest collision among what is listed; among all of the scene, when nothing is listed that
  * collides. *shorter: than known before. */
-gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, bool *shorter, gneiss_error *error);
-gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, bool *shorter,
+gneiss_status gn_dem_resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                    const gn_solids *solids, const gn_zones *zones, bool *shorter,
                                     gneiss_error *error);
+gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                    bool *shorter, gneiss_error *error);
 /* Forgets what was found of lists and collisions. */
-void gn_dem_limit_anew(gn_dem *dem);
+void gn_dem_limit_anew(gn_step_context *ctx);
 
 /* Raises masses, if the scene asks for it, from the step that the world has found without. */
 gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
@@ -170,8 +165,8 @@ gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
                                       const gn_boundary *boundary, bool *more, gneiss_error *error);
 
-gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error);
+gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                                bool anew, bool *due, gneiss_error *error);
 
 /* That no node that particles touch moved too far in the step (paths.c). */
 gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
@@ -196,7 +191,7 @@ const char *gn_side_text(gn_side side);
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
 
 /* Returns the body of elements that sets the step, NULL: none does. */
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
-                                         const gn_solids *solids, const gn_zones *zones);
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_solids *solids,
+                                         const gn_zones *zones);
 
 #endif

@@ -1,13 +1,15 @@
 /* The setting in which the parts of a world work: the scene, the clock, the kernels and the extent
  * of the specimen. Parts read it; the world, the step limit, the control and the box change it
  * between the steps. */
-#ifndef GN_FRAME_STEP_CONTEXT_H
-#define GN_FRAME_STEP_CONTEXT_H
+#ifndef GN_FRAME_FRAME_H
+#define GN_FRAME_FRAME_H
 
 #include "base/effects.h"
 #include "base/error.h"
+#include "frame/ledger.h"
 #include "frame/parts.h"
 #include "frame/phases.h"
+#include "frame/step_choice.h"
 #include "kernels/dispatch.h"
 #include "scene/scene.h"
 
@@ -30,12 +32,13 @@ struct gn_step_context {
     int threads;
 
     int64_t step;
-    int64_t first_step; /* 0, or the step that it began with in an equilibrium (src/static) */
-    double time;        /* s */
-    double dt_past, dt; /* s: interval that led here, coming interval */
-    double stable;      /* s: upper bound of the step: sharp limit or bound, less the share that
-                         * non-viscous damping takes */
-    int64_t dt_lowered; /* number of times that the step was lowered while running */
+    int64_t first_step;    /* 0, or the step that it began with in an equilibrium (src/static) */
+    double time;           /* s */
+    double dt_past, dt;    /* s: interval that led here, coming interval */
+    double stable;         /* s: upper bound of the step: sharp limit or bound, less the share that
+                            * non-viscous damping takes */
+    gn_step_choice choice; /* what is known of the limits */
+    int64_t dt_lowered;    /* number of times that the step was lowered while running */
 
     double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
     gn_machine machine;             /* control of the ends of the test */
@@ -73,8 +76,6 @@ double gn_finest_reach(double radius);
 
 /* Share of the limit that non-viscous damping leaves; 1 without it. */
 double gn_world_nonviscous_share(const gn_step_context *ctx);
-/* The share for a scene with these effects. */
-double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);

@@ -1,21 +1,18 @@
 /* The part of a world that is particles: their records, contacts and lists, what drives them, and
  * the step that they allow. */
-#ifndef GN_PARTICLES_DEM_H
-#define GN_PARTICLES_DEM_H
+#ifndef GN_PARTICLES_PARTICLES_H
+#define GN_PARTICLES_PARTICLES_H
 
 #include "frame/parts.h"
 
 #include "base/error.h"
 #include "base/vec3.h"
-#include "frame/step_context.h"
+#include "frame/frame.h"
 #include "io/packing.h"
-#include "kernels/contact.h"
 #include "kernels/dispatch.h"
-#include "kernels/law.h"
 #include "kernels/motion.h"
 #include "limit/step_limits.h"
-#include "measure/energy.h"
-#include "neigh/pairs.h"
+#include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/contact_lists.h"
 #include "particles/events.h"
@@ -36,15 +33,8 @@ typedef struct gn_verlet {
     double closed;     /* m, bound on how much closer two came since then that were not listed */
     int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */
+    bool forced;       /* the lists are made for a source or a thin sink alone */
 } gn_verlet;
-
-/* The shortest collision that a step has to resolve, by ids of particles; `second` < 0: wall -1 -
- * second, behind the walls surfaces. */
-typedef struct gn_resolution {
-    double step;    /* s: what it allows; INFINITY: nothing can collide */
-    double contact; /* s: how long it lasts */
-    int64_t first, second;
-} gn_resolution;
 
 /* Sums of a step over all blocks. */
 typedef struct gn_dem_sums {
@@ -55,44 +45,12 @@ typedef struct gn_dem_sums {
     double step_change[2]; /* J, halves */
 } gn_dem_sums;
 
-/* Masses raised for a longer step (mass_scaling.c). */
-typedef struct gn_mass_scaling {
-    double unscaled; /* s: the step without */
-    double step;     /* s: that masses were raised for; 0: none had to be */
-    double reached;  /* s: what came of it at the start */
-    double added;    /* kg, of those that were there when the lists were made */
-    double largest;  /* mass over own mass, the most */
-    int64_t raised;  /* particles */
-} gn_mass_scaling;
-
-/* A membrane (membrane.h). Areas act where they are; tensors
- * are sums of areas times places or ways, m3. */
-typedef struct gn_membrane {
-    double pressure;    /* Pa, in the last step */
-    double gradient[9]; /* of the skin in the last step: how it has moved as a whole; of several
-                           bodies at the last look */
-    double missing[3];  /* m2, that the patches do not have of the area of the surface */
-    double rest[9];     /* what they do not have of its moment */
-    double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
-    double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
-                        shape */
-    double from;     /* Pa, that it comes from while its ramp lasts */
-    double since;    /* s, when that began */
-    double unlike;   /* share of it that followed it as a whole as what is around would have
-                        stretched it out of all measure; the most at any look */
-    int64_t bodies;  /* that the skin is of, at the last look; those that are not closed as one */
-} gn_membrane;
-
-/* A part of the surface that one particle bears, where things were at the start:
- * what it had of a side of the body, or a face of its cell that was bared. */
-typedef struct gn_patch {
-    double point[3]; /* m, its middle */
-    double area[3];  /* m2, outward */
-    double rest[9];  /* m3, sum of areas times ways from the middle */
-    double size;     /* m2; 0: a face, whose size is that of its area */
-    int32_t owner;   /* id of the particle that bears it; -1: none is left */
-    int32_t body;    /* of those of the skin the one that it was of at the last look */
-} gn_patch;
+/* Masses of which a part is added for a longer step, when the lists were made. */
+typedef struct gn_raised_masses {
+    double added;   /* kg */
+    double largest; /* mass over own mass, the most */
+    int64_t count;  /* particles */
+} gn_raised_masses;
 
 /* A particle of a body that converts (conversion.h). */
 typedef struct gn_dormant_particle {
@@ -135,30 +93,22 @@ struct gn_dem {
     int64_t ids, made;    /* given so far; of them those of the specimen come first */
     gn_derived derived;
     gn_prescription prescribed;
-    int32_t *channel_set;       /* [prescribed.count][6] set that drives a channel, -1: free */
-    double *set_reaction;       /* [scene.set_count][6] N, N m: what the prescription supplied */
-    gn_membrane *membrane;      /* NULL: none */
-    double (*skin_gradient)[9]; /* [bodies] with a membrane, of each in the last step */
-    int32_t *skin_body;         /* [particles] of those of the skin, of several bodies */
-    gn_patch *patches;          /* [patch_count] with a membrane */
-    size_t patch_count;
+    int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
+    double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
     gn_verlet verlet;
     void *ways; /* of src/particles/travel.c, kept from look to look */
     size_t ways_room;
     double radius_min; /* m */
     double mass;       /* kg, own, of those that were there when the lists were made */
-    gn_mass_scaling scaling;
+    gn_raised_masses raised;
     double
         damping_fraction; /* of critical, of contacts that are pressed; by Hertz's law the most */
     double damping_least; /* the same of the contacts that are damped least */
     /* [materials][gn_scene_sides] with what particles touch; NULL without GN_FX_HERTZ */
     gn_hertz_pair *hertz;
-    bool pressed; /* a contact was pressed further in the last step than expected (indentation.c) */
     /* [walls, bodies, sets] m/s, the largest speed of each that contacts were looked at with; NULL
      * without GN_FX_HERTZ */
     double *driven;
-    double gain; /* m/s, by how much what is driven changes in the coming step; else 0 */
-    double push; /* m/s2, of applied forces at the last look, at most */
 
     gn_motion_kernel *motion_kernel;
     gn_deal deal; /* of steps among the threads */
@@ -172,19 +122,11 @@ struct gn_dem {
     double *vel_past, *spin_past;
     gn_pieces pieces;
     double *around; /* [particles][2] N, m2: of their bonds, with law.confinement mean; else NULL */
+    bool pressed;   /* a contact was pressed further in the last step than expected */
     double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
 
-    gn_step_limit limit; /* last full estimate */
-    double stable;       /* s: the limit of the particles alone, damping left out */
-    double listed;       /* s: the limit with all listed contacts in touch, where it was found to be
-                          * within a hundredth of the step or below it; else INFINITY */
-    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
-    gn_resolution resolution;      /* the shortest so far */
-    bool debris_reported;          /* while it is looked at because the ledger misses something */
-    bool debris_read;              /* the step is measured because of debris */
-    int64_t broken_without_debris; /* bonds that had broken when there was none (debris.c) */
-    gn_depth depth;                /* the furthest so far */
-    uint8_t *loose;                /* [ids]: not bonded at the start, see collisions.c */
+    gn_depth depth; /* the furthest so far */
+    uint8_t *loose; /* [ids]: not bonded at the start, see collisions.c */
 
     int64_t broken_tension, broken_shear, bonds_at_start;
     gn_events events;
@@ -203,6 +145,8 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
 gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Without particles: empty records, so that nothing else needs to know. */
 gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Takes the kernel and the parameters of contacts from the scene of another stage. */
+gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_dem_free(gn_dem *dem);
 
 /* Looks how far the particles came since the lists were made, for verlet.drift and verlet.closed

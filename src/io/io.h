@@ -1,6 +1,6 @@
 /* Small text files written atomically; folders; JSON text. */
-#ifndef GN_IO_FILES_H
-#define GN_IO_FILES_H
+#ifndef GN_IO_IO_H
+#define GN_IO_IO_H
 
 #include "io/atomic_file.h"
 

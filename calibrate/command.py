@@ -1,0 +1,238 @@
+"""The command `gneiss calibrate`: reads targets, tries laws, finds parameters, and writes what it found."""
+import argparse
+import fcntl
+import os
+import sys
+import time
+from dataclasses import dataclass, field
+
+from calibrate import elastic, laws, output, strength, targets, uncertainty
+from calibrate.material import Material
+from calibrate.problem import OutOfBudget, Problem
+from calibrate.readings import BRAZILIAN, COMPRESSION, TENSION, tests_for
+from calibrate.simulate import Laboratory
+
+SURE_RATIO = 4.5      # compressive over tensile strength that brittle bonds reach in any packing of spheres
+SCATTER = 0.08        # of one packing's ratio of strengths
+FRESH = 3             # packings of the check
+
+
+@dataclass
+class Result:
+    """Parameters found with one law, and how they were examined."""
+    material: Material
+    search: strength.Search
+    evaluation: object
+    reached: bool = False
+    notes: list = field(default_factory=list)
+    covariance: object = None
+    slopes: object = None
+    fresh: object = None
+    other: object = None
+
+
+def options_of(arguments):
+    parser = argparse.ArgumentParser(prog="gneiss calibrate", allow_abbrev=False)
+    parser.add_argument("target")
+    parser.add_argument("--program", default=os.environ.get("GNEISS_PROGRAM", "gneiss"))
+    parser.add_argument("--out")
+    parser.add_argument("--seeds")
+    parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--force", action="store_true")
+    parser.add_argument("--quiet", action="store_true")
+    return parser.parse_args(arguments)
+
+
+class Progress:
+    """A line for each step on standard error, with the runs so far."""
+
+    def __init__(self, laboratory, quiet):
+        self.laboratory, self.quiet, self.begun = laboratory, quiet, time.monotonic()
+
+    def __call__(self, text):
+        if not self.quiet:
+            seconds = time.monotonic() - self.begun
+            print(f"[{seconds:6.0f} s, {len(self.laboratory.used):3d} runs] {text}", file=sys.stderr, flush=True)
+
+
+# --- laws ----------------------------------------------------------------------------------------------
+
+def wanted_ratio(wanted):
+    """Compressive over tensile strength of the targets; None if either is not wanted."""
+    tensile = wanted.get("tensile_strength", wanted.get("brazilian_strength"))
+    return wanted["compressive_strength"].value / tensile.value if tensile and "compressive_strength" in wanted else None
+
+
+def largest_ratio(material, parameters, seed):
+    """Compressive over tensile strength of one packing whose bonds are much stronger in shear than in tension; None without a peak."""
+    tensile = "tensile_strength" if "tensile_strength" in material.targets else "brazilian_strength"
+    found = material.evaluate({**parameters, "chi": strength.BOUNDS["chi"][1]}, [seed], ["compressive_strength", tensile]).values[seed]
+    if found["compressive_strength"] is None or found[tensile] is None:
+        return None
+    return found["compressive_strength"] / found[tensile]
+
+
+def candidates(request):
+    """Laws in the order in which they are tried; None: as the base scene has it."""
+    if request.law == "scene":
+        return [None]
+    if request.law != "auto":
+        return [laws.named(request.law)]
+    frictional = "bond_friction" in strength.free_parameters(request.targets)
+    left_out = "linear" if frictional else "friction"  # without pressure around them, strong bonds break in tension alone: mu_1 has no effect
+    return [law for law in laws.LAWS if law.name != left_out]
+
+
+def choose(request, laboratory, progress):
+    """(material, start, [sentence on each law that was left out]): the first law whose bonds reach the wanted ratio of strengths."""
+    ratio, tried, best = wanted_ratio(request.targets), [], None
+    for law in candidates(request):
+        material = Material(request, law, laboratory)
+        start = strength.start(material, elastic.fit(material, request.seeds, progress))
+        if request.law != "auto" or ratio is None or ratio < SURE_RATIO:
+            return material, start, tried
+        most = largest_ratio(material, start, request.seeds[0])
+        progress(f"law {law.name}: compressive over tensile strength at most {'unknown' if most is None else f'{most:.3g}'}, wanted {ratio:.3g}")
+        if most is not None and most * (1.0 + SCATTER) >= ratio:
+            return material, start, tried
+        tried.append(f"law {law.name} ({law.text}): compressive over tensile strength is at most about {most or 0.0:.3g}, wanted {ratio:.3g}")
+        if best is None or (most or 0.0) > best[0]:
+            best = (most or 0.0, material, start)
+    return best[1], best[2], tried
+
+
+# --- one law -------------------------------------------------------------------------------------------
+
+def solve(request, material, start, progress):
+    """Result with the parameters of one law; it says why a target is not reached."""
+    plain = {name: target for name, target in request.targets.items() if not strength.is_confined(name)}
+    search = strength.Search(material, start, progress)
+    result = Result(material, search, None)
+    try:
+        if 0 < len(plain) < len(request.targets):  # first what takes no tests under pressure, which are longer
+            search.parameters = strength.Search(material, start, progress, plain).scout(request.seeds)
+        result.evaluation = search.run(request.seeds)
+    except OutOfBudget as end:
+        if not search.steps:
+            raise Problem(f"budget of {end}: expected at least one evaluation of the targets, found no run finished within it") from end
+        result.evaluation = search.best()
+        result.notes.append(f"the budget of {end} is used up: parameters are the best ones up to there")
+    search.parameters = dict(result.evaluation.parameters)
+    residuals = search.residuals(result.evaluation)
+    result.reached = all(one is not None and abs(one) <= 1.0 for one in residuals.values())
+    result.notes += [why for name, one in residuals.items() if one is None or abs(one) > 1.0 for why in reasons(search, result, name)]
+    return result
+
+
+def reasons(search, result, name):
+    """Sentences on a target that is not reached."""
+    mean, target = result.evaluation.mean(name), search.targets[name]
+    if mean is None:
+        absent = next((text for by_test in result.evaluation.outcomes.values() for one in by_test.values() for text in [one.message, *one.absent.values()] if text), "")
+        return [f"{name}: a run has no such reading: {absent}"]
+    chi, law = result.evaluation.parameters["chi"], laws.label(search.material.law)
+    low, high = strength.BOUNDS["chi"]
+    if name in ("tensile_strength", "brazilian_strength", "compressive_strength") and "chi" in search.free and not low * 1.02 < chi < high / 1.02:
+        ratio = (result.evaluation.mean("compressive_strength") or mean) / (result.evaluation.mean("tensile_strength") or result.evaluation.mean("brazilian_strength") or mean)
+        bound = "at most" if chi > 1.0 else "at least"
+        return [f"{name}: not reachable with the law {law}: compressive over tensile strength is {bound} {ratio:.3g}, wanted {wanted_ratio(search.targets):.3g}"]
+    ends = [key for key in search.free if key not in ("modulus", "tension", "chi") and name in search.given_up(result.evaluation) and search.ends_at(result.evaluation.parameters[key], key)]
+    why = f"not reachable with the law {law}: {' and '.join(ends)} at the end of the range" if ends else "not reached"
+    return [f"{name}: {why}: found {mean:.4g}, wanted {target.value:.4g}{'' if target.unit == '1' else ' ' + target.unit}"]
+
+
+def alternatives(request, result, progress):
+    """Sentences on the other laws that could reach the wanted ratio of strengths, by one packing of each."""
+    law, ratio, found = result.material.law, wanted_ratio(request.targets), []
+    if law is None or ratio is None or request.law == "auto" or not any("compressive over tensile strength is at most" in one for one in result.notes):
+        return []
+    try:
+        for other in laws.LAWS[laws.NAMES.index(law.name) + 1:]:
+            if other.name == "friction":
+                continue
+            material = Material(request, other, result.material.laboratory)
+            start = strength.start(material, elastic.fit(material, request.seeds[:1], progress))
+            most = largest_ratio(material, start, request.seeds[0])
+            if most:
+                found.append(f"law {other.name} ({other.text}): compressive over tensile strength up to about {most:.3g}")
+    except OutOfBudget:
+        pass
+    return found
+
+
+def examine(request, result, progress):
+    """Adds slopes, covariance and checks on fresh packings and on a test that was not fitted, as far as the budget goes."""
+    search, evaluation, seeds = result.search, result.evaluation, request.seeds
+    result.slopes = search.slopes
+    try:
+        result.slopes = uncertainty.measured_slopes(search, evaluation, seeds[:strength.SCOUTS])
+        fresh = [max(seeds) + 1 + k for k in range(min(FRESH, len(seeds)))] if "file" not in result.material.scene["specimen"] else []
+        if fresh:
+            progress(f"check on {len(fresh)} fresh packings")
+            result.fresh = result.material.evaluate(evaluation.parameters, fresh)
+        fitted = tests_for(request.targets)
+        spare = [test for test in (COMPRESSION, TENSION, BRAZILIAN) if test not in fitted]
+        if spare and not (spare[0] == BRAZILIAN and "file" in result.material.scene["specimen"]):
+            progress(f"check on a test that was not fitted: {spare[0].name}")
+            result.other = spare[0], result.material.measure(spare[0], evaluation.parameters, seeds[:strength.SCOUTS])
+    except OutOfBudget as end:
+        result.notes.append(f"the budget of {end} is used up: checks are incomplete")
+    result.notes += alternatives(request, result, progress)
+    result.covariance = uncertainty.covariance(search, evaluation, result.slopes)
+
+
+def calibrate(request, laboratory, progress):
+    """(Result, [sentence on each law that was left out])."""
+    material, start, tried = choose(request, laboratory, progress)
+    result = solve(request, material, start, progress)
+    examine(request, result, progress)
+    return result, tried
+
+
+# --- the program ---------------------------------------------------------------------------------------
+
+def folder_of(options):
+    stem = os.path.splitext(os.path.basename(options.target))[0]
+    folder = options.out or os.path.join("runs", stem)
+    try:
+        os.makedirs(folder, exist_ok=True)
+        lock = open(os.path.join(folder, ".lock"), "w", encoding="utf-8")
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise Problem(f"{folder}: expected a folder that no other calibration uses, found a running one", 3) from error
+    except OSError as error:
+        raise Problem(f"{folder}: cannot be written: {error.strerror}", 3) from error
+    return folder, lock
+
+
+def work(options):
+    request = targets.read(options.target)
+    if options.seeds:
+        request.seeds = targets.seeds_of(options.seeds)
+    folder, lock = folder_of(options)
+    with lock:
+        laboratory = Laboratory(options.program, folder, options.threads or len(os.sched_getaffinity(0)), request.most_runs, request.most_seconds)
+        if options.force:
+            laboratory.forget()
+        result, tried = calibrate(request, laboratory, Progress(laboratory, options.quiet))
+        whole = output.write(folder, request, laboratory, result, tried)
+    output.show(folder, whole)
+
+
+def main(arguments):
+    options = options_of(arguments)
+    try:
+        work(options)
+    except Problem as problem:
+        print(f"gneiss: {problem}", file=sys.stderr)
+        return problem.code
+    except OutOfBudget as end:
+        print(f"gneiss: budget of {end}: used up before the targets were evaluated", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("gneiss: interrupted; the same command continues", file=sys.stderr)
+        return 6
+    except OSError as error:
+        print(f"gneiss: file error: {error}", file=sys.stderr)
+        return 3
+    return 0

@@ -1,0 +1,133 @@
+"""Files and summary of a calibration: calibration.json, calibrated.yaml, report.html."""
+import json
+import math
+import os
+
+import numpy as np
+import yaml
+
+from calibrate import laws, report, uncertainty
+from calibrate.readings import strength_of, tests_for
+from calibrate.simulate import write_whole
+
+UNITS = {"contact_modulus": "Pa", "young": "Pa", "normal_stiffness": "N/m", "tensile_strength": "Pa", "shear_strength": "Pa",
+         "bond_tension_limit": "N", "bond_shear_limit": "N"}
+# Scene key: parameters whose scaled coordinates add up to that of the key, with their signs.
+ORIGINS = {
+    "contact_modulus": {"modulus": 1}, "young": {"modulus": 1}, "normal_stiffness": {"modulus": 1}, "kratio": {"ratio": -1}, "beta": {"ratio": 1},
+    "tensile_strength": {"tension": 1}, "bond_tension_limit": {"tension": 1}, "shear_strength": {"tension": 1, "chi": 1},
+    "bond_shear_limit": {"tension": 1, "chi": 1}, "bond_friction": {"bond_friction": 1},
+}
+
+
+def finite(value):
+    """A value that JSON can hold: None for what is no number or infinite."""
+    if isinstance(value, (list, tuple)):
+        return [finite(one) for one in value]
+    return float(value) if value is not None and math.isfinite(value) else None
+
+
+def parameters_of(result):
+    """{scene key: value, unit, 95 % interval or None, free}."""
+    free, count = result.search.free, len(result.evaluation.values)
+    found = {}
+    for key, value in laws.material_values(result.material.scene, result.evaluation.parameters).items():
+        origin = ORIGINS.get(key)
+        gradient = np.array([(origin or {}).get(name, 0) for name in free], float)
+        is_free = bool(np.any(gradient))
+        interval = None
+        if is_free and result.covariance is not None:
+            name = "bond_friction" if key == "bond_friction" else "tension"
+            variance = uncertainty.variance_of(result.covariance, gradient)
+            interval = None if variance == 0.0 else uncertainty.interval_of(name, value, variance, count)  # 0: at a bound
+        found[key] = {"value": value, "unit": UNITS.get(key, ""), "interval": finite(interval) if interval else None, "free": is_free}
+    return found
+
+
+def found_of(result):
+    """{target: wanted and found value, intervals, packings, reached}."""
+    found = {}
+    for name, target in result.search.targets.items():
+        mean, column = result.evaluation.mean(name), result.evaluation.column(name)
+        error = result.evaluation.errors.get(name, 0.0)
+        entry = {"target": target.value, "tolerance": target.tolerance, "unit": "" if target.unit == "1" else target.unit, "value": finite(mean),
+                 "interval": None, "prediction": None, "error": error, "packings": finite(list(column)),
+                 "reached": mean is not None and abs(target.error(mean)) <= 1.0}
+        if mean is not None:
+            entry["interval"] = finite(uncertainty.interval_of_mean(column, mean, error))
+            entry["prediction"] = finite(uncertainty.prediction(column, mean))
+        if result.fresh:
+            fresh = list(result.fresh.column(name))
+            low, high = entry["prediction"] or [None, None]
+            entry["fresh"] = {"values": finite(fresh), "inside": None if low is None else int(sum(low <= one <= high for one in fresh))}
+        found[name] = entry
+    return found
+
+
+def document(request, laboratory, result, tried):
+    """All of calibration.json."""
+    law, free = result.material.law, result.search.free
+    path = [{"parameters": step.parameters, "packings": len(step.values), "found": {name: finite(step.mean(name)) for name in request.targets}}
+            for step in result.search.steps]
+    other = None
+    if result.other:
+        other = {"test": result.other[0].name, "strengths": finite(result.other[1]), "unit": "Pa"}
+    return {"version": laboratory.version, "title": request.title, "law": laws.label(law), "law_text": law.text if law else "", "tried": tried,
+            "reached": result.reached, "notes": result.notes, "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
+            "seeds": request.seeds, "parameters": parameters_of(result), "found": found_of(result), "other_test": other,
+            "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself", "degrees_of_freedom": len(request.seeds) - 1,
+                           "region": finite(uncertainty.region(len(free), len(request.seeds))),
+                           "matrix": None if result.covariance is None else finite(result.covariance.tolist())},
+            "slopes": {"of": result.search.names, "over": free, "matrix": finite(result.slopes.tolist())}, "path": path}
+
+
+def scene_of(request, result):
+    """The scene of the first test and packing, as it was run."""
+    test = tests_for(request.targets)[0]
+    with open(os.path.join(result.evaluation.outcomes[request.seeds[0]][test].folder, "scene.yaml"), encoding="utf-8") as file:
+        scene = json.load(file)
+    scene["run"].pop("threads")
+    return {"title": request.title or f"Calibrated by gneiss: {test.name}", **scene}
+
+
+def scene_text(request, found, scene):
+    """YAML of the scene, with what it was calibrated for as comments."""
+    lines = ["# Written by gneiss calibrate. Mean readings of the packings with these parameters, and targets:"]
+    for name, entry in found.items():
+        value = "absent" if entry["value"] is None else f"{entry['value']:.5g}"
+        lines.append(f"# {name}: {value} for {entry['target']:.5g} {entry['unit']}".rstrip() + ("" if entry["reached"] else " (not reached)"))
+    return "\n".join(lines) + "\n" + yaml.safe_dump(scene, sort_keys=False, default_flow_style=None, width=120)
+
+
+def write(folder, request, laboratory, result, tried):
+    """Writes the three files; each is there in full or not at all."""
+    whole = document(request, laboratory, result, tried)
+    write_whole(os.path.join(folder, "calibrated.yaml"), scene_text(request, whole["found"], scene_of(request, result)))
+    curves = [(test.name, outcome.folder) for test, outcome in result.evaluation.outcomes[request.seeds[0]].items() if strength_of(test, outcome)]
+    write_whole(os.path.join(folder, "report.html"), report.page(whole, curves))
+    write_whole(os.path.join(folder, "calibration.json"), json.dumps(whole, indent=1))
+    return whole
+
+
+def with_unit(value, unit):
+    """A value for the eye: stresses in MPa, moduli in GPa."""
+    if value is None:
+        return "absent"
+    if unit == "Pa":
+        return f"{value / 1e9:.4g} GPa" if abs(value) >= 1e9 else f"{value / 1e6:.4g} MPa"
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def show(folder, whole):
+    """The result on standard output."""
+    print(f"law {whole['law']}: " + ("all targets are reached" if whole["reached"] else "not all targets are reached"))
+    for sentence in whole["tried"] + whole["notes"]:
+        print("  " + sentence)
+    for name, entry in whole["found"].items():
+        interval = " .. ".join(with_unit(one, entry["unit"]) for one in entry["interval"] or [])
+        print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s} for {with_unit(entry['target'], entry['unit'])}"
+              + (f", 95 %: {interval}" if interval else ""))
+    for name, entry in whole["parameters"].items():
+        interval = " .. ".join(with_unit(one, entry["unit"]) for one in entry["interval"] or [])
+        print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s}" + (f", 95 %: {interval}" if interval else ""))
+    print(f"{whole['runs']} runs, {whole['cpu_seconds']:.0f} CPU seconds; written to {folder}: calibration.json, calibrated.yaml, report.html")

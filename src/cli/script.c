@@ -1,0 +1,100 @@
+#include "cli/script.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char python[] = "/usr/bin/python3";
+
+/* A script: the variable that gives another place, its place below share/gneiss of an installation,
+ * and in the source tree. */
+typedef struct script {
+    const char *variable, *installed, *source;
+} script;
+
+enum { SELF_SIZE = GN_PATH_SIZE, SCRIPT_SIZE = 2 * GN_PATH_SIZE };
+
+/* Path of this program; "" if unknown. */
+static void find_self(char self[SELF_SIZE]) {
+    ssize_t n = readlink("/proc/self/exe", self, SELF_SIZE - 1);
+    self[n > 0 ? n : 0] = 0;
+}
+
+/* A script is at the place of installation, in the program's source tree, or moved along with the
+ * program. A folder `tools` beside an installed program may be unrelated. */
+static gneiss_status find(const script *wanted, const char *self, char path[SCRIPT_SIZE],
+                          gneiss_error *error) {
+    const char *given = getenv(wanted->variable), *slash = strrchr(self, '/');
+    if (given) {
+        snprintf(path, SCRIPT_SIZE, "%s", given);
+        return GNEISS_OK;
+    }
+    const struct {
+        const char *between, *name;
+    } places[] = {
+        {"../share/gneiss/", wanted->installed}, {"../", wanted->source}, {"", wanted->source}};
+    for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
+        snprintf(path, SCRIPT_SIZE, "%.*s/%s%s", slash ? (int)(slash - self) : 0, self,
+                 places[k].between, places[k].name);
+        if (access(path, R_OK) == 0) return GNEISS_OK;
+    }
+    return gn_fail(error, GNEISS_ERROR_IO,
+                   "beside the program there is neither ../share/gneiss/%s nor ../%s nor %s "
+                   "(%s gives another place)",
+                   wanted->installed, wanted->source, wanted->source, wanted->variable);
+}
+
+/* Python finds its modules by its first argument: a bare name would lead to an active virtual
+ * environment. */
+static gneiss_status start(char *const *arguments, gneiss_error *error) {
+    execv(python, arguments);
+    return gn_fail(error, GNEISS_ERROR_IO, "%s could not be started", python);
+}
+
+gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) {
+    static const script report = {"GNEISS_REPORT", "report.py", "tools/report.py"};
+    char self[SELF_SIZE], path[SCRIPT_SIZE];
+    struct stat target;
+    if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
+                       options->target);
+    find_self(self);
+    GN_TRY(find(&report, self, path, error));
+    return start((char *[]){(char *)python, path, (char *)options->target, NULL}, error);
+}
+
+gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error) {
+    static const script calibrate = {"GNEISS_CALIBRATE", "calibrate/__main__.py",
+                                     "calibrate/__main__.py"};
+    enum { MOST = 16 };
+    char self[SELF_SIZE], path[SCRIPT_SIZE], *arguments[MOST];
+    const char *threads = NULL;
+    for (size_t k = 0; k < options->override_count; k++) {
+        if (strcmp(options->overrides[k].key, "run.threads") != 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "gneiss calibrate: expected values in the file of targets, found an "
+                           "option for %s",
+                           options->overrides[k].key);
+        threads = options->overrides[k].value;
+    }
+    find_self(self);
+    GN_TRY(find(&calibrate, self, path, error));
+    size_t n = 0;
+    const char *const fixed[] = {python, path, "--program", self};
+    for (; n < 4; n++) arguments[n] = (char *)fixed[n];
+    const struct {
+        const char *name, *value;
+    } given[] = {{"--out", options->out}, {"--seeds", options->seeds}, {"--threads", threads}};
+    for (size_t k = 0; k < 3; k++)
+        if (given[k].value) {
+            arguments[n++] = (char *)given[k].name;
+            arguments[n++] = (char *)given[k].value;
+        }
+    if (options->quiet) arguments[n++] = "--quiet";
+    if (options->force) arguments[n++] = "--force";
+    arguments[n++] = "--";
+    arguments[n++] = (char *)options->target;
+    arguments[n] = NULL;
+    return start(arguments, error);
+}

@@ -1,0 +1,13 @@
+/* Commands that are Python programs beside this one. */
+#ifndef GN_CLI_SCRIPT_H
+#define GN_CLI_SCRIPT_H
+
+#include "cli/options.h"
+
+/* Makes the page of a folder of results; returns only if the script cannot be started. */
+gneiss_status gn_command_report(const gn_options *options, gneiss_error *error);
+
+/* Finds the parameters of a file of targets; returns only if it cannot be started. */
+gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error);
+
+#endif

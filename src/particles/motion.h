@@ -1,0 +1,34 @@
+/* Motion of blocks of particles, and what a step sums up to. */
+#ifndef GN_PARTICLES_MOTION_H
+#define GN_PARTICLES_MOTION_H
+
+#include "frame/parts.h"
+#include "kernels/contact.h"
+#include "kernels/motion.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Tells whether no particle of a block is active. */
+bool gn_dem_is_still(const gn_dem *dem, size_t block);
+/* Adds up the partial sums of a block of particles and moves it. */
+void gn_dem_move_block(gn_dem *dem, const gn_motion_args *motion, size_t block);
+
+/* Keeps the velocities before a step whose length is not that of the last one. */
+void gn_dem_keep_velocities(gn_dem *dem);
+/* Sets the velocity before the step to 0 of a particle that others move; `spin`: its spin. */
+void gn_dem_clear_past(gn_dem *dem, size_t particle, bool spin);
+
+/* Returns the sum over blocks, in their order. */
+gn_contact_sums gn_contact_sums_of(const gn_contact_sums *blocks, size_t count);
+/* Sets dem->done from the sums of blocks; `walls`: of contacts with walls and facets. */
+void gn_dem_add_up(gn_dem *dem, const gn_contact_sums *walls);
+/* After the motion of all blocks: sums, bounds on paths and counts of the step. */
+void gn_dem_moved(const gn_step_context *ctx, gn_dem *dem, const gn_contact_sums *walls);
+/* Raises the bounds on paths in the last step from those of the speed `counted`, m/s, to `speed`.
+ */
+void gn_dem_count_speed(const gn_step_context *ctx, gn_dem *dem, double speed, double counted);
+/* Forgets the speed of the last step, when velocities are not those that a step left. */
+void gn_dem_forget_speed(const gn_step_context *ctx, gn_dem *dem);
+
+#endif

@@ -1,0 +1,28 @@
+/* Number and order of the rows of particles. What points at rows from other parts is renumbered by
+ * the caller, from the places that these functions return. */
+#ifndef GN_PARTICLES_ROWS_H
+#define GN_PARTICLES_ROWS_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+#include "particles/flow.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Sorts particles along the Morton curve, with what points at them in the lists; place[rows]: the
+ * new place of each. */
+gneiss_status gn_dem_sort(const gn_step_context *ctx, gn_dem *dem, int32_t *place,
+                          gneiss_error *error);
+/* Appends rows for particles that come in. Lists are to be made next. */
+gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *arrivals,
+                          size_t count, gneiss_error *error);
+/* Drops the rows of removed particles, except those in persistent lists, if they are more than a
+ * sixteenth. *place [rows]: the new place of each, -1: none, for the caller to free; NULL: all rows
+ * stay. Lists are to be made next. */
+gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, int32_t **place,
+                          gneiss_error *error);
+/* Allocates and fills the rows of ids (gn_dem_number_ids). */
+gneiss_status gn_dem_number_rows(gn_dem *dem, gneiss_error *error);
+
+#endif

@@ -1,0 +1,263 @@
+"""gneiss calibrate: parameters recovered from readings that known parameters gave, interruptions, budgets, bad targets. Speaks TAP."""
+import re
+import signal
+import subprocess
+
+from program import *  # noqa: F403 (the module is made for that)
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from calibrate import targets, uncertainty  # noqa: E402
+
+SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
+KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
+TARGETS = """
+specimen: {cylinder: {diameter: 20 mm, height: 40 mm}, particles: 250}
+law: linear
+seeds: 3
+targets:
+  young_modulus: {value: 20 GPa, tolerance: 3 %}
+  poisson_ratio: {value: 0.2, tolerance: 0.02}
+  compressive_strength: {value: 45 MPa, tolerance: 6 %}
+  tensile_strength: {value: 10 MPa, tolerance: 6 %}
+"""
+
+
+def calibration(folder):
+    with open(os.path.join(folder, "calibration.json"), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def outcomes(folder):
+    """Finished runs and solutions in the folder of a calibration."""
+    runs = os.path.join(folder, "runs")
+    return sorted(name for name in (os.listdir(runs) if os.path.isdir(runs) else []) if os.path.exists(os.path.join(runs, name, "outcome.json")))
+
+
+def calibrated(folder, text=TARGETS, name="a", *options, code=0):
+    targets = write_scene(folder, text, name + ".yaml")
+    out = os.path.join(folder, name)
+    return out, expect(gneiss("calibrate", targets, "--out", out, *options), code)
+
+
+def known_readings(folder):
+    """Mean readings of three packings with the parameters KNOWN, by `gneiss run` alone."""
+    base = {"dimension": 3, "specimen": {**SPECIMEN, "density_basis": "bulk", "packing": {"size_ratio": 3, "overlap": "passive"}},
+            "materials": [{"name": "rock", "density": 2600, "friction": 0.5, **KNOWN}], "law": {"stiffness": "harmonic"},
+            "bonds": {"interaction_range": 0.05}, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+            "output": {"snapshots": 0, "history_rows": 1500}}
+    ends = [("lower", 0, 1, "lower"), ("upper", 0.04, -1, "upper")]
+    speed = {"compression": 0.1, "tension": -0.02}
+    walls = [{"name": name, "point": [0, 0, z], "normal": [0, 0, sign], "stiffness": 2e8, "passive": True,
+              "motion": {"vz": [[0, 0], [1e-4, 0.5 * sign * speed["compression"]]]}} for name, z, sign, _ in ends]
+    sets = [{"name": name, "select": {"end": {"axis": "z", "side": side, "depth": 3.2e-3, "by": "surface"}},
+             "motion": {"vz": [[0, 0], [1e-4, 0.5 * sign * speed["tension"]]]}} for name, _, sign, side in ends]
+    found = {"young_modulus": [], "poisson_ratio": [], "compressive_strength": [], "tensile_strength": []}
+    for seed in (11, 12, 13):
+        for kind, driven in (("compression", {"walls": walls}), ("tension", {"sets": sets})):
+            scene = {**base, **driven, "test": {"kind": kind, "axis": "z", "lower": "lower", "upper": "upper", "length": 0.04, "diameter": 0.02},
+                     "time": {"end": 6e-3, "stop": {"peak_drop": 0.3}}}
+            out = os.path.join(folder, f"{kind}{seed}")
+            run(write_scene(folder, scene), out, "--seed", seed, "--threads", 1)
+            readings = summary(out)["readings"]
+            found["compressive_strength" if kind == "compression" else "tensile_strength"].append(readings["peak_stress"])
+            if kind == "compression":
+                found["young_modulus"].append(readings["young_modulus"])
+                found["poisson_ratio"].append(readings["poisson_ratio"])
+    return {name: float(np.mean(values)) for name, values in found.items()}
+
+
+@fact
+def known_parameters_are_recovered_from_their_readings_within_the_stated_intervals(folder):
+    wanted = known_readings(folder)
+    text = json.dumps({"specimen": SPECIMEN, "law": "linear", "seeds": 3, "targets": wanted})
+    out, done = calibrated(folder, text)
+    found = calibration(out)
+    assert found["reached"] and "all targets are reached" in done.stdout, found["notes"]
+    assert found["runs"] <= 60, found["runs"]
+    for name, value in wanted.items():
+        entry = found["found"][name]
+        assert abs(entry["value"] - value) <= entry["tolerance"] and len(entry["packings"]) == 3, (name, entry, value)
+        low, high = entry["interval"]
+        assert low < entry["value"] < high and entry["prediction"][0] < min(entry["packings"]) and entry["prediction"][1] > max(entry["packings"]), entry
+    for key, value in KNOWN.items():
+        low, high = found["parameters"][key]["interval"]
+        assert low <= value <= high, f"{key}: {value} outside of {low} .. {high}"
+        # An interval that holds everything would show nothing: scatter of packings of 250 particles is some percent.
+        assert high / low < {"kratio": 3.0, "shear_strength": 3.0}.get(key, 1.5), (key, low, high)
+
+
+@fact
+def a_killed_calibration_is_taken_up_and_gives_the_result_of_an_undisturbed_one_with_any_number_of_workers(folder):
+    undisturbed, _ = calibrated(folder, TARGETS, "a", "--threads", 2)
+    targets, out = os.path.join(folder, "a.yaml"), os.path.join(folder, "b")
+    for kill in (signal.SIGKILL, signal.SIGINT, signal.SIGKILL, signal.SIGTERM):
+        number = len(outcomes(out)) + 2
+        process = subprocess.Popen(command("calibrate", targets, "--out", out, "--threads", 1, "--quiet"), env=ENVIRONMENT,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        assert wait_until(process, lambda: len(outcomes(out)) >= number), process.communicate()
+        process.send_signal(kill)
+        said = process.communicate(timeout=60)[1]
+        if kill != signal.SIGKILL:
+            assert process.returncode == 6 and "the same command continues" in said, (process.returncode, said)
+        assert not os.path.exists(os.path.join(out, "calibration.json"))
+    before = {name: os.stat(os.path.join(out, "runs", name, "outcome.json")).st_mtime_ns for name in outcomes(out)}
+    expect(gneiss("calibrate", targets, "--out", out, "--threads", 1), 0)
+    after = {name: os.stat(os.path.join(out, "runs", name, "outcome.json")).st_mtime_ns for name in before}
+    assert before == after, "a finished run was computed again"
+    one, two = calibration(undisturbed), calibration(out)
+    for entry in (one, two):
+        entry.pop("cpu_seconds")
+    assert one == two, "results differ"
+    for name in ("calibrated.yaml",):
+        with open(os.path.join(undisturbed, name)) as a, open(os.path.join(out, name)) as b:
+            assert a.read() == b.read()
+
+
+@fact
+def the_calibrated_scene_gives_the_readings_that_are_stated(folder):
+    out, _ = calibrated(folder, TARGETS.replace("seeds: 3", "seeds: [4]"), "a")
+    found = calibration(out)["found"]
+    run(os.path.join(out, "calibrated.yaml"), os.path.join(folder, "run"))
+    readings = summary(os.path.join(folder, "run"))["readings"]
+    for name, reading in (("young_modulus", "young_modulus"), ("poisson_ratio", "poisson_ratio"), ("compressive_strength", "peak_stress")):
+        assert found[name]["packings"] == [readings[reading]], (name, found[name]["packings"], readings[reading])
+    assert found["young_modulus"]["interval"] == [None, None], "one packing has no interval"
+    with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
+        page = file.read()
+    assert page.count("data:image/png") == 3 and "compressive_strength" in page and "<script" not in page
+
+
+@fact
+def a_ratio_of_strengths_that_the_law_does_not_reach_is_said_and_compression_is_met(folder):
+    text = TARGETS.replace("tensile_strength: {value: 10 MPa", "tensile_strength: {value: 2 MPa").replace("seeds: 3", "seeds: 2")
+    out, done = calibrated(folder, text)
+    found = calibration(out)
+    assert not found["reached"] and not found["found"]["tensile_strength"]["reached"]
+    assert found["found"]["compressive_strength"]["reached"], found["found"]["compressive_strength"]
+    said = re.search(r"tensile_strength: not reachable with the law linear: compressive over tensile strength is at most ([\d.]+), wanted 22.5", done.stdout)
+    assert said and 4.0 < float(said[1]) < 12.0, done.stdout
+    assert "moments" in done.stdout, "the law that can is named"
+
+
+@fact
+def a_budget_ends_the_search_with_the_best_so_far(folder):
+    out, done = calibrated(folder, TARGETS + "budget: 14\n")
+    found = calibration(out)
+    assert found["runs"] <= 14 and "the budget of 14 runs is used up" in done.stdout, done.stdout
+    calibrated(folder, TARGETS + "budget: 1\n", "b", code=2)
+
+
+@plain_fact
+def bad_targets_are_refused_with_line_key_expected_and_found(folder):
+    head = "specimen: {cylinder: {diameter: 20 mm, height: 40 mm}, particles: 250}\ntargets:\n  young_modulus: 20 GPa\n"
+    for text, message in (
+            (head + "  strength: 60 MPa\n", r":4:3: targets\.strength: expected one of young_modulus.*found 'strength'"),
+            (head + "  poisson_ratio: 0.6\n", r":4:18: targets\.poisson_ratio\.value: expected a number in \[0, 0\.5\], found '0\.6'"),
+            (head + "  compressive_strength: -60 MPa\n", r":4:25: .*expected a number in .*found '-60 MPa'"),
+            (head + "  compressive_strength: 60 m\n", r":4:25: .*'m' cannot be converted to Pa"),
+            (head + "  compressive_strength: nan\n", r":4:25: .*expected a number, found 'nan'"),
+            (head + "  compressive_strength: 60 MPa\n  tensile_strength: 70 MPa\n",
+             r":5:21: targets\.tensile_strength: expected a value below compressive_strength"),
+            (head + "  compressive_strength: 30 GPa\n", r":4:25: targets\.compressive_strength: expected a value below young_modulus"),
+            (head + "  poisson_ratio: {tolerance: 0.1}\n", r":4:18: targets\.poisson_ratio\.value: expected a value, found none"),
+            (head + "  poisson_ratio: {value: 0.2, error: 0.1}\n", r":4:31: .*expected value or tolerance, found 'error'"),
+            (head + "  young_modulus: 30 GPa\n", r":4:3: .*found 'young_modulus' again"),
+            (head + "budget: 0\n", r":4:9: budget: expected at least one run, found '0'"),
+            (head + "budget: 0 min\n", r":4:9: budget: expected a time above 0"),
+            (head + "budget: much\n", r":4:9: budget: expected a number of runs"),
+            (head + "seeds: [1, 1]\n", r":4:8: seeds: expected different"),
+            (head + "law: magic\n", r":4:6: law: expected auto.*found 'magic'"),
+            (head + "walls: []\n", r":4:1: walls: expected one of"),
+            (head + "scene: base.yaml\n", r"expected either specimen .* or scene"),
+            (head + "  friction_angle: 40\n", r":4:19: targets\.friction_angle: expected compressive_strength beside it"),
+            (head + "title: &a [*a]\n", r":4:12: YAML aliases are not part of a file of targets"),
+            (head + "title: " + 40 * "[" + "\n", r":4:39: nested too deeply"),
+            (head + "title: [a]\n", r":4:8: title: expected a text, found a list"),
+            (head + "law: {}\n", r":4:6: law\.stiffness: expected the stiffness of contacts, found none"),
+            (head + "budget: --5\n", r":4:9: budget: expected a number of runs"),
+            (head + "seeds: 1.5\n", r":4:8: seeds: expected a whole number, found '1\.5'"),
+            (head.replace("20 mm", "nan"), r":1:33: specimen\.cylinder\.diameter: expected a number, found 'nan'"),
+            (head.replace("height", "high"), r":1:22: specimen\.cylinder\.height: expected a length, found none"),
+            (head.replace("particles: 250", "porosity: 0.4"), r":1:12: specimen\.particles: expected a number of particles or mean_radius"),
+            (head.replace("250", "0"), r":1:67: specimen\.particles: expected a number in"),
+            (head.split("targets")[0], r":1:1: targets: expected a section"),
+            (head.split("  young")[0] + "  {}\n", r"targets: expected at least one of"),
+            ("targets: [1\n", r":2:1: .*expected"),
+            (head.replace("cylinder: {diameter: 20 mm, height: 40 mm}", "disc: {diameter: 20 mm}"), r":1:11: specimen: expected a cylinder")):
+        _, done = calibrated(folder, text, "bad", code=2)
+        assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+    scene = {"specimen": SPECIMEN, "materials": [{"name": "rock", "density": 2600, **KNOWN}], "law": {"stiffness": "harmonic"}, "bonds": {}}
+    for key, value, message in (("materials", [{**scene["materials"][0], "density": "5 m"}], r"base\.yaml:.*materials\.density: 'm' cannot be converted"),
+                                ("materials", [{"name": "rock"}], r"base\.yaml:.*materials\.density: expected a density, found none"),
+                                ("materials", [{}, {}], r"base\.yaml:.*materials: expected a list with one material, found a list"),
+                                ("law", [], r"base\.yaml:.*law: expected a section, found a list"),
+                                ("bonds", None, r"bad\.yaml:1:8: scene: expected a scene with the section bonds")):
+        write_scene(folder, {name: part for name, part in {**scene, key: value}.items() if part is not None}, "base.yaml")
+        _, done = calibrated(folder, "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n", "bad", code=2)
+        assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+    expect(gneiss("calibrate", os.path.join(folder, "none.yaml")), 3, "cannot be read")
+    expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--set", "time.end=1"), 2, "file of targets")
+    expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--seeds", "1,x"), 2)
+
+
+class Means:
+    """Search and evaluation of outputs that are linear in the parameters, as calibrate.uncertainty takes them."""
+
+    def __init__(self, slopes, values):
+        self.names, self.free = ["compressive_strength", "tensile_strength"], ["tension", "chi"]
+        self.parameters = {"tension": 1.0, "chi": 1.0}
+        self.slopes, self.logs = slopes, values
+        self.targets = {name: targets.Target(name, self.mean(name), 0.1) for name in self.names}
+        self.errors = {}
+
+    def column(self, name):
+        return np.exp(self.logs[:, self.names.index(name)])
+
+    def mean(self, name):
+        return float(np.exp(np.mean(np.log(self.column(name)))))
+
+    def weights(self):
+        return np.ones(2)
+
+    def given_up(self, _):
+        return set()
+
+    def ends_at(self, *_):
+        return set()
+
+
+@plain_fact
+def intervals_and_regions_of_normal_scatter_hold_what_they_state(_):
+    generator, count, draws = np.random.default_rng(3), 5, 3000
+    slopes = np.array([[1.0, 0.35], [1.0, -0.02]])
+    scatter = np.linalg.cholesky(np.array([[0.0025, 0.001], [0.001, 0.0009]]))
+    held = {"tension": 0, "chi": 0, "region": 0, "prediction": 0, "mean": 0}
+    for _ in range(draws):
+        logs = generator.normal(size=(count + 1, 2)) @ scatter.T
+        one = Means(slopes, logs[:count])
+        matrix = uncertainty.covariance(one, one, slopes)
+        off = np.linalg.solve(slopes, logs[:count].mean(axis=0))  # parameters that the means give, where all are 0
+        for k, name in enumerate(one.free):
+            low, high = uncertainty.interval_of(name, np.exp(off[k]), uncertainty.variance_of(matrix, np.eye(2)[k]), count)
+            held[name] += low <= 1.0 <= high
+        held["region"] += off @ np.linalg.solve(matrix, off) <= uncertainty.region(2, count)
+        low, high = uncertainty.prediction(logs[:count, 0], logs[:count, 0].mean())
+        held["prediction"] += low <= logs[count, 0] <= high
+        low, high = uncertainty.interval_of_mean(logs[:count, 0], logs[:count, 0].mean())
+        held["mean"] += low <= 0.0 <= high
+    for name, number in held.items():  # 0.4 % is the standard error of the share of 3000 draws
+        assert abs(number / draws - 0.95) < 0.016, (name, number / draws)
+
+
+@plain_fact
+def a_parameter_that_no_reading_determines_has_no_interval(_):
+    logs = 0.02 * np.random.default_rng(4).normal(size=(5, 2))
+    one = Means(np.array([[1.0, 0.0], [1.0, 0.0]]), logs)
+    matrix = uncertainty.covariance(one, one, one.slopes)
+    assert 0.0 < matrix[0, 0] < 0.02**2, matrix
+    assert np.isinf(uncertainty.variance_of(matrix, np.array([1.0, 1.0])))
+    assert uncertainty.interval_of("chi", 1.0, uncertainty.variance_of(matrix, np.array([0.0, 1.0])), 5) == [0.0, np.inf]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
