@@ -21,10 +21,12 @@ LARGEST_STEP = 1.2        # of a logarithm, or of bond_friction
 PRIORITY = 10.0           # of elastic constants and strengths in compression over all others
 NOISE, SMOOTH_NOISE = 0.03, 0.003  # of the logarithm of a strength, because of single breaks; of elastic constants
 REACH = 0.7               # distance in scaled coordinates over which an evaluation loses weight
+MOVE = 0.5                # in scaled coordinates
 LEAST_DOUBT = 0.1         # standard deviation of prior slopes: half of them, at least this
 CONFINED_SLOPE = 0.15     # of ln strength under pressure over ln chi, more than without
 LEAST_SLOPE = 0.02        # keeps the sign of a slope that breaks of single bonds hide
 STRENGTHS = ("compressive_strength", "tensile_strength", "brazilian_strength", "crack_initiation_stress")
+ELASTIC = ("young_modulus", "poisson_ratio")
 FRICTIONAL = ("friction_angle", "m_i")
 LINE = 3                  # strengths over pressure that determine chi and bond_friction without a tensile strength
 
@@ -48,7 +50,7 @@ def limits_of(material):
 
 
 def priority(name):
-    return PRIORITY if name in ("young_modulus", "poisson_ratio", "compressive_strength") or name.startswith("triaxial") else 1.0
+    return PRIORITY if name in (*ELASTIC, "compressive_strength") or name.startswith("triaxial") else 1.0
 
 
 
@@ -121,7 +123,7 @@ class Search:
             known = np.isfinite(found[:, k])
             if not known.any():
                 continue
-            noise = SMOOTH_NOISE if name in ("young_modulus", "poisson_ratio") else NOISE
+            noise = SMOOTH_NOISE if name in ELASTIC else NOISE
             table = np.column_stack([np.ones(known.sum()), moved[known]]) * (np.sqrt(weight[known]) / noise)[:, None]
             values = found[known, k] * np.sqrt(weight[known]) / noise
             doubt = np.maximum(0.5 * np.abs(self.prior[k]), LEAST_DOUBT)
@@ -145,8 +147,10 @@ class Search:
         low, high = np.maximum(low, position - LARGEST_STEP), np.minimum(high, position + LARGEST_STEP)
         matrix = (self.slopes * weight[:, None])[known]
         aim = -(residual * weight)[known]
-        steady = 1e-3 * np.eye(len(self.free))  # among equal solutions the shortest step
-        solution = lsq_linear(np.vstack([matrix, steady]), np.concatenate([aim, np.zeros(len(self.free))]),
+        steady = 1e-3  # among equal solutions the shortest step
+        if len(self.names) > len(self.free):  # what noise asks for moves parameters by less than MOVE
+            steady = NOISE / MOVE * float(np.median(weight))
+        solution = lsq_linear(np.vstack([matrix, steady * np.eye(len(self.free))]), np.concatenate([aim, np.zeros(len(self.free))]),
                               bounds=(low - position - 1e-12, high - position + 1e-12))
         return self.at(np.clip(position + solution.x, low, high))
 
@@ -205,9 +209,9 @@ class Search:
         return all(off < max(NEAR, 0.5 * allowed) for name, off, allowed in zip(self.names, offs, self.allowed) if name not in given_up)
 
     def met(self, evaluation):
-        """True if every target is as near as a few packings can tell."""
+        """True if every strength is as near as a few packings can tell. Laws hardly differ in the elastic constants that they reach."""
         offs = np.abs(self.outputs(evaluation) - self.aims)
-        return bool(np.all(offs <= np.maximum(NEAR, self.allowed)))
+        return all(off <= max(NEAR, allowed) for name, off, allowed in zip(self.names, offs, self.allowed) if name not in ELASTIC)
 
     def misfit(self, evaluation):
         """Root of the mean square of the residuals in tolerances; infinite if a reading is absent."""
@@ -221,7 +225,8 @@ class Search:
     def idle(self):
         """True if the last steps on as many packings have not come nearer: targets contradict each other with this law."""
         count = len(self.steps[-1].values)
-        costs = [self.cost(one, set()) for one in self.steps if len(one.values) == count]
+        away = self.given_up(self.steps[-1])
+        costs = [self.cost(one, away) for one in self.steps if len(one.values) == count]
         return len(costs) > PATIENCE and min(costs[-PATIENCE:]) > GAIN * min(costs[:-PATIENCE])
 
     def approach(self, seeds):

@@ -136,6 +136,21 @@ def a_ratio_of_strengths_that_the_law_does_not_reach_is_said_and_compression_is_
 
 
 @fact
+def strengths_under_pressure_are_met_without_a_tensile_one_by_friction_below_the_usual(folder):
+    head = TARGETS.split("  compressive")[0].replace("law: linear", "law: auto").replace("seeds: 3", "seeds: 2")
+    line = "  compressive_strength: {value: 60 MPa, tolerance: 5 %}\n  triaxial:\n" + "".join(
+        f"  - {{confinement: {pressure} MPa, value: {value} MPa, tolerance: 5 %}}\n" for pressure, value in ((6, 76), (12, 90), (24, 115)))
+    out, done = calibrated(folder, head + line)
+    found = calibration(out)
+    assert found["reached"] and found["law"] == "linear", (done.stdout, found["path"])
+    value = {key: one["value"] for key, one in found["parameters"].items()}
+    assert 0.0 < value["friction"] < 0.45 and "bond_friction" not in value, value
+    assert value["shear_strength"] < 1.8 * value["tensile_strength"], value
+    out, _ = calibrated(folder, "friction: 0.5\nbudget: 16\n" + head + line, "given")
+    assert "friction" not in calibration(out)["parameters"], "a friction that is given is kept"
+
+
+@fact
 def a_budget_ends_the_search_with_the_best_so_far(folder):
     out, done = calibrated(folder, TARGETS + "budget: 14\n")
     found = calibration(out)
