@@ -151,8 +151,8 @@ class Maps:
         return float(np.interp(np.log(chi), np.log(chis), found))
 
     def measure(self, column, law, dimension, rho_k, chi, mu=0.5, **keys):
-        """Measure interpolated at any rho_k in [0, 1], chi (held at the ends of the maps), mu >= 0. Effects of friction and of other laws than the linear
-        one are factors that were measured at one rho_k."""
+        """Measure interpolated at any rho_k in [0, 1], chi (held at the ends of the maps), mu >= 0. Effects of friction (at rho_k 0.35) and of other laws
+        (at 0.2) are factors: at rho_k 0.6 compression is off by a tenth, with moments_only_stiff by two thirds (docs/evidence/strength-maps.md)."""
         if dimension not in (2, 3) or not 0 <= rho_k <= 1 or not chi > 0 or not mu >= 0 or set(keys) - set(PLAIN):
             raise ValueError(f"expected dimension 2 or 3, rho_k in [0, 1], chi > 0, mu >= 0 and keys of {', '.join(PLAIN)}, "
                              f"found {dimension}, {rho_k}, {chi}, {mu}, {', '.join(keys)}")

@@ -3,7 +3,7 @@ tension and the Brazilian test, and kinds of breaks, over k_t/k_n, R_t/R_n and f
 
     /usr/bin/python3 validate/maps_study.py [--jobs N] [--kept] [--quick]
 
-Writes data/maps.csv, the tables of docs/evidence/strength-maps.md and its pictures. About 1400 runs of a second, made by `gneiss sweep` in
+Writes data/maps.csv, the tables of docs/evidence/strength-maps.md and its pictures. About 1600 runs of a second, made by `gneiss sweep` in
 runs/studies/maps; a repeated call makes the runs that are missing. --kept: from the runs that are there; --quick: one seed, few points, no page.
 """
 import csv
