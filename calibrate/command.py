@@ -160,6 +160,10 @@ def solve(request, search):
     return result
 
 
+def shown(value, target):
+    return output.with_unit(value, "" if target.unit == "1" else target.unit)
+
+
 def reasons(search, result, name):
     """Sentences on a target that is not reached."""
     mean, target = result.evaluation.mean(name), search.targets[name]
@@ -178,7 +182,7 @@ def reasons(search, result, name):
     why = f"not reachable with the law {law}: {' and '.join(ends)}" if ends else "not reached"
     if not ends and len(search.free) < len(search.targets):
         why = f"not reached: {len(search.free)} parameters ({', '.join(search.free)}) for {len(search.targets)} targets"
-    return [f"{name}: {why}: found {mean:.4g}, wanted {target.value:.4g}{'' if target.unit == '1' else ' ' + target.unit}"]
+    return [f"{name}: {why}: found {shown(mean, target)}, wanted {shown(target.value, target)}"]
 
 
 def alternatives(request, result, progress):
