@@ -2,7 +2,6 @@
 import argparse
 import fcntl
 import os
-import signal
 import sys
 import time
 from dataclasses import dataclass, field
@@ -249,10 +248,6 @@ def folder_of(options):
     return folder, lock
 
 
-def interrupt(*_):
-    raise KeyboardInterrupt
-
-
 def work(options):
     request = targets.read(options.target)
     if options.seeds:
@@ -269,7 +264,6 @@ def work(options):
 
 def main(arguments):
     options = options_of(arguments)
-    signal.signal(signal.SIGTERM, interrupt)
     try:
         work(options)
     except Problem as problem:

@@ -5,7 +5,7 @@ import numpy as np
 
 from calibrate import laws
 from calibrate.problem import Problem
-from calibrate.readings import COMPRESSION
+from calibrate.readings import COMPRESSION, MODULUS
 
 ELASTIC = 0.4         # strain of the constants over compressive strength over modulus: within the elastic rows of a test
 UNBREAKABLE = 1e30
@@ -22,7 +22,7 @@ def constants(material, parameters, seeds):
     strain = float(f"{ELASTIC * strength.value / material.modulus:.3g}") if strength else STRAIN
     found = []
     for outcome in material.laboratory.constants(scenes, strain):
-        pair = (outcome.reading("young_modulus"), outcome.reading("poisson_ratio"))
+        pair = (outcome.reading(MODULUS[material.flat]), outcome.reading("poisson_ratio"))
         if None in pair:
             raise Problem(f"no elastic constants of this specimen: {outcome.message or outcome.absent.get('young_modulus', '')}", 5)
         found.append(pair)
@@ -81,8 +81,9 @@ def given_stiffness(material):
     if "young_modulus" not in material.targets and key in values:
         found["modulus"] = laws.units.number(values[key], "N/m" if key == "normal_stiffness" else "Pa")
     if "poisson_ratio" not in material.targets:
-        if "kratio" in values:
-            found["ratio"] = 1.0 / float(values["kratio"])
-        elif key == "young":
-            found["ratio"] = float(values.get("beta", 1.0)) / float(values.get("alpha", 1.0)) / (2.0 * (1.0 + float(values["poisson"])))
+        of = {name: laws.units.number(values[name], "1") for name in ("kratio", "alpha", "beta", "poisson") if name in values}
+        if key == "young":
+            found["ratio"] = of.get("beta", 1.0) / of.get("alpha", 1.0) / (2.0 * (1.0 + of.get("poisson", 0.2)))
+        elif of.get("kratio"):
+            found["ratio"] = 1.0 / of["kratio"]
     return found

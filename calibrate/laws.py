@@ -76,7 +76,7 @@ def material_values(scene, parameters):
                 "bond_tension_limit": parameters["tension"], "bond_shear_limit": shear, **values}
     strengths = {"tensile_strength": parameters["tension"], "shear_strength": shear, **values}
     if kind in BY_AREA:  # k_t/k_n = beta/(2 (1 + nu)) with alpha = 1
-        poisson = float(scene["materials"][0].get("poisson", 0.2))
+        poisson = units.number(scene["materials"][0].get("poisson", 0.2), "1")
         return {"young": parameters["modulus"], "poisson": poisson, "alpha": 1.0, "beta": 2.0 * (1.0 + poisson) * parameters["ratio"], **strengths}
     return {"contact_modulus": parameters["modulus"], "kratio": 1.0 / parameters["ratio"], **strengths}
 

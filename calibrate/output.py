@@ -39,7 +39,7 @@ def parameters_of(result):
         interval = None
         if is_free and result.covariance is not None:
             name = "bond_friction" if "bond_friction" in origin else "tension"
-            variance = float(gradient @ result.covariance @ gradient)
+            variance = uncertainty.variance_of(result.covariance, gradient)
             interval = None if variance == 0.0 else uncertainty.interval_of(name, value, variance, count)  # 0: at a bound
         found[key] = {"value": value, "unit": UNITS.get(key, ""), "interval": finite(interval) if interval else None, "free": is_free}
     return found
@@ -76,7 +76,8 @@ def document(request, laboratory, result, tried):
     return {"version": laboratory.version, "title": request.title, "law": laws.label(law), "law_text": law.text if law else "", "tried": tried,
             "reached": result.reached, "notes": result.notes, "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
             "seeds": request.seeds, "parameters": parameters_of(result), "found": found_of(result), "other_test": other,
-            "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself",
+            "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself", "degrees_of_freedom": len(request.seeds) - 1,
+                           "region": finite(uncertainty.region(len(free), len(request.seeds))),
                            "matrix": None if result.covariance is None else finite(result.covariance.tolist())},
             "slopes": {"of": result.search.names, "over": free, "matrix": finite(result.slopes.tolist())}, "path": path}
 

@@ -11,6 +11,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402 (after the choice of its backend)
 
+from calibrate import uncertainty  # noqa: E402
 from report_page import STYLE, escape, table  # noqa: E402 (of the pages of runs)
 
 ACCENT, INK, SOFT = "#c8402f", "#22303c", "#9aa7b0"
@@ -61,12 +62,12 @@ def path_picture(whole):
     return embedded(figure, "Readings at every evaluation: " + ", ".join(f"{step['packings']} packings" for step in whole["path"]) + ".")
 
 
-def ellipse(covariance, pair):
-    """Points of the 95 % ellipse of two parameters of a normal distribution with this covariance."""
+def ellipse(covariance, pair, quantile):
+    """Points of the ellipse of two parameters where d' Cov^-1 d is the quantile."""
     part = np.array(covariance)[np.ix_(pair, pair)]
     values, vectors = np.linalg.eigh(part)
     angle = np.linspace(0.0, 2.0 * math.pi, 100)
-    return vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * math.sqrt(-2.0 * math.log(0.05)) * np.array([np.cos(angle), np.sin(angle)]))
+    return vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * math.sqrt(quantile) * np.array([np.cos(angle), np.sin(angle)]))
 
 
 def pairs_picture(whole):
@@ -74,14 +75,16 @@ def pairs_picture(whole):
     names, matrix = whole["covariance"]["of"], whole["covariance"]["matrix"]
     if matrix is None or len(names) < 2 or any(None in row for row in matrix):
         return ""
-    size = len(names) - 1
+    size, quantile = len(names) - 1, uncertainty.region(2, len(whole["seeds"]))
+    if math.isinf(quantile):
+        return ""
     figure, axes = plt.subplots(size, size, figsize=(2.0 * size + 1.0, 2.0 * size + 0.6), squeeze=False)
     for row in range(size):
         for column in range(size):
             if column > row:
                 axes[row, column].axis("off")
                 continue
-            x, y = 100.0 * ellipse(matrix, [column, row + 1])
+            x, y = 100.0 * ellipse(matrix, [column, row + 1], quantile)
             axes[row, column].plot(x, y, color=INK)
             axes[row, column].plot(0, 0, "+", color=ACCENT)
             axes[row, column].tick_params(labelsize=7)

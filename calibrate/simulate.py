@@ -10,6 +10,7 @@ import tempfile
 import time
 from dataclasses import dataclass, field
 
+from calibrate import interrupt
 from calibrate.problem import OutOfBudget, Problem
 
 TRIES = 3             # starts of a run that is killed or finds no memory
@@ -20,6 +21,13 @@ _PARENT_DIES = 1      # PR_SET_PDEATHSIG
 
 def write_whole(path, text):
     """Writes a file under another name first: it is there in full or not at all."""
+    try:
+        _write_whole(path, text)
+    except OSError as error:
+        raise Problem(f"{path}: cannot be written: {error.strerror}", 3) from error
+
+
+def _write_whole(path, text):
     folder = os.path.dirname(os.path.abspath(path))
     handle, name = tempfile.mkstemp(dir=folder, prefix=".part-")
     try:
@@ -159,6 +167,7 @@ class Laboratory:
         return self._outcomes([_Job(scene, os.path.join(self.folder, self.key(scene, strain)), strain) for scene in scenes])
 
     def _outcomes(self, jobs):
+        interrupt.check()
         if time.monotonic() - self.begun > self.most_seconds:
             raise OutOfBudget(f"{self.most_seconds:g} s")
         self._run_all(list({job.folder: job for job in jobs if self._kept(job.folder) is None}.values()))
@@ -171,6 +180,7 @@ class Laboratory:
         running, packed = {}, set()
         try:
             while waiting or running:
+                interrupt.check()
                 packing = {job.packing for job in running.values()} - packed
                 free = [job for job in waiting if job.packing not in packing]
                 if free and len(running) < self.workers:
@@ -202,18 +212,25 @@ def _number(value):
 
 
 def _constants_of(printed):
-    """Outcome with the constants of the test that `gneiss stiffness` printed; where its ends find no equilibrium, with those of the packing."""
-    found = printed["test"] or printed["network"]
-    readings = {name: _number(found.get(name)) for name in ("young_modulus", "poisson_ratio")}
-    return Outcome(readings, found.get("absent") or {}, printed.get("test_absent", ""), float(printed["seconds"]))
+    """Outcome with the constants of the test that `gneiss stiffness` printed; with those of the packing where the test gives none."""
+    readings = {}
+    for found in (printed["network"], printed["test"] or {}):
+        given = {name: _number(found.get(name)) for name in ("young_modulus", "young_modulus_average", "poisson_ratio")}
+        readings.update({name: value for name, value in given.items() if value is not None})
+        readings.setdefault("young_modulus_average", given["young_modulus"])
+    return Outcome(readings, {}, printed.get("test_absent", ""), float(printed["seconds"]))
+
+
+# Causes that differ between packings and so are in their scatter; nonlinearity is a property of the curve, not an error of its reading.
+OF_PACKINGS = ("packing", "round-off", "rows", "nonlinearity")
 
 
 def _outcome_of(summary):
-    """Outcome of a run's summary.json; errors are those causes of its budget that packings do not measure."""
+    """Outcome of a run's summary.json; errors are those causes of its budget that all packings share."""
     errors, budget = {}, summary.get("error_budget") or {}
     for name, entry in (budget.get("readings") or budget).items():
         if isinstance(entry, dict) and "causes" in entry:
-            errors[name] = sum(cause["error"]**2 for cause in entry["causes"] if cause["name"] != "packing")**0.5
+            errors[name] = sum(cause["error"]**2 for cause in entry["causes"] if cause["name"] not in OF_PACKINGS)**0.5
     readings = {name: _number(value) for name, value in summary["readings"].items()}
     if (readings.get("peak_stress") or 0.0) <= 0.0:  # no peak: what the test has shown so far is no strength
         readings["peak_stress"] = None

@@ -137,12 +137,16 @@ class Search:
             centre = centre + np.mean([self.outputs(step) - self.outputs(step, seeds) for step in whole], axis=0)
         return centre, slopes
 
+    def weights(self):
+        """Weights of the outputs in the least squares."""
+        return np.array([priority(name) for name in self.names]) / self.allowed
+
     def step(self, evaluation):
         """The next position: least squares of the residuals in tolerances, those of high priority first, within bounds."""
         centre, self.slopes = self.model()
         residual = centre - self.aims
         known = np.isfinite(residual)
-        weight = np.array([priority(name) for name in self.names]) / self.allowed
+        weight = self.weights()
         position, (low, high) = self.position(evaluation.parameters), self.bounds()
         low, high = np.maximum(low, position - LARGEST_STEP), np.minimum(high, position + LARGEST_STEP)
         matrix = (self.slopes * weight[:, None])[known]
@@ -193,9 +197,10 @@ class Search:
         return True
 
     def cost(self, evaluation, away):
-        """Sum of squares that steps reduce, without the targets in `away`; infinite if a reading is absent."""
+        """(number of absent readings, sum of squares that steps reduce) without the targets in `away`."""
         residuals = self.residuals(evaluation, [name for name in self.names if name not in away])
-        return sum(math.inf if one is None else (priority(name) * one)**2 for name, one in residuals.items())
+        present = {name: one for name, one in residuals.items() if one is not None}
+        return len(residuals) - len(present), sum((priority(name) * one)**2 for name, one in present.items())
 
     def best(self):
         """The evaluation on the most packings that is nearest to the targets, but for those given up at the end."""
@@ -227,7 +232,10 @@ class Search:
         count = len(self.steps[-1].values)
         away = self.given_up(self.steps[-1])
         costs = [self.cost(one, away) for one in self.steps if len(one.values) == count]
-        return len(costs) > PATIENCE and min(costs[-PATIENCE:]) > GAIN * min(costs[:-PATIENCE])
+        if len(costs) <= PATIENCE:
+            return False
+        absent, least = min(costs[:-PATIENCE])
+        return min(costs[-PATIENCE:]) > (absent, GAIN * least)
 
     def approach(self, seeds):
         """Brings a few packings near the targets, once; first near those without pressure, whose tests are shorter."""
@@ -290,7 +298,7 @@ def start(material, parameters):
     tension = values.get("tensile_strength", values.get("brazilian_strength", values.get("compressive_strength", 0.003 * material.modulus) / 6.0))
     if laws.stiffness_of(material.scene) == "uniform":
         tension *= 2.0 * material.size.radius if laws.dimension_of(material.scene) == 2 else 4.0 * material.size.radius**2
-    friction = material.law.bond_friction if material.law else float(material.scene["materials"][0].get("bond_friction", 0.0))
+    friction = material.law.bond_friction if material.law else laws.units.number(material.scene["materials"][0].get("bond_friction", 0.0), "1")
     if "bond_friction" in free_parameters(material.targets):
         friction = min(START_FRICTION, limits_of(material)["bond_friction"][1])
     return {**parameters, "tension": tension, "chi": START_CHI, "bond_friction": friction}

@@ -1,6 +1,7 @@
 """The file of targets: which readings a material is to have, with which specimen and law. Problems are reported with line and column."""
 import math
 import os
+import re
 from dataclasses import dataclass, field
 
 import yaml
@@ -23,6 +24,10 @@ READINGS = {
 ABSOLUTE = {"poisson_ratio", "friction_angle"}  # their tolerances are differences in the unit of the reading
 KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "targets", "seeds", "budget")
 SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
+LENGTHS = {"cylinder": ("diameter", "height"), "box": ("size",), "rectangle": ("width", "height")}
+MATERIAL = {"density": ("kg/m3", 1.0, 1e5), "contact_modulus": ("Pa", 1.0, 1e15), "young": ("Pa", 1.0, 1e15), "normal_stiffness": ("N/m", 1e-3, 1e15),
+            "kratio": ("1", 0.0, 1e6), "alpha": ("1", 1e-6, 1e6), "beta": ("1", 0.0, 1e6), "poisson": ("1", -0.99, 0.5), "bond_friction": ("1", 0.0, 100.0)}
+DEEPEST = 32  # of sections within sections, as in a scene
 
 
 @dataclass(frozen=True)
@@ -64,7 +69,9 @@ class File:
         self.path = path
         try:
             with open(path, encoding="utf-8") as file:
-                self.root = yaml.compose(file, Loader=yaml.SafeLoader)
+                text = file.read()
+            self._refuse_loops(text)
+            self.root = yaml.compose(text, Loader=yaml.SafeLoader)
         except OSError as error:
             raise Problem(f"{path}: cannot be read: {error.strerror}", 3) from error
         except UnicodeDecodeError as error:
@@ -73,9 +80,19 @@ class File:
             place = error.problem_mark or error.context_mark
             raise Problem(f"{path}:{place.line + 1}:{place.column + 1}: {error.problem}") from error
         except yaml.YAMLError as error:
-            raise Problem(f"{path}: expected YAML: {error}") from error
+            raise Problem(f"{path}: expected YAML: {str(error).splitlines()[0]}") from error
         if not isinstance(self.root, yaml.MappingNode):
             raise Problem(f"{path}:1:1: expected keys and values such as 'targets:'")
+
+    def _refuse_loops(self, text):
+        """Refuses aliases, with which a section can contain itself, and sections that are nested deeply."""
+        depth = 0
+        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if isinstance(event, yaml.AliasEvent):
+                self.fail(event, "YAML aliases are not part of a file of targets; repeat the value")
+            if depth > DEEPEST:
+                self.fail(event, "nested too deeply")
 
     def fail(self, node, message):
         raise Problem(f"{self.path}:{node.start_mark.line + 1}:{node.start_mark.column + 1}: {message}")
@@ -103,6 +120,22 @@ class File:
             shown = "" if unit == "1" else " " + unit
             self.fail(node, f"{name}: expected a number in [{low:g}, {high:g}]{shown}, found '{node.value}'")
         return value
+
+    def whole(self, node, name, low, high):
+        """Whole number of a scalar within [low, high]."""
+        value = self.number(node, name, "1", low, high)
+        if value != int(value):
+            self.fail(node, f"{name}: expected a whole number, found '{node.value}'")
+        return int(value)
+
+    def text(self, node, name):
+        if not isinstance(node, yaml.ScalarNode):
+            self.fail(node, f"{name}: expected a text, found {describe(node)}")
+        return node.value
+
+    def section(self, node, name):
+        """{key: node} of a section."""
+        return {key: value for key, _, value in self.entries(node, name)}
 
     def data(self, node):
         """Plain dicts, lists and texts of a node, as a scene takes them."""
@@ -153,7 +186,7 @@ def _triaxial(file, node):
         file.fail(node, f"targets.triaxial: expected a list of {{confinement, value}}, found {describe(node)}")
     found = []
     for one in node.value:
-        pressure = {key: value for key, _, value in file.entries(one, "targets.triaxial")}.get("confinement")
+        pressure = file.section(one, "targets.triaxial").get("confinement")
         if pressure is None:
             file.fail(one, "targets.triaxial.confinement: expected a pressure, found none")
         confinement = file.number(pressure, "targets.triaxial.confinement", "Pa", 1.0, 1e12)
@@ -171,8 +204,10 @@ def _contradictions(file, places, targets):
     for low in ("tensile_strength", "brazilian_strength", "crack_initiation_stress"):
         above("compressive_strength", low)
     above("young_modulus", "compressive_strength")
-    if "crack_initiation_stress" in targets and "compressive_strength" not in targets:
-        file.fail(places["crack_initiation_stress"], "targets.crack_initiation_stress: expected compressive_strength beside it, found none")
+    confined = sum(1 for target in targets.values() if target.confinement)
+    for name in ("crack_initiation_stress", "friction_angle", "m_i"):
+        if name in targets and "compressive_strength" not in targets and (name == "crack_initiation_stress" or confined < 3):
+            file.fail(places[name], f"targets.{name}: expected compressive_strength beside it, found none")
 
 
 def read_targets(file, node):
@@ -197,7 +232,7 @@ def _budget(file, node, request):
     """`60` or `60 runs`, or a time such as `10 min`."""
     text = node.value.strip() if isinstance(node, yaml.ScalarNode) else ""
     count = text.removesuffix("runs").strip()
-    if count.lstrip("+-").isdigit():
+    if re.fullmatch(r"[-+]?[0-9]+", count):
         if int(count) < 1:
             file.fail(node, f"budget: expected at least one run, found '{text}'")
         request.most_runs = int(count)
@@ -213,11 +248,11 @@ def _budget(file, node, request):
 def _seeds(file, node):
     """`seeds: 5` means 1 to 5."""
     if isinstance(node, yaml.SequenceNode):
-        seeds = [int(file.number(one, "seeds", "1", 0, 2**53)) for one in node.value]
+        seeds = [file.whole(one, "seeds", 0, 2**53) for one in node.value]
         if not seeds or len(set(seeds)) < len(seeds):
             file.fail(node, "seeds: expected different whole numbers")
         return seeds
-    return list(range(1, 1 + int(file.number(node, "seeds", "1", 1, 1000))))
+    return list(range(1, 1 + file.whole(node, "seeds", 1, 1000)))
 
 
 def seeds_of(text):
@@ -234,25 +269,31 @@ def seeds_of(text):
 
 
 def _base_scene(file, node):
-    """The sections of another scene that do not belong to its own test; paths become absolute."""
+    """The sections of another scene that do not belong to its own test, as nodes and as data; paths become absolute."""
     folder = os.path.dirname(os.path.abspath(file.path))
-    base = File(os.path.join(folder, node.value))
-    scene = base.data(base.root)
-    kept = {key: scene[key] for key in ("dimension", "specimen", "materials", "contacts", "law", "bonds", "damping", "neighbours") if key in scene}
+    base = File(os.path.join(folder, file.text(node, "scene")))
+    nodes = base.section(base.root, "scene")
     for key in ("specimen", "materials", "law"):
-        if key not in kept:
+        if key not in nodes:
             file.fail(node, f"scene: expected a scene with the section {key}, found none in {node.value}")
-    if len(kept["materials"]) != 1:
-        file.fail(node, f"scene: expected a scene with one material, found {len(kept['materials'])}")
+    materials = nodes["materials"]
+    if not isinstance(materials, yaml.SequenceNode) or len(materials.value) != 1:
+        base.fail(materials, f"materials: expected a list with one material, found {describe(materials)}")
+    material = base.section(materials.value[0], "materials")
+    if "density" not in material:
+        base.fail(materials.value[0], "materials.density: expected a density, found none")
+    for key in MATERIAL.keys() & material.keys():
+        base.number(material[key], f"materials.{key}", *MATERIAL[key])
+    scene = {key: base.data(nodes[key]) for key in ("dimension", "specimen", "materials", "contacts", "law", "bonds", "damping", "neighbours") if key in nodes}
     for key in ("file", "from", "surface", "mesh"):
-        if key in kept["specimen"]:
-            kept["specimen"][key] = os.path.join(os.path.dirname(os.path.abspath(base.path)), kept["specimen"][key])
-    return kept
+        if key in base.section(nodes["specimen"], "specimen"):
+            scene["specimen"][key] = os.path.join(os.path.dirname(os.path.abspath(base.path)), scene["specimen"][key])
+    return base, nodes, scene
 
 
 def _new_scene(file, found):
-    scene = {"dimension": int(file.number(found["dimension"], "dimension", "1", 2, 3)) if "dimension" in found else 3,
-             "specimen": file.data(found["specimen"]), "materials": [{"name": "rock"}]}
+    scene = {"dimension": file.whole(found["dimension"], "dimension", 2, 3) if "dimension" in found else 3,
+             "specimen": dict(file.data(found["specimen"])), "materials": [{"name": "rock"}]}
     scene["specimen"].setdefault("density_basis", "bulk")
     scene["specimen"].setdefault("packing", {"size_ratio": 3, **({"overlap": "passive"} if scene["dimension"] == 3 else {})})
     scene["materials"][0]["density"] = file.number(found["density"], "density", "kg/m3", 1.0, 1e5) if "density" in found else 2600.0
@@ -260,26 +301,57 @@ def _new_scene(file, found):
 
 
 def _scene(file, found):
+    """(scene, its shape)"""
     if ("scene" in found) == ("specimen" in found):
         file.fail(file.root, "expected either specimen (a shape and its number of particles) or scene (a file)")
     if "scene" in found:
         for key in ("dimension", "density"):
             if key in found:
                 file.fail(found[key], f"{key}: expected it in the scene itself, found it beside scene")
-        scene = _base_scene(file, found["scene"])
+        base, nodes, scene = _base_scene(file, found["scene"])
+        _law(base, nodes["law"])
+        scene["dimension"] = base.whole(nodes["dimension"], "dimension", 2, 3) if "dimension" in nodes else 3
+        shape = _shape(base, nodes["specimen"], scene["dimension"])
     else:
+        shape = _shape(file, found["specimen"], file.whole(found["dimension"], "dimension", 2, 3) if "dimension" in found else 3)
         scene = _new_scene(file, found)
     if "bonds" in found:
+        file.section(found["bonds"], "bonds")
         scene["bonds"] = file.data(found["bonds"])
     if "friction" in found:
         scene["materials"][0]["friction"] = file.number(found["friction"], "friction", "1", 0.0, 10.0)
-    return scene
+    return scene, shape
 
 
-def _shape(file, scene, where):
-    shapes = [shape for shape in SHAPES if shape in scene["specimen"]]
-    if len(shapes) != 1 or SHAPES[shapes[0]] != int(scene.get("dimension", 3)):
-        file.fail(where, "specimen: expected a cylinder or a box (dimension 3) or a rectangle (dimension 2), which is tested along its height")
+def _law(file, node):
+    """A section `law`, as a scene has it."""
+    if "stiffness" not in file.section(node, "law"):
+        file.fail(node, "law.stiffness: expected the stiffness of contacts, found none")
+    file.text(file.section(node, "law")["stiffness"], "law.stiffness")
+    return file.data(node)
+
+
+def _shape(file, node, dimension):
+    """Name of the shape of a section `specimen`; its lengths and the size of its particles are numbers."""
+    keys = file.section(node, "specimen")
+    shapes = [shape for shape in SHAPES if shape in keys]
+    if len(shapes) != 1 or SHAPES[shapes[0]] != dimension:
+        file.fail(node, "specimen: expected a cylinder or a box (dimension 3) or a rectangle (dimension 2), which is tested along its height")
+    shape = file.section(keys[shapes[0]], f"specimen.{shapes[0]}")
+    for key in LENGTHS[shapes[0]]:
+        name = f"specimen.{shapes[0]}.{key}"
+        if key not in shape:
+            file.fail(keys[shapes[0]], f"{name}: expected a length, found none")
+        if shapes[0] == "box" and (not isinstance(shape[key], yaml.SequenceNode) or len(shape[key].value) != 3):
+            file.fail(shape[key], f"{name}: expected three lengths, found {describe(shape[key])}")
+        for one in shape[key].value if shapes[0] == "box" else [shape[key]]:
+            file.number(one, name, "m", 1e-9, 1e9)
+    if "mean_radius" in keys:
+        file.number(keys["mean_radius"], "specimen.mean_radius", "m", 1e-9, 1e9)
+    elif "particles" in keys:
+        file.whole(keys["particles"], "specimen.particles", 1, 1e9)
+    else:
+        file.fail(node, "specimen.particles: expected a number of particles or mean_radius, found neither")
     return shapes[0]
 
 
@@ -294,16 +366,19 @@ def read(path):
     if "targets" not in found:
         file.fail(file.root, "targets: expected a section of wanted readings, found none")
     targets = read_targets(file, found["targets"])
-    scene = _scene(file, found)
-    law = found["law"].value if "law" in found else "scene" if "scene" in found else "auto"
-    if isinstance(law, list):
-        scene["law"], law = file.data(found["law"]), "scene"
+    scene, shape = _scene(file, found)
+    law = "scene" if "scene" in found else "auto"
+    if "law" in found and not isinstance(found["law"], yaml.ScalarNode):
+        scene["law"], law = _law(file, found["law"]), "scene"
         scene.setdefault("bonds", {"interaction_range": 0.05})
-    elif law not in ("auto", "scene", *LAWS) or (law == "scene" and "scene" not in found):
-        file.fail(found["law"], f"law: expected auto, {', '.join(LAWS)} or a section as in a scene, found '{law}'")
-    request = Request(path, found["title"].value if "title" in found else "", scene, law, targets,
-                      _seeds(file, found["seeds"]) if "seeds" in found else [1, 2, 3, 4, 5],
-                      shape=_shape(file, scene, found.get("specimen", found.get("scene"))))
+    elif "law" in found:
+        law = found["law"].value
+        if law not in ("auto", "scene", *LAWS) or (law == "scene" and "scene" not in found):
+            file.fail(found["law"], f"law: expected auto, {', '.join(LAWS)} or a section as in a scene, found '{law}'")
+    if law == "scene" and "bonds" not in scene:
+        file.fail(found["scene"], "scene: expected a scene with the section bonds, or a law beside it, found neither")
+    request = Request(path, file.text(found["title"], "title") if "title" in found else "", scene, law, targets,
+                      _seeds(file, found["seeds"]) if "seeds" in found else [1, 2, 3, 4, 5], shape=shape)
     if "budget" in found:
         _budget(file, found["budget"], request)
     return request

@@ -10,7 +10,7 @@ from calibrate.material import scaled, unscaled
 LEVEL = 0.95
 NORMAL = stats.norm.ppf(0.5 + 0.5 * LEVEL)  # error budgets of runs are errors in 95 of 100
 DIFFERENCE = {"chi": 0.25, "bond_friction": 0.3, "ratio": 0.1}  # steps of finite differences, in scaled coordinates
-SMALLEST_SLOPE = 1e-3
+SMALLEST_SLOPE = 1e-4  # over the largest: what moves readings less than this is not determined
 
 
 def student(count):
@@ -67,23 +67,47 @@ def _elastic_slopes(search, evaluation, seeds, slopes, column):
 
 
 def covariance(search, evaluation, slopes):
-    """Covariance of the parameters in scaled coordinates, J^-1 (S/P + E) J^-T: S that of the outputs over P packings, E the squares of the
-    errors of single runs. Parameters at a bound count as given, and outputs that they keep from their targets are left out."""
+    """Covariance of the parameters in scaled coordinates, J^-1 (S/P + E) J^-T: S that of the outputs over P packings, E the squares of what
+    all packings share: errors of the test, and the distance that is left to the targets. With more outputs than parameters J^-1 is that of the
+    weighted least squares of the search. Parameters at a bound count as given, and outputs that they keep from their targets are left out. A
+    parameter that no output determines has an infinite variance. None if nothing is left."""
     away = search.given_up(evaluation)
     present = [k for k, name in enumerate(search.names) if evaluation.mean(name) is not None and name not in away]
     moving = [k for k, name in enumerate(search.free) if not search.ends_at(evaluation.parameters[name], name)]
     names = [search.names[k] for k in present]
+    if not names or not moving:
+        return None
     table = np.array([[scaled(name, value) for value in evaluation.column(name)] for name in names])
     count = table.shape[1]
     scatter = np.atleast_2d(np.cov(table)) / count if count > 1 else np.full((len(names),) * 2, np.nan)
     for k, name in enumerate(names):
         value = evaluation.mean(name)
         error = evaluation.errors.get(name, 0.0) / NORMAL
-        scatter[k, k] += (error if scaled(name, 1.0) == 1.0 else error / value)**2
-    inverse = np.linalg.pinv(slopes[np.ix_(present, moving)], rcond=SMALLEST_SLOPE)
+        left = scaled(name, value) - scaled(name, search.targets[name].value)
+        scatter[k, k] += (error if scaled(name, 1.0) == 1.0 else error / value)**2 + left**2
+    weight = search.weights()[present]
+    matrix = weight[:, None] * slopes[np.ix_(present, moving)]
+    inverse = np.linalg.pinv(matrix, rcond=SMALLEST_SLOPE) * weight
+    found = inverse @ scatter @ inverse.T
+    undetermined = np.linalg.norm(np.eye(len(moving)) - np.linalg.pinv(matrix, rcond=SMALLEST_SLOPE) @ matrix, axis=0) > 1e-6
+    found[undetermined, :] = found[:, undetermined] = math.inf
     whole = np.zeros((len(search.free),) * 2)
-    whole[np.ix_(moving, moving)] = inverse @ scatter @ inverse.T
+    whole[np.ix_(moving, moving)] = found
     return whole
+
+
+def variance_of(covariance, gradient):
+    """Variance of a sum of parameters with these factors."""
+    used = np.flatnonzero(gradient)
+    return float(gradient[used] @ covariance[np.ix_(used, used)] @ gradient[used])
+
+
+def region(parameters, count):
+    """Hotelling's 95 % quantile of d' Cov^-1 d for some parameters at once, from `count` packings (Hotelling 1931); infinite if there are too
+    few packings."""
+    if count <= parameters:
+        return math.inf
+    return parameters * (count - 1) / (count - parameters) * float(stats.f.ppf(LEVEL, parameters, count - parameters))
 
 
 def interval_of(name, value, variance, count):

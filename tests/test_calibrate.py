@@ -5,6 +5,9 @@ import subprocess
 
 from program import *  # noqa: F403 (the module is made for that)
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from calibrate import targets, uncertainty  # noqa: E402
+
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
 TARGETS = """
@@ -87,7 +90,8 @@ def known_parameters_are_recovered_from_their_readings_within_the_stated_interva
 def a_killed_calibration_is_taken_up_and_gives_the_result_of_an_undisturbed_one_with_any_number_of_workers(folder):
     undisturbed, _ = calibrated(folder, TARGETS, "a", "--threads", 2)
     targets, out = os.path.join(folder, "a.yaml"), os.path.join(folder, "b")
-    for number, kill in ((1, signal.SIGKILL), (5, signal.SIGINT), (9, signal.SIGKILL), (14, signal.SIGTERM)):
+    for kill in (signal.SIGKILL, signal.SIGINT, signal.SIGKILL, signal.SIGTERM):
+        number = len(outcomes(out)) + 2
         process = subprocess.Popen(command("calibrate", targets, "--out", out, "--threads", 1, "--quiet"), env=ENVIRONMENT,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         assert wait_until(process, lambda: len(outcomes(out)) >= number), process.communicate()
@@ -180,15 +184,94 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
             (head + "law: magic\n", r":4:6: law: expected auto.*found 'magic'"),
             (head + "walls: []\n", r":4:1: walls: expected one of"),
             (head + "scene: base.yaml\n", r"expected either specimen .* or scene"),
+            (head + "  friction_angle: 40\n", r":4:19: targets\.friction_angle: expected compressive_strength beside it"),
+            (head + "title: &a [*a]\n", r":4:12: YAML aliases are not part of a file of targets"),
+            (head + "title: " + 40 * "[" + "\n", r":4:39: nested too deeply"),
+            (head + "title: [a]\n", r":4:8: title: expected a text, found a list"),
+            (head + "law: {}\n", r":4:6: law\.stiffness: expected the stiffness of contacts, found none"),
+            (head + "budget: --5\n", r":4:9: budget: expected a number of runs"),
+            (head + "seeds: 1.5\n", r":4:8: seeds: expected a whole number, found '1\.5'"),
+            (head.replace("20 mm", "nan"), r":1:33: specimen\.cylinder\.diameter: expected a number, found 'nan'"),
+            (head.replace("height", "high"), r":1:22: specimen\.cylinder\.height: expected a length, found none"),
+            (head.replace("particles: 250", "porosity: 0.4"), r":1:12: specimen\.particles: expected a number of particles or mean_radius"),
+            (head.replace("250", "0"), r":1:67: specimen\.particles: expected a number in"),
             (head.split("targets")[0], r":1:1: targets: expected a section"),
             (head.split("  young")[0] + "  {}\n", r"targets: expected at least one of"),
             ("targets: [1\n", r":2:1: .*expected"),
             (head.replace("cylinder: {diameter: 20 mm, height: 40 mm}", "disc: {diameter: 20 mm}"), r":1:11: specimen: expected a cylinder")):
         _, done = calibrated(folder, text, "bad", code=2)
         assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+    scene = {"specimen": SPECIMEN, "materials": [{"name": "rock", "density": 2600, **KNOWN}], "law": {"stiffness": "harmonic"}, "bonds": {}}
+    for key, value, message in (("materials", [{**scene["materials"][0], "density": "5 m"}], r"base\.yaml:.*materials\.density: 'm' cannot be converted"),
+                                ("materials", [{"name": "rock"}], r"base\.yaml:.*materials\.density: expected a density, found none"),
+                                ("materials", [{}, {}], r"base\.yaml:.*materials: expected a list with one material, found a list"),
+                                ("law", [], r"base\.yaml:.*law: expected a section, found a list"),
+                                ("bonds", None, r"bad\.yaml:1:8: scene: expected a scene with the section bonds")):
+        write_scene(folder, {name: part for name, part in {**scene, key: value}.items() if part is not None}, "base.yaml")
+        _, done = calibrated(folder, "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n", "bad", code=2)
+        assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
     expect(gneiss("calibrate", os.path.join(folder, "none.yaml")), 3, "cannot be read")
     expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--set", "time.end=1"), 2, "file of targets")
     expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--seeds", "1,x"), 2)
+
+
+class Means:
+    """Search and evaluation of outputs that are linear in the parameters, as calibrate.uncertainty takes them."""
+
+    def __init__(self, slopes, values):
+        self.names, self.free = ["compressive_strength", "tensile_strength"], ["tension", "chi"]
+        self.parameters = {"tension": 1.0, "chi": 1.0}
+        self.slopes, self.logs = slopes, values
+        self.targets = {name: targets.Target(name, self.mean(name), 0.1) for name in self.names}
+        self.errors = {}
+
+    def column(self, name):
+        return np.exp(self.logs[:, self.names.index(name)])
+
+    def mean(self, name):
+        return float(np.exp(np.mean(np.log(self.column(name)))))
+
+    def weights(self):
+        return np.ones(2)
+
+    def given_up(self, _):
+        return set()
+
+    def ends_at(self, *_):
+        return set()
+
+
+@plain_fact
+def intervals_and_regions_of_normal_scatter_hold_what_they_state(_):
+    generator, count, draws = np.random.default_rng(3), 5, 3000
+    slopes = np.array([[1.0, 0.35], [1.0, -0.02]])
+    scatter = np.linalg.cholesky(np.array([[0.0025, 0.001], [0.001, 0.0009]]))
+    held = {"tension": 0, "chi": 0, "region": 0, "prediction": 0, "mean": 0}
+    for _ in range(draws):
+        logs = generator.normal(size=(count + 1, 2)) @ scatter.T
+        one = Means(slopes, logs[:count])
+        matrix = uncertainty.covariance(one, one, slopes)
+        off = np.linalg.solve(slopes, logs[:count].mean(axis=0))  # parameters that the means give, where all are 0
+        for k, name in enumerate(one.free):
+            low, high = uncertainty.interval_of(name, np.exp(off[k]), uncertainty.variance_of(matrix, np.eye(2)[k]), count)
+            held[name] += low <= 1.0 <= high
+        held["region"] += off @ np.linalg.solve(matrix, off) <= uncertainty.region(2, count)
+        low, high = uncertainty.prediction(logs[:count, 0], logs[:count, 0].mean())
+        held["prediction"] += low <= logs[count, 0] <= high
+        low, high = uncertainty.interval_of_mean(logs[:count, 0], logs[:count, 0].mean())
+        held["mean"] += low <= 0.0 <= high
+    for name, number in held.items():  # 0.4 % is the standard error of the share of 3000 draws
+        assert abs(number / draws - 0.95) < 0.016, (name, number / draws)
+
+
+@plain_fact
+def a_parameter_that_no_reading_determines_has_no_interval(_):
+    logs = 0.02 * np.random.default_rng(4).normal(size=(5, 2))
+    one = Means(np.array([[1.0, 0.0], [1.0, 0.0]]), logs)
+    matrix = uncertainty.covariance(one, one, one.slopes)
+    assert 0.0 < matrix[0, 0] < 0.02**2, matrix
+    assert np.isinf(uncertainty.variance_of(matrix, np.array([1.0, 1.0])))
+    assert uncertainty.interval_of("chi", 1.0, uncertainty.variance_of(matrix, np.array([0.0, 1.0])), 5) == [0.0, np.inf]
 
 
 if __name__ == "__main__":

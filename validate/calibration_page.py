@@ -15,4 +15,9 @@ PAGE = Page(study.ROOT / "docs" / "evidence" / "calibration.md", study.RUNS / "c
 def put(name, title, text):
     """Keeps a section and writes the page."""
     PAGE.keep(name, f"## {title}\n\n{text.strip()}")
-    PAGE.write(NAMES)
+    write()
+
+
+def write():
+    """Writes the page with the sections that were measured, here or elsewhere."""
+    PAGE.write([name for name in NAMES if PAGE.kept(name) or PAGE.there(name)])
