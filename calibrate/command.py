@@ -169,6 +169,9 @@ def reasons(search, result, name):
     if mean is None:
         absent = next((text for by_test in result.evaluation.outcomes.values() for one in by_test.values() for text in [one.message, *one.absent.values()] if text), "")
         return [f"{name}: a run has no such reading: {absent}"]
+    if name in search.off:
+        return [f"{name}: no envelope that rises ever more slowly meets the wanted strengths within their tolerances: found {shown(mean, target)}, "
+                f"wanted {shown(target.value, target)}"]
     parameters, law = result.evaluation.parameters, laws.label(search.material.law)
     chi = parameters["chi"]
     low, high = strength.BOUNDS["chi"]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from calibrate import elastic, laws
+from calibrate import elastic, laws, readings
 from calibrate.material import scaled, unscaled
 
 PARAMETERS = ("modulus", "ratio", "tension", "chi", "bond_friction")
@@ -86,7 +86,7 @@ class Search:
         self.slopes = prior_slopes(self.names, self.free, laws.dimension_of(material.scene), parameters["ratio"],
                                    material.law or laws.LAWS[0])
         self.prior = self.slopes.copy()
-        self.limits = limits_of(material)
+        self.limits, self.off = limits_of(material), readings.off_envelopes(self.targets)
         self.steps = []
         self.aims = np.array([scaled(name, self.targets[name].value) for name in self.names])
         self.allowed = np.array([abs(scaled(name, target.value + 0.5 * target.tolerance) - scaled(name, target.value - 0.5 * target.tolerance))
@@ -171,7 +171,7 @@ class Search:
                 continue
             column = zip(self.free, self.prior[self.names.index(name)])
             moving = [(parameter, slope) for parameter, slope in column if slope and parameter not in ("modulus", "tension")]
-            if moving and all(-np.sign(slope * residual) in self.ends_at(evaluation.parameters[parameter], parameter) for parameter, slope in moving):
+            if name in self.off or moving and all(-np.sign(slope * residual) in self.ends_at(evaluation.parameters[parameter], parameter) for parameter, slope in moving):
                 found.add(name)
         if "chi" in self.free and {"tensile_strength", "brazilian_strength"} & set(self.names):
             ends = self.ends_at(evaluation.parameters["chi"], "chi")
@@ -216,7 +216,8 @@ class Search:
     def met(self, evaluation):
         """True if every strength is as near as a few packings can tell. Laws hardly differ in the elastic constants that they reach."""
         offs = np.abs(self.outputs(evaluation) - self.aims)
-        return all(off <= max(NEAR, allowed) for name, off, allowed in zip(self.names, offs, self.allowed) if name not in ELASTIC)
+        return all(off <= max(NEAR, allowed) for name, off, allowed in zip(self.names, offs, self.allowed)
+                   if name not in ELASTIC and name not in self.off)
 
     def misfit(self, evaluation):
         """Root of the mean square of the residuals in tolerances; infinite if a reading is absent."""
