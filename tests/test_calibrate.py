@@ -6,7 +6,7 @@ import subprocess
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import targets, uncertainty  # noqa: E402
+from calibrate import readings, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -152,6 +152,21 @@ def strengths_under_pressure_are_met_without_a_tensile_one_by_friction_below_the
     assert value["shear_strength"] < 1.8 * value["tensile_strength"], value
     out, _ = calibrated(folder, "friction: 0.5\nbudget: 16\n" + head + line, "given")
     assert "friction" not in calibration(out)["parameters"], "a friction that is given is kept"
+
+
+@plain_fact
+def strengths_under_pressure_that_no_envelope_meets_are_named(_):
+    def off(tolerance, *pairs):
+        line = {f"triaxial_{p}MPa": targets.Target(f"triaxial_{p}MPa", value, tolerance * value, p) for p, value in pairs}
+        return readings.off_envelopes({"young_modulus": targets.Target("young_modulus", 1e3, 1.0), **line})
+
+    parabola = [(p, 100.0 + 12.0 * p**0.5 + p) for p in (5, 10, 20, 40, 80)]
+    assert off(1e-9, *parabola) == [], "an envelope of the shape of a rock's"
+    assert off(1e-9, *((p, 50.0 + 3.0 * p) for p in (1, 2, 30, 400))) == [], "a straight one"
+    dip = [(p, value * (0.7 if p == 20 else 1.0)) for p, value in parabola]
+    assert "triaxial_20MPa" in off(0.02, *dip), off(0.02, *dip)
+    assert off(0.4, *dip) == [], "a wide tolerance"
+    assert off(0.001, *dip[1:4]) == [], "three strengths are no line"
 
 
 @fact
