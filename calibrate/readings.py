@@ -2,6 +2,7 @@
 import math
 
 import numpy as np
+from scipy.optimize import nnls
 
 from calibrate.specimens import Test
 
@@ -45,6 +46,18 @@ def tests_of(name, targets):
 def tests_for(targets):
     """All tests of the targets, in a fixed order."""
     return sorted({test for name in targets for test in tests_of(name, targets)})
+
+
+def off_envelopes(targets):
+    """Names of the strengths in compression that no envelope which rises ever more slowly meets within their tolerances: least squares of
+    s0 + sum d_k min(p, p_k) over the confinements p_k, d_k >= 0, which are all such lines through the given confinements."""
+    line = {name: target for name, target in targets.items() if target.confinement or name == "compressive_strength"}
+    if len(line) < 4:
+        return []
+    pressure, value, tolerance = np.array([(one.confinement, one.value, one.tolerance) for one in line.values()]).T
+    table = np.column_stack([np.ones(len(line))] + [np.minimum(pressure, one) for one in pressure if one > 0.0])
+    fit = table @ nnls(table / tolerance[:, None], value / tolerance)[0]
+    return [name for name, off in zip(line, np.abs(fit - value) > tolerance) if off]
 
 
 def friction_angle(confinement, strength):
