@@ -4,6 +4,10 @@ import sys
 
 sys.path[0] = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(1, os.path.join(sys.path[0], "tools"))  # in the source tree; an installation has all in one folder
+
+from calibrate import interrupt  # noqa: E402 (after the path of the modules)
+
+interrupt.listen()
 PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "yaml": "python3-yaml", "h5py": "python3-h5py",
             "matplotlib": "python3-matplotlib"}
 

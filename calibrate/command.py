@@ -2,7 +2,6 @@
 import argparse
 import fcntl
 import os
-import signal
 import sys
 import time
 from dataclasses import dataclass, field
@@ -80,38 +79,73 @@ def candidates(request):
     if request.law != "auto":
         return [laws.named(request.law)]
     frictional = "bond_friction" in strength.free_parameters(request.targets)
-    left_out = "linear" if frictional else "friction"  # without pressure around them, strong bonds break in tension alone: mu_1 has no effect
-    return [law for law in laws.LAWS if law.name != left_out]
+    return [law for law in laws.LAWS if frictional or law.name != "friction"]  # without pressure strong bonds break in tension alone
+
+
+def lacking_ratio(request, material, start, progress):
+    """(a sentence if the bonds of a law do not reach the wanted ratio of strengths, else "", the largest ratio)."""
+    ratio, law = wanted_ratio(request.targets), material.law
+    if ratio is None or ratio < SURE_RATIO:
+        return "", 0.0
+    most = largest_ratio(material, start, request.seeds[0])
+    progress(f"law {law.name}: compressive over tensile strength at most {'unknown' if most is None else f'{most:.3g}'}, wanted {ratio:.3g}")
+    if most is not None and most * (1.0 + SCATTER) >= ratio:
+        return "", most
+    return f"law {law.name} ({law.text}): compressive over tensile strength is at most about {most or 0.0:.3g}, wanted {ratio:.3g}", most or 0.0
+
+
+def lacking_targets(search):
+    """A sentence on the targets that a few packings of a law do not reach, "" if there are none."""
+    law, nearest = search.material.law, search.best()
+    if search.met(nearest):
+        return ""
+    away = []
+    for name, residual in search.residuals(nearest).items():
+        if residual is None:
+            away.append(f"{name} absent")
+        elif abs(residual) > 1.0:
+            mean, wanted = nearest.mean(name), search.targets[name].value
+            away.append(f"{name} {100.0 * (mean / wanted - 1.0):+.3g} %")
+    return f"law {law.name} ({law.text}): two packings are still away from targets: {', '.join(away)}"
 
 
 def choose(request, laboratory, progress):
-    """(material, start, [sentence on each law that was left out]): the first law whose bonds reach the wanted ratio of strengths."""
-    ratio, tried, best = wanted_ratio(request.targets), [], None
+    """(Search, [sentence on each law that was left out]): the first law that reaches the wanted ratio of strengths, and the strengths under
+    pressure; else the one that is nearest."""
+    tried, best = [], None
     for law in candidates(request):
         material = Material(request, law, laboratory)
         start = strength.start(material, elastic.fit(material, request.seeds, progress))
-        if request.law != "auto" or ratio is None or ratio < SURE_RATIO:
-            return material, start, tried
-        most = largest_ratio(material, start, request.seeds[0])
-        progress(f"law {law.name}: compressive over tensile strength at most {'unknown' if most is None else f'{most:.3g}'}, wanted {ratio:.3g}")
-        if most is not None and most * (1.0 + SCATTER) >= ratio:
-            return material, start, tried
-        tried.append(f"law {law.name} ({law.text}): compressive over tensile strength is at most about {most or 0.0:.3g}, wanted {ratio:.3g}")
-        if best is None or (most or 0.0) > best[0]:
-            best = (most or 0.0, material, start)
-    return best[1], best[2], tried
+        search = strength.Search(material, start, progress)
+        if request.law != "auto":
+            return search, tried
+        lacking, most = lacking_ratio(request, material, start, progress)
+        rank = (1, -most)
+        if not lacking:
+            if not any(map(strength.is_confined, request.targets)):
+                return search, tried
+            try:
+                search.approach(request.seeds)
+            except OutOfBudget:
+                return search if best is None or best[0][0] == 1 else best[1], tried
+            lacking, rank = lacking_targets(search), (0, search.misfit(search.best()))
+            if not lacking:
+                return search, tried
+            progress(lacking)
+        tried.append(lacking)
+        if best is None or rank < best[0]:
+            best = (rank, search)
+    name = best[1].material.law.name
+    return best[1], [one for one in tried if not (best[0][0] == 0 and one.startswith(f"law {name} "))]
 
 
 # --- one law -------------------------------------------------------------------------------------------
 
-def solve(request, material, start, progress):
+def solve(request, search):
     """Result with the parameters of one law; it says why a target is not reached."""
-    plain = {name: target for name, target in request.targets.items() if not strength.is_confined(name)}
-    search = strength.Search(material, start, progress)
-    result = Result(material, search, None)
+    result = Result(search.material, search, None)
     try:
-        if 0 < len(plain) < len(request.targets):  # first what takes no tests under pressure, which are longer
-            search.parameters = strength.Search(material, start, progress, plain).scout(request.seeds)
+        search.approach(request.seeds)
         result.evaluation = search.run(request.seeds)
     except OutOfBudget as end:
         if not search.steps:
@@ -125,21 +159,32 @@ def solve(request, material, start, progress):
     return result
 
 
+def shown(value, target):
+    return output.with_unit(value, "" if target.unit == "1" else target.unit)
+
+
 def reasons(search, result, name):
     """Sentences on a target that is not reached."""
     mean, target = result.evaluation.mean(name), search.targets[name]
     if mean is None:
         absent = next((text for by_test in result.evaluation.outcomes.values() for one in by_test.values() for text in [one.message, *one.absent.values()] if text), "")
         return [f"{name}: a run has no such reading: {absent}"]
-    chi, law = result.evaluation.parameters["chi"], laws.label(search.material.law)
+    if name in search.off:
+        return [f"{name}: no envelope that rises ever more slowly meets the wanted strengths within their tolerances: found {shown(mean, target)}, "
+                f"wanted {shown(target.value, target)}"]
+    parameters, law = result.evaluation.parameters, laws.label(search.material.law)
+    chi = parameters["chi"]
     low, high = strength.BOUNDS["chi"]
-    if name in ("tensile_strength", "brazilian_strength", "compressive_strength") and "chi" in search.free and not low * 1.02 < chi < high / 1.02:
+    if name in ("tensile_strength", "brazilian_strength", "compressive_strength") and wanted_ratio(search.targets) and "chi" in search.free and not low * 1.02 < chi < high / 1.02:
         ratio = (result.evaluation.mean("compressive_strength") or mean) / (result.evaluation.mean("tensile_strength") or result.evaluation.mean("brazilian_strength") or mean)
         bound = "at most" if chi > 1.0 else "at least"
         return [f"{name}: not reachable with the law {law}: compressive over tensile strength is {bound} {ratio:.3g}, wanted {wanted_ratio(search.targets):.3g}"]
-    ends = [key for key in search.free if key not in ("modulus", "tension", "chi") and name in search.given_up(result.evaluation) and search.ends_at(result.evaluation.parameters[key], key)]
-    why = f"not reachable with the law {law}: {' and '.join(ends)} at the end of the range" if ends else "not reached"
-    return [f"{name}: {why}: found {mean:.4g}, wanted {target.value:.4g}{'' if target.unit == '1' else ' ' + target.unit}"]
+    ends = [f"{'friction' if parameters[key] < 0.0 else key} at the end of the range" for key in search.free
+            if key not in ("modulus", "tension") and name in search.given_up(result.evaluation) and search.ends_at(parameters[key], key)]
+    why = f"not reachable with the law {law}: {' and '.join(ends)}" if ends else "not reached"
+    if not ends and len(search.free) < len(search.targets):
+        why = f"not reached: {len(search.free)} parameters ({', '.join(search.free)}) for {len(search.targets)} targets"
+    return [f"{name}: {why}: found {shown(mean, target)}, wanted {shown(target.value, target)}"]
 
 
 def alternatives(request, result, progress):
@@ -184,8 +229,8 @@ def examine(request, result, progress):
 
 def calibrate(request, laboratory, progress):
     """(Result, [sentence on each law that was left out])."""
-    material, start, tried = choose(request, laboratory, progress)
-    result = solve(request, material, start, progress)
+    search, tried = choose(request, laboratory, progress)
+    result = solve(request, search)
     examine(request, result, progress)
     return result, tried
 
@@ -206,10 +251,6 @@ def folder_of(options):
     return folder, lock
 
 
-def interrupt(*_):
-    raise KeyboardInterrupt
-
-
 def work(options):
     request = targets.read(options.target)
     if options.seeds:
@@ -217,8 +258,6 @@ def work(options):
     folder, lock = folder_of(options)
     with lock:
         laboratory = Laboratory(options.program, folder, options.threads or len(os.sched_getaffinity(0)), request.most_runs, request.most_seconds)
-        for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, laboratory.interrupt)
         if options.force:
             laboratory.forget()
         result, tried = calibrate(request, laboratory, Progress(laboratory, options.quiet))
@@ -228,7 +267,6 @@ def work(options):
 
 def main(arguments):
     options = options_of(arguments)
-    signal.signal(signal.SIGTERM, interrupt)
     try:
         work(options)
     except Problem as problem:

@@ -5,7 +5,7 @@ import numpy as np
 
 from calibrate import laws
 from calibrate.problem import Problem
-from calibrate.readings import COMPRESSION
+from calibrate.readings import COMPRESSION, MODULUS
 
 ELASTIC = 0.4         # strain of the constants over compressive strength over modulus: within the elastic rows of a test
 UNBREAKABLE = 1e30
@@ -22,7 +22,7 @@ def constants(material, parameters, seeds):
     strain = float(f"{ELASTIC * strength.value / material.modulus:.3g}") if strength else STRAIN
     found = []
     for outcome in material.laboratory.constants(scenes, strain):
-        pair = (outcome.reading("young_modulus"), outcome.reading("poisson_ratio"))
+        pair = (outcome.reading(MODULUS[material.flat]), outcome.reading("poisson_ratio"))
         if None in pair:
             raise Problem(f"no elastic constants of this specimen: {outcome.message or outcome.absent.get('young_modulus', '')}", 5)
         found.append(pair)

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from calibrate import units
 
 BY_AREA = ("dempack", "polyhedron")
+FRICTION = 0.5  # of contacts that are not bonded, unless it is given
+LOWERING = 3.0  # by bond_friction below 0: strengths under pressure are as sensitive to a third as to bond_friction above 0
 
 
 @dataclass(frozen=True)
@@ -17,13 +19,14 @@ class Law:
     bonds: dict = field(default_factory=dict)
     material: dict = field(default_factory=dict)
     bond_friction: float = 0.0  # value unless a target determines it
+    most_friction: float = 4.0  # largest bond_friction
     slope: float = 0.35         # of ln compressive strength over ln chi, to begin with
     friction_slopes: tuple = (0.12, 0.1)  # of ln friction angle, and of ln compressive strength, over mu_1, to begin with
 
 
 # From the simplest on: `auto` takes the first that reaches the targets.
 LAWS = (
-    Law("linear", "brittle bonds", {"stiffness": "harmonic"}, {"interaction_range": 0.05}),
+    Law("linear", "brittle bonds", {"stiffness": "harmonic"}, {"interaction_range": 0.05}, most_friction=0.0),
     Law("friction", "brittle bonds whose shear strength grows with pressure", {"stiffness": "harmonic"}, {"interaction_range": 0.05},
         bond_friction=1.0),
     Law("moments", "bonds that carry moments, as parallel bonds, and whose shear strength grows with pressure", {"stiffness": "harmonic"},
@@ -49,7 +52,7 @@ def with_law(scene, law):
     for section in ("law", "bonds"):
         scene[section] = {**scene.get(section, {}), **getattr(law, section)}
     scene["materials"][0].update(law.material)
-    scene["materials"][0].setdefault("friction", 0.5)
+    scene["materials"][0].setdefault("friction", FRICTION)
     return scene
 
 
@@ -63,9 +66,11 @@ def dimension_of(scene):
 
 def material_values(scene, parameters):
     """Keys of the material for the parameters: `modulus` (Pa; N/m with the uniform law), `ratio` (k_t/k_n), `tension` (Pa, N with the
-    uniform law), `chi` (shear over tensile strength of a contact), `bond_friction`."""
+    uniform law), `chi` (shear over tensile strength of a contact), `bond_friction` (below 0: bonds have none, and friction is lower than FRICTION by
+    its part 1/LOWERING)."""
     kind, shear = stiffness_of(scene), parameters["tension"] * parameters["chi"]
-    values = {"bond_friction": parameters["bond_friction"]} if parameters.get("bond_friction") else {}
+    friction = parameters.get("bond_friction", 0.0)
+    values = {"bond_friction": friction} if friction > 0.0 else {"friction": round(FRICTION + friction / LOWERING, 9)} if friction < 0.0 else {}
     if kind == "uniform":
         return {"normal_stiffness": parameters["modulus"], "kratio": 1.0 / parameters["ratio"],
                 "bond_tension_limit": parameters["tension"], "bond_shear_limit": shear, **values}

@@ -48,7 +48,7 @@ class Material:
     def __init__(self, request, law, laboratory):
         self.request, self.law, self.laboratory = request, law, laboratory
         self.scene = laws.with_law(request.scene, law) if law else request.scene
-        self.size = size_of(self.scene)
+        self.size, self.flat = size_of(self.scene), laws.dimension_of(self.scene) == 2
         self.targets = request.targets
         self.modulus = self.targets["young_modulus"].value if "young_modulus" in self.targets else 20e9
         self.expected = {}
@@ -101,5 +101,6 @@ class Material:
                 self.expected[test] = (parameters["tension"], float(np.mean(strengths)))
         by_seed = {seed: {test: found[test, seed] for test in tests} for seed in seeds}
         return Evaluation(dict(parameters),
-                          {seed: {name: readings.value_of(name, targets, by_seed[seed]) for name in names} for seed in seeds},
-                          {name: float(np.mean([readings.error_of(name, targets, by_seed[seed]) for seed in seeds])) for name in names}, by_seed)
+                          {seed: {name: readings.value_of(name, targets, by_seed[seed], self.flat) for name in names} for seed in seeds},
+                          {name: float(np.mean([readings.error_of(name, targets, by_seed[seed], self.flat) for seed in seeds])) for name in names},
+                          by_seed)

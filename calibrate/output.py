@@ -17,6 +17,7 @@ ORIGINS = {
     "contact_modulus": {"modulus": 1}, "young": {"modulus": 1}, "normal_stiffness": {"modulus": 1}, "kratio": {"ratio": -1}, "beta": {"ratio": 1},
     "tensile_strength": {"tension": 1}, "bond_tension_limit": {"tension": 1}, "shear_strength": {"tension": 1, "chi": 1},
     "bond_shear_limit": {"tension": 1, "chi": 1}, "bond_friction": {"bond_friction": 1},
+    "friction": {"bond_friction": 1.0 / laws.LOWERING},
 }
 
 
@@ -37,7 +38,7 @@ def parameters_of(result):
         is_free = bool(np.any(gradient))
         interval = None
         if is_free and result.covariance is not None:
-            name = "bond_friction" if key == "bond_friction" else "tension"
+            name = "bond_friction" if "bond_friction" in origin else "tension"
             variance = uncertainty.variance_of(result.covariance, gradient)
             interval = None if variance == 0.0 else uncertainty.interval_of(name, value, variance, count)  # 0: at a bound
         found[key] = {"value": value, "unit": UNITS.get(key, ""), "interval": finite(interval) if interval else None, "free": is_free}

@@ -2,6 +2,7 @@
 import math
 
 import numpy as np
+from scipy.optimize import nnls
 
 from calibrate.specimens import Test
 
@@ -12,7 +13,14 @@ _PLAIN = {
     "compressive_strength": (COMPRESSION, "peak_stress"), "crack_initiation_stress": (COMPRESSION, "crack_initiation_stress"),
     "tensile_strength": (TENSION, "peak_stress"), "brazilian_strength": (BRAZILIAN, "indirect_tensile_strength"),
 }
+MODULUS = {False: "young_modulus", True: "young_modulus_average"}
 OF_ENVELOPE = ("friction_angle", "m_i")
+
+
+def _place(name, flat):
+    """(test, reading) of a target. In 2D the modulus is over the average strain: few discs touch a platen, and its ends are soft."""
+    test, reading = _PLAIN[name]
+    return test, MODULUS[flat] if name == "young_modulus" else reading
 
 
 def confined(pressure):
@@ -38,6 +46,18 @@ def tests_of(name, targets):
 def tests_for(targets):
     """All tests of the targets, in a fixed order."""
     return sorted({test for name in targets for test in tests_of(name, targets)})
+
+
+def off_envelopes(targets):
+    """Names of the strengths in compression that no envelope which rises ever more slowly meets within their tolerances: least squares of
+    s0 + sum d_k min(p, p_k) over the confinements p_k, d_k >= 0, which are all such lines through the given confinements."""
+    line = {name: target for name, target in targets.items() if target.confinement or name == "compressive_strength"}
+    if len(line) < 4:
+        return []
+    pressure, value, tolerance = np.array([(one.confinement, one.value, one.tolerance) for one in line.values()]).T
+    table = np.column_stack([np.ones(len(line))] + [np.minimum(pressure, one) for one in pressure if one > 0.0])
+    fit = table @ nnls(table / tolerance[:, None], value / tolerance)[0]
+    return [name for name, off in zip(line, np.abs(fit - value) > tolerance) if off]
 
 
 def friction_angle(confinement, strength):
@@ -66,20 +86,20 @@ def _envelope(name, targets, outcomes):
     return fit(np.array([test.confinement for test in tests]), np.array(strengths))
 
 
-def value_of(name, targets, outcomes):
+def value_of(name, targets, outcomes, flat=False):
     """Value of a target from {test: Outcome} of one packing; None if it is absent."""
     if name in OF_ENVELOPE:
         return _envelope(name, targets, outcomes)
     if targets[name].confinement:
         return outcomes[confined(targets[name].confinement)].reading("axial_strength")
-    test, reading = _PLAIN[name]
+    test, reading = _place(name, flat)
     value = outcomes[test].reading(reading)
     return value if value is None or value > 0.0 or name == "poisson_ratio" else None
 
 
-def error_of(name, targets, outcomes):
+def error_of(name, targets, outcomes, flat=False):
     """Possible error of a value by its run's budget (speed, step, rows, round-off), without packings; 0 if the run has none."""
     if name in OF_ENVELOPE or targets[name].confinement:
         return 0.0
-    test, reading = _PLAIN[name]
+    test, reading = _place(name, flat)
     return outcomes[test].errors.get(reading, 0.0)

@@ -10,6 +10,7 @@ import tempfile
 import time
 from dataclasses import dataclass, field
 
+from calibrate import interrupt
 from calibrate.problem import OutOfBudget, Problem
 
 TRIES = 3             # starts of a run that is killed or finds no memory
@@ -90,13 +91,8 @@ class Laboratory:
         self.version = program_version(program)
         self.most_runs, self.most_seconds = most_runs, most_seconds
         self.used, self.seconds = set(), {}
-        self.begun, self.interrupted = time.monotonic(), False
+        self.begun = time.monotonic()
         os.makedirs(self.folder, exist_ok=True)
-
-    def interrupt(self, *_):
-        """Handler of signals. Python drops an exception that is raised while a process is started: the next look at the runs raises it again."""
-        self.interrupted = True
-        raise KeyboardInterrupt
 
     # --- one run ---------------------------------------------------------------------------------------
 
@@ -171,6 +167,7 @@ class Laboratory:
         return self._outcomes([_Job(scene, os.path.join(self.folder, self.key(scene, strain)), strain) for scene in scenes])
 
     def _outcomes(self, jobs):
+        interrupt.check()
         if time.monotonic() - self.begun > self.most_seconds:
             raise OutOfBudget(f"{self.most_seconds:g} s")
         self._run_all(list({job.folder: job for job in jobs if self._kept(job.folder) is None}.values()))
@@ -183,8 +180,7 @@ class Laboratory:
         running, packed = {}, set()
         try:
             while waiting or running:
-                if self.interrupted:
-                    raise KeyboardInterrupt
+                interrupt.check()
                 packing = {job.packing for job in running.values()} - packed
                 free = [job for job in waiting if job.packing not in packing]
                 if free and len(running) < self.workers:
@@ -216,10 +212,13 @@ def _number(value):
 
 
 def _constants_of(printed):
-    """Outcome with the constants of the test that `gneiss stiffness` printed; where its ends find no equilibrium, with those of the packing."""
-    found = printed["test"] or printed["network"]
-    readings = {name: _number(found.get(name)) for name in ("young_modulus", "poisson_ratio")}
-    return Outcome(readings, found.get("absent") or {}, printed.get("test_absent", ""), float(printed["seconds"]))
+    """Outcome with the constants of the test that `gneiss stiffness` printed; with those of the packing where the test gives none."""
+    readings = {}
+    for found in (printed["network"], printed["test"] or {}):
+        given = {name: _number(found.get(name)) for name in ("young_modulus", "young_modulus_average", "poisson_ratio")}
+        readings.update({name: value for name, value in given.items() if value is not None})
+        readings.setdefault("young_modulus_average", given["young_modulus"])
+    return Outcome(readings, {}, printed.get("test_absent", ""), float(printed["seconds"]))
 
 
 # Causes that differ between packings and so are in their scatter; nonlinearity is a property of the curve, not an error of its reading.

@@ -11,6 +11,7 @@ START = 0.05         # fraction of the expected duration in which ends come to t
 DROP = 0.3           # of the stress from its peak, which ends a test
 DURATION = 4.0       # duration over the expected one
 STRAIN = {"compression": 1.3, "tension": 1.1, "brazilian": 9.0, "triaxial": 1.6}  # at the peak, over strength over modulus
+SEAT = 0.1           # depth of platens in discs, in mean radii: laid on, they would close gaps as wide as the strains of the test
 GRIP = 1.5           # depth of glued ends in mean radii
 FLAT = math.cos(math.radians(5.0))  # Brazilian disc: flats of 10 degrees
 
@@ -130,7 +131,8 @@ class Bench:
     def compression(self, scene, _, size, closing, stiffness):
         axis = _axis(scene)
         low = _origin(scene)["xyz".index(axis)]
-        scene["walls"] = _platens(scene, axis, low, low + size.height, stiffness, _ends(closing[0], -closing[1]))
+        depth = SEAT * size.radius if laws.dimension_of(scene) == 2 else 0.0
+        scene["walls"] = _platens(scene, axis, low + depth, low + size.height - depth, stiffness, _ends(closing[0], -closing[1]))
         self._test(scene, "compression", size)
 
     def tension(self, scene, _, size, closing, __):

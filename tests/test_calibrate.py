@@ -6,7 +6,7 @@ import subprocess
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import targets, uncertainty  # noqa: E402
+from calibrate import readings, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -90,7 +90,8 @@ def known_parameters_are_recovered_from_their_readings_within_the_stated_interva
 def a_killed_calibration_is_taken_up_and_gives_the_result_of_an_undisturbed_one_with_any_number_of_workers(folder):
     undisturbed, _ = calibrated(folder, TARGETS, "a", "--threads", 2)
     targets, out = os.path.join(folder, "a.yaml"), os.path.join(folder, "b")
-    for number, kill in ((1, signal.SIGKILL), (5, signal.SIGINT), (9, signal.SIGKILL), (14, signal.SIGTERM)):
+    for kill in (signal.SIGKILL, signal.SIGINT, signal.SIGKILL, signal.SIGTERM):
+        number = len(outcomes(out)) + 2
         process = subprocess.Popen(command("calibrate", targets, "--out", out, "--threads", 1, "--quiet"), env=ENVIRONMENT,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         assert wait_until(process, lambda: len(outcomes(out)) >= number), process.communicate()
@@ -136,6 +137,36 @@ def a_ratio_of_strengths_that_the_law_does_not_reach_is_said_and_compression_is_
     said = re.search(r"tensile_strength: not reachable with the law linear: compressive over tensile strength is at most ([\d.]+), wanted 22.5", done.stdout)
     assert said and 4.0 < float(said[1]) < 12.0, done.stdout
     assert "moments" in done.stdout, "the law that can is named"
+
+
+@fact
+def strengths_under_pressure_are_met_without_a_tensile_one_by_friction_below_the_usual(folder):
+    head = TARGETS.split("  compressive")[0].replace("law: linear", "law: auto").replace("seeds: 3", "seeds: 2")
+    line = "  compressive_strength: {value: 60 MPa, tolerance: 5 %}\n  triaxial:\n" + "".join(
+        f"  - {{confinement: {pressure} MPa, value: {value} MPa, tolerance: 5 %}}\n" for pressure, value in ((6, 76), (12, 90), (24, 115)))
+    out, done = calibrated(folder, head + line)
+    found = calibration(out)
+    assert found["reached"] and found["law"] == "linear", (done.stdout, found["path"])
+    value = {key: one["value"] for key, one in found["parameters"].items()}
+    assert 0.0 < value["friction"] < 0.45 and "bond_friction" not in value, value
+    assert value["shear_strength"] < 1.8 * value["tensile_strength"], value
+    out, _ = calibrated(folder, "friction: 0.5\nbudget: 16\n" + head + line, "given")
+    assert "friction" not in calibration(out)["parameters"], "a friction that is given is kept"
+
+
+@plain_fact
+def strengths_under_pressure_that_no_envelope_meets_are_named(_):
+    def off(tolerance, *pairs):
+        line = {f"triaxial_{p}MPa": targets.Target(f"triaxial_{p}MPa", value, tolerance * value, p) for p, value in pairs}
+        return readings.off_envelopes({"young_modulus": targets.Target("young_modulus", 1e3, 1.0), **line})
+
+    parabola = [(p, 100.0 + 12.0 * p**0.5 + p) for p in (5, 10, 20, 40, 80)]
+    assert off(1e-9, *parabola) == [], "an envelope of the shape of a rock's"
+    assert off(1e-9, *((p, 50.0 + 3.0 * p) for p in (1, 2, 30, 400))) == [], "a straight one"
+    dip = [(p, value * (0.7 if p == 20 else 1.0)) for p, value in parabola]
+    assert "triaxial_20MPa" in off(0.02, *dip), off(0.02, *dip)
+    assert off(0.4, *dip) == [], "a wide tolerance"
+    assert off(0.001, *dip[1:4]) == [], "three strengths are no line"
 
 
 @fact
