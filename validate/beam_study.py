@@ -63,9 +63,10 @@ STRIP = (0.025, 0.0375)  # m, the first as wide as the ligament
 
 
 def strip(radius, seed, contact, opened=None):
-    """Pulled apart: until its load has fallen by half, or until it has opened by `opened` m."""
+    """Pulled apart: until its load has fallen by half, its grips free across, or until it has opened by `opened` m, its grips held across: else the middle
+    turns, and a second crack opens."""
     width, length = STRIP
-    motion = {side: {"vy": [[0, 0], [5e-4, sign * 0.02]]} for side, sign in (("lower", -1), ("upper", 1))}
+    motion = {side: {**({"vx": 0} if opened else {}), "vy": [[0, 0], [5e-4, sign * 0.02]]} for side, sign in (("lower", -1), ("upper", 1))}
     scene = {**body({"rectangle": {"width": width, "height": length}}, radius, seed, contact),
              "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.5}},
              "sets": [{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 4 * radius}}, "motion": motion[side]} for side in motion],
