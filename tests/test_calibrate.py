@@ -208,7 +208,7 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
             (head + "seeds: 1.5\n", r":4:8: seeds: expected a whole number, found '1\.5'"),
             (head.replace("20 mm", "nan"), r":1:33: specimen\.cylinder\.diameter: expected a number, found 'nan'"),
             (head.replace("height", "high"), r":1:22: specimen\.cylinder\.height: expected a length, found none"),
-            (head.replace("particles: 250", "porosity: 0.4"), r":1:12: specimen\.particles: expected a number of particles or mean_radius"),
+            (head.replace("particles: 250", "porosity: 0.4"), r":1:11: specimen\.particles: expected a number of particles or mean_radius"),
             (head.replace("250", "0"), r":1:67: specimen\.particles: expected a number in"),
             (head.split("targets")[0], r":1:1: targets: expected a section"),
             (head.split("  young")[0] + "  {}\n", r"targets: expected at least one of"),
