@@ -76,8 +76,8 @@ def document(request, laboratory, result, tried):
     return {"version": laboratory.version, "title": request.title, "law": laws.label(law), "law_text": law.text if law else "", "tried": tried,
             "reached": result.reached, "notes": result.notes, "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
             "seeds": request.seeds, "parameters": parameters_of(result), "found": found_of(result), "other_test": other,
-            "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself", "degrees_of_freedom": len(request.seeds) - 1,
-                           "region": finite(uncertainty.region(len(free), len(request.seeds))),
+            "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself", "packings": len(result.evaluation.values),
+                           "region": finite(uncertainty.region(len(free), len(result.evaluation.values))),
                            "matrix": None if result.covariance is None else finite(result.covariance.tolist())},
             "slopes": {"of": result.search.names, "over": free, "matrix": finite(result.slopes.tolist())}, "path": path}
 

@@ -75,7 +75,7 @@ def pairs_picture(whole):
     names, matrix = whole["covariance"]["of"], whole["covariance"]["matrix"]
     if matrix is None or len(names) < 2 or any(None in row for row in matrix):
         return ""
-    size, quantile = len(names) - 1, uncertainty.region(2, len(whole["seeds"]))
+    size, quantile = len(names) - 1, uncertainty.region(2, whole["covariance"]["packings"])
     if math.isinf(quantile):
         return ""
     figure, axes = plt.subplots(size, size, figsize=(2.0 * size + 1.0, 2.0 * size + 0.6), squeeze=False)

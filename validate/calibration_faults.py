@@ -115,18 +115,18 @@ MOUNTED = 'mount -t tmpfs -o {options} none "$1" || exit 77; shift; "$@"; code=$
 
 
 def on_disk(name, options):
-    """A call whose folder is on a disk of its own: exit code and last line of its message."""
+    """A call whose folder is on a disk of its own: exit code and message."""
     folder = FOLDER / "kills" / name.replace(" ", "-")
     folder.mkdir(parents=True, exist_ok=True)
     target = written(FOLDER / "kills", GOOD)
     script = MOUNTED.format(options=options, folder=folder)
     done = called(["unshare", "-m", "--propagation", "private", "sh", "-c", script, "sh", str(folder), *command(target, folder)])
-    return [name, done.returncode, last_line(done)]
+    return [name, done.returncode, refusal(done)]
 
 
-def last_line(done):
+def refusal(done):
     lines = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()
-    text = "a traceback" if "Traceback" in done.stderr else lines[-1]
+    text = "a traceback" if "Traceback" in done.stderr else next((line for line in lines if line.startswith("gneiss: ")), lines[-1])
     return re.sub(r"/[^ :]*/([^/ :]+)", r"\1", text).replace("|", "/")[:300]
 
 
@@ -140,14 +140,14 @@ def second_start():
     second = called(command(target, folder))
     os.killpg(first.pid, signal.SIGTERM)
     said = first.communicate()[1].strip()
-    return [["a second start in the folder of a running one", second.returncode, last_line(second)],
+    return [["a second start in the folder of a running one", second.returncode, refusal(second)],
             ["SIGTERM to the group", first.returncode, said.splitlines()[-1] if said else "no message"]]
 
 
 def no_folder():
     target = written(FOLDER / "kills", GOOD)
     done = called(command(target, target))
-    return ["--out names a file", done.returncode, last_line(done)]
+    return ["--out names a file", done.returncode, refusal(done)]
 
 
 def kills():
