@@ -373,11 +373,11 @@ static gneiss_status check_planned_options(const gn_options *options, gneiss_err
 /* Writes the planned scene; the specimen of the plan is released before the run. */
 static gneiss_status plan_ahead(const gn_options *options, const char *file, int *packings,
                                 gneiss_error *error) {
-    GN_FREED char *parent = strdup(file);
+    char parent[GN_PATH_SIZE];
     gn_options plan = *options;
     plan.write = file;
     plan.force = plan.force || gn_plan_wrote(file, options->target);
-    if (!parent) return gn_no_memory(error, "a path");
+    snprintf(parent, sizeof parent, "%s", file);
     char *slash = strrchr(parent, '/');
     if (slash && slash > parent) {
         *slash = '\0';

@@ -49,7 +49,7 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_partials *partials, gn_contacts *copy,
                                    gneiss_error *error);
 /* The pressure around bonds whose friction sees it, before their forces (confinement.c). */
-void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds);
+void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *contacts);
 
 /* Multiplies the strengths of all intact bonds, so that none breaks or softens; yield stresses stay
  * as they are. */
