@@ -2,7 +2,7 @@
 import study
 from sections import Page
 
-NAMES = ("published", "rocks", "cost", "synthetic", "coverage", "kills", "targets")
+NAMES = ("published", "rocks", "synthetic", "coverage", "kills", "targets")
 HEAD = """# Calibration: how right, how sure, how robust
 
 Written by `validate/calibration_*.py`; do not edit. Each section names the command that measures it. The command and its file of
