@@ -7,7 +7,7 @@ import numpy as np
 import yaml
 
 from calibrate import laws, report, uncertainty
-from calibrate.readings import strength_of, tests_for
+from calibrate.readings import main_test, strength_of
 from calibrate.simulate import write_whole
 
 UNITS = {"contact_modulus": "Pa", "young": "Pa", "normal_stiffness": "N/m", "tensile_strength": "Pa", "shear_strength": "Pa",
@@ -83,8 +83,8 @@ def document(request, laboratory, result, tried):
 
 
 def scene_of(request, result):
-    """The scene of the first test and packing, as it was run."""
-    test = tests_for(request.targets)[0]
+    """The scene of the main test of the first packing, as it was run."""
+    test = main_test(request.targets)
     with open(os.path.join(result.evaluation.outcomes[request.seeds[0]][test].folder, "scene.yaml"), encoding="utf-8") as file:
         scene = json.load(file)
     scene["run"].pop("threads")

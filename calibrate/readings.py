@@ -48,6 +48,11 @@ def tests_for(targets):
     return sorted({test for name in targets for test in tests_of(name, targets)})
 
 
+def main_test(targets):
+    """The test of the specimen whose scene a calibration hands out: compression if it is among the tests, else that of the first target."""
+    return COMPRESSION if COMPRESSION in tests_for(targets) else tests_of(next(iter(targets)), targets)[0]
+
+
 def off_envelopes(targets):
     """Names of the strengths in compression that no envelope which rises ever more slowly meets within their tolerances: least squares of
     s0 + sum d_k min(p, p_k) over the confinements p_k, d_k >= 0, which are all such lines through the given confinements."""

@@ -129,6 +129,14 @@ def the_calibrated_scene_gives_the_readings_that_are_stated(folder):
     assert page.count("data:image/png") == 3 and "compressive_strength" in page and "<script" not in page
 
 
+@plain_fact
+def the_calibrated_scene_is_the_compression_test_or_that_of_the_first_target(_):
+    for names, kind in (("brazilian_strength young_modulus", "compression"), ("tensile_strength compressive_strength", "compression"),
+                        ("brazilian_strength tensile_strength", "brazilian"), ("tensile_strength brazilian_strength", "tension")):
+        wanted = {name: targets.Target(name, 1e6, 1e4) for name in names.split()}
+        assert readings.main_test(wanted).kind == kind, names
+
+
 @fact
 def a_ratio_of_strengths_that_the_law_does_not_reach_is_said_and_compression_is_met(folder):
     text = TARGETS.replace("tensile_strength: {value: 10 MPa", "tensile_strength: {value: 2 MPa").replace("seeds: 3", "seeds: 2")
