@@ -6,12 +6,13 @@ import os
 import numpy as np
 import yaml
 
-from calibrate import laws, report, uncertainty
+from calibrate import laws, report, strength, uncertainty
 from calibrate.readings import main_test, strength_of
 from calibrate.simulate import write_whole
 
 UNITS = {"contact_modulus": "Pa", "young": "Pa", "normal_stiffness": "N/m", "tensile_strength": "Pa", "shear_strength": "Pa",
          "bond_tension_limit": "N", "bond_shear_limit": "N"}
+PHYSICAL = {"poisson_ratio": (0.0, 0.5), "friction_angle": (0.0, 90.0)}  # ranges of readings; of all others: above 0
 # Scene key: parameters whose scaled coordinates add up to that of the key, with their signs.
 ORIGINS = {
     "contact_modulus": {"modulus": 1}, "young": {"modulus": 1}, "normal_stiffness": {"modulus": 1}, "kratio": {"ratio": -1}, "beta": {"ratio": 1},
@@ -31,17 +32,19 @@ def finite(value):
 def parameters_of(result):
     """{scene key: value, unit, 95 % interval or None, free}."""
     free, count = result.search.free, len(result.evaluation.values)
+    bounds = {"bond_friction": (0.0, strength.limits_of(result.material)["bond_friction"][1]), "friction": (0.0, laws.FRICTION)}
     found = {}
     for key, value in laws.material_values(result.material.scene, result.evaluation.parameters).items():
         origin = ORIGINS.get(key)
         gradient = np.array([(origin or {}).get(name, 0) for name in free], float)
         is_free = bool(np.any(gradient))
         interval = None
-        if is_free and result.covariance is not None:
+        if is_free and result.covariance is not None and count >= uncertainty.LEAST:
             name = "bond_friction" if "bond_friction" in origin else "tension"
             variance = uncertainty.variance_of(result.covariance, gradient)
-            interval = None if variance == 0.0 else uncertainty.interval_of(name, value, variance, count)  # 0: at a bound
-        found[key] = {"value": value, "unit": UNITS.get(key, ""), "interval": finite(interval) if interval else None, "free": is_free}
+            if variance != 0.0:  # 0: at a bound
+                interval = uncertainty.within(uncertainty.interval_of(name, value, variance, count), *bounds.get(key, (-math.inf, math.inf)))
+        found[key] = {"value": value, "unit": UNITS.get(key, ""), "interval": interval, "free": is_free}
     return found
 
 
@@ -54,9 +57,10 @@ def found_of(result):
         entry = {"target": target.value, "tolerance": target.tolerance, "unit": "" if target.unit == "1" else target.unit, "value": finite(mean),
                  "interval": None, "prediction": None, "error": error, "packings": finite(list(column)),
                  "reached": mean is not None and abs(target.error(mean)) <= 1.0}
-        if mean is not None:
-            entry["interval"] = finite(uncertainty.interval_of_mean(column, mean, error))
-            entry["prediction"] = finite(uncertainty.prediction(column, mean))
+        if mean is not None and len(column) >= uncertainty.LEAST:
+            physical = PHYSICAL.get(name, (0.0, math.inf))
+            entry["interval"] = uncertainty.within(uncertainty.interval_of_mean(column, mean, error), *physical)
+            entry["prediction"] = uncertainty.within(uncertainty.prediction(column, mean), *physical)
         if result.fresh:
             fresh = list(result.fresh.column(name))
             low, high = entry["prediction"] or [None, None]
@@ -68,13 +72,14 @@ def found_of(result):
 def document(request, laboratory, result, tried):
     """All of calibration.json."""
     law, free = result.material.law, result.search.free
+    few = ["intervals need at least three packings"] if len(request.seeds) < uncertainty.LEAST else []
     path = [{"parameters": step.parameters, "packings": len(step.values), "found": {name: finite(step.mean(name)) for name in request.targets}}
             for step in result.search.steps]
     other = None
     if result.other:
         other = {"test": result.other[0].name, "strengths": finite(result.other[1]), "unit": "Pa"}
     return {"version": laboratory.version, "title": request.title, "law": laws.label(law), "law_text": law.text if law else "", "tried": tried,
-            "reached": result.reached, "notes": result.notes, "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
+            "reached": result.reached, "notes": result.notes + few, "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
             "seeds": request.seeds, "parameters": parameters_of(result), "found": found_of(result), "other_test": other,
             "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself", "packings": len(result.evaluation.values),
                            "region": finite(uncertainty.region(len(free), len(result.evaluation.values))),
@@ -119,16 +124,18 @@ def with_unit(value, unit):
     return f"{value:.4g} {unit}".rstrip()
 
 
+def interval_text(entry):
+    """The 95 % interval of a reading or parameter for the eye, "-" if there is none."""
+    return ", 95 %: " + (" .. ".join(with_unit(one, entry["unit"]) for one in entry["interval"]) if entry["interval"] else "-")
+
+
 def show(folder, whole):
     """The result on standard output."""
     print(f"law {whole['law']}: " + ("all targets are reached" if whole["reached"] else "not all targets are reached"))
     for sentence in whole["tried"] + whole["notes"]:
         print("  " + sentence)
     for name, entry in whole["found"].items():
-        interval = " .. ".join(with_unit(one, entry["unit"]) for one in entry["interval"] or [])
-        print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s} for {with_unit(entry['target'], entry['unit'])}"
-              + (f", 95 %: {interval}" if interval else ""))
+        print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s} for {with_unit(entry['target'], entry['unit'])}" + interval_text(entry))
     for name, entry in whole["parameters"].items():
-        interval = " .. ".join(with_unit(one, entry["unit"]) for one in entry["interval"] or [])
-        print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s}" + (f", 95 %: {interval}" if interval else ""))
+        print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s}" + (interval_text(entry) if entry["free"] else ""))
     print(f"{whole['runs']} runs, {whole['cpu_seconds']:.0f} CPU seconds; written to {folder}: calibration.json, calibrated.yaml, report.html")

@@ -36,7 +36,7 @@ def targets_picture(whole):
         half = entry["tolerance"] / wanted
         axes.fill_betweenx([row - 0.35, row + 0.35], 1.0 - half, 1.0 + half, color="#e6ecef", lw=0)
         for key, width, colour in (("prediction", 1.2, SOFT), ("interval", 3.0, INK)):
-            if entry[key] and None not in entry[key]:
+            if entry[key]:
                 axes.plot(np.array(entry[key]) / wanted, [row, row], lw=width, color=colour, solid_capstyle="butt")
         if entry["value"] is not None:
             axes.plot(entry["value"] / wanted, row, "o", color=INK if entry["reached"] else ACCENT, ms=6)
@@ -115,7 +115,7 @@ def _shown(value, entry):
 
 
 def _interval(entry, key):
-    return "–".join(_shown(one, entry) for one in entry[key]) if entry.get(key) else ""
+    return "–".join(_shown(one, entry) for one in entry[key]) if entry[key] else "-"
 
 
 def page(whole, curves):
@@ -124,7 +124,7 @@ def page(whole, curves):
                     "" if "fresh" not in one else ", ".join(_shown(value, one) for value in one["fresh"]["values"]), "yes" if one["reached"] else "no"]
                    for name, one in whole["found"].items()],
                   ["reading", "wanted", "found", "95 % of the mean", "95 % of a new packing", "fresh packings", "reached"])
-    values = table([[name, _shown(one["value"], one), _interval(one, "interval") or "given"] for name, one in whole["parameters"].items()],
+    values = table([[name, _shown(one["value"], one), _interval(one, "interval") if one["free"] else "given"] for name, one in whole["parameters"].items()],
                    ["key of the material", "value", "95 % interval"])
     notes = "".join(f'<div class="warning">{escape(text)}</div>' for text in whole["tried"] + whole["notes"])
     other = whole["other_test"]

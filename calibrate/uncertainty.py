@@ -10,7 +10,14 @@ from calibrate.material import scaled, unscaled
 LEVEL = 0.95
 NORMAL = stats.norm.ppf(0.5 + 0.5 * LEVEL)  # error budgets of runs are errors in 95 of 100
 DIFFERENCE = {"chi": 0.25, "bond_friction": 0.3, "ratio": 0.1}  # steps of finite differences, in scaled coordinates
+LEAST = 3             # packings of an interval: the quantile of two is 12.7
 SMALLEST_SLOPE = 1e-4  # over the largest: what moves readings less than this is not determined
+
+
+def within(interval, low, high):
+    """An interval without its part outside of [low, high], None if it has no end there."""
+    clipped = [min(max(end, low), high) for end in interval]
+    return clipped if all(map(math.isfinite, clipped)) else None
 
 
 def student(count):

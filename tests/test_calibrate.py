@@ -2,11 +2,12 @@
 import re
 import signal
 import subprocess
+from types import SimpleNamespace
 
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import readings, targets, uncertainty  # noqa: E402
+from calibrate import output, readings, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -117,13 +118,16 @@ def a_killed_calibration_is_taken_up_and_gives_the_result_of_an_undisturbed_one_
 
 @fact
 def the_calibrated_scene_gives_the_readings_that_are_stated(folder):
-    out, _ = calibrated(folder, TARGETS.replace("seeds: 3", "seeds: [4]"), "a")
-    found = calibration(out)["found"]
+    out, done = calibrated(folder, TARGETS.replace("seeds: 3", "seeds: [4]"), "a")
+    whole = calibration(out)
+    found = whole["found"]
     run(os.path.join(out, "calibrated.yaml"), os.path.join(folder, "run"))
     readings = summary(os.path.join(folder, "run"))["readings"]
     for name, reading in (("young_modulus", "young_modulus"), ("poisson_ratio", "poisson_ratio"), ("compressive_strength", "peak_stress")):
         assert found[name]["packings"] == [readings[reading]], (name, found[name]["packings"], readings[reading])
-    assert found["young_modulus"]["interval"] == [None, None], "one packing has no interval"
+    assert all(one["interval"] is None for one in (*found.values(), *whole["parameters"].values())), "one packing has no interval"
+    assert all(one["prediction"] is None for one in found.values()), found
+    assert whole["notes"] == ["intervals need at least three packings"] and done.stdout.count("95 %: -") == 8, (whole["notes"], done.stdout)
     with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
         page = file.read()
     assert page.count("data:image/png") == 3 and "compressive_strength" in page and "<script" not in page
@@ -238,6 +242,19 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
     expect(gneiss("calibrate", os.path.join(folder, "none.yaml")), 3, "cannot be read")
     expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--set", "time.end=1"), 2, "file of targets")
     expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--seeds", "1,x"), 2)
+
+
+@plain_fact
+def intervals_end_where_a_reading_can_be(_):
+    assert uncertainty.within([-2.0, 5.0], 0.0, np.inf) == [0.0, 5.0]
+    assert uncertainty.within([0.1, 0.7], *output.PHYSICAL["poisson_ratio"]) == [0.1, 0.5]
+    assert uncertainty.within([-np.inf, 5.0], -np.inf, np.inf) is None
+    scattered = {name: np.array(values) for name, values in (("poisson_ratio", [0.05, 0.2, 0.45]), ("tensile_strength", [1e6, 3e6, 9e6]))}
+    evaluation = SimpleNamespace(errors={}, column=scattered.get, mean=lambda name: float(np.mean(scattered[name])))
+    wanted = {name: targets.Target(name, 1.0, 1.0) for name in scattered}
+    entries = output.found_of(SimpleNamespace(search=SimpleNamespace(targets=wanted), evaluation=evaluation, fresh=None))
+    assert entries["poisson_ratio"]["prediction"] == [0.0, 0.5] and entries["tensile_strength"]["prediction"][0] == 0.0, entries
+    assert entries["tensile_strength"]["prediction"][1] > 9e6, entries
 
 
 class Means:
