@@ -10,11 +10,12 @@ from calibrate import elastic, laws, output, strength, targets, uncertainty
 from calibrate.material import Material
 from calibrate.problem import OutOfBudget, Problem
 from calibrate.readings import BRAZILIAN, COMPRESSION, TENSION, tests_for
-from calibrate.simulate import Laboratory
+from calibrate.simulate import Laboratory, kept_runs
 
 SURE_RATIO = 4.5      # compressive over tensile strength that brittle bonds reach in any packing of spheres
 SCATTER = 0.08        # of one packing's ratio of strengths
 FRESH = 3             # packings of the check
+OF_A_RUN = ("results.h5", "summary.json")
 
 
 @dataclass
@@ -237,9 +238,19 @@ def calibrate(request, laboratory, progress):
 
 # --- the program ---------------------------------------------------------------------------------------
 
+def refuse_other_files(folder):
+    """Problem if a folder holds a run, or the results of a calibration without its runs: these may be another's files."""
+    others = OF_A_RUN if kept_runs(folder) else OF_A_RUN + output.FILES
+    for name in others:
+        if os.path.exists(os.path.join(folder, name)):
+            raise Problem(f"{os.path.join(folder, name)}: expected a new folder or that of a calibration, found this file (--force replaces files)", 3)
+
+
 def folder_of(options):
     stem = os.path.splitext(os.path.basename(options.target))[0]
     folder = options.out or os.path.join("runs", stem)
+    if not options.force:
+        refuse_other_files(folder)
     try:
         os.makedirs(folder, exist_ok=True)
         lock = open(os.path.join(folder, ".lock"), "w", encoding="utf-8")

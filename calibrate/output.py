@@ -13,6 +13,7 @@ from calibrate.simulate import write_whole
 UNITS = {"contact_modulus": "Pa", "young": "Pa", "normal_stiffness": "N/m", "tensile_strength": "Pa", "shear_strength": "Pa",
          "bond_tension_limit": "N", "bond_shear_limit": "N"}
 PHYSICAL = {"poisson_ratio": (0.0, 0.5), "friction_angle": (0.0, 90.0)}  # ranges of readings; of all others: above 0
+FILES = ("calibration.json", "calibrated.yaml", "report.html")
 # Scene key: parameters whose scaled coordinates add up to that of the key, with their signs.
 ORIGINS = {
     "contact_modulus": {"modulus": 1}, "young": {"modulus": 1}, "normal_stiffness": {"modulus": 1}, "kratio": {"ratio": -1}, "beta": {"ratio": 1},
@@ -138,4 +139,4 @@ def show(folder, whole):
         print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s} for {with_unit(entry['target'], entry['unit'])}" + interval_text(entry))
     for name, entry in whole["parameters"].items():
         print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s}" + (interval_text(entry) if entry["free"] else ""))
-    print(f"{whole['runs']} runs, {whole['cpu_seconds']:.0f} CPU seconds; written to {folder}: calibration.json, calibrated.yaml, report.html")
+    print(f"{whole['runs']} runs, {whole['cpu_seconds']:.0f} CPU seconds; written to {folder}: {', '.join(FILES)}")

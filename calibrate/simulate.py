@@ -3,6 +3,7 @@ import ctypes
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -40,6 +41,13 @@ def _write_whole(path, text):
     except BaseException:
         os.unlink(name)
         raise
+
+
+def kept_runs(folder):
+    """Paths of the runs of calibrations in a folder, each named by the hash of its scene."""
+    runs = os.path.join(folder, "runs")
+    names = os.listdir(runs) if os.path.isdir(runs) else []
+    return [os.path.join(runs, name) for name in names if re.fullmatch("[0-9a-f]{16}", name)]
 
 
 def program_version(program):
@@ -201,9 +209,9 @@ class Laboratory:
                 process.wait()
 
     def forget(self):
-        """Removes all runs of the folder."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-        os.makedirs(self.folder, exist_ok=True)
+        """Removes all runs of the folder that calibrations made."""
+        for path in kept_runs(os.path.dirname(self.folder)):
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def _number(value):

@@ -257,6 +257,22 @@ def intervals_end_where_a_reading_can_be(_):
     assert entries["tensile_strength"]["prediction"][1] > 9e6, entries
 
 
+@plain_fact
+def files_of_others_are_kept_without_force(folder):
+    other = os.path.join(folder, "a")
+    os.makedirs(os.path.join(other, "runs", "mine"))
+    for name in ("results.h5", "summary.json", "calibration.json", "calibrated.yaml", "report.html"):
+        path = write_scene(other, "kept", name)
+        _, done = calibrated(folder, TARGETS, "a", code=3)
+        assert path in done.stderr and "--force" in done.stderr, done.stderr
+        assert sorted(os.listdir(other)) == sorted([name, "runs"]), os.listdir(other)
+        os.unlink(path)
+    path = write_scene(other, "kept", "calibrated.yaml")
+    calibrated(folder, TARGETS + "budget: 1\n", "a", "--force", code=2)
+    assert os.path.isdir(os.path.join(other, "runs", "mine")), "a folder that no calibration made"
+    calibrated(folder, TARGETS + "budget: 1\n", "a", code=2)  # the folder of a calibration by now
+
+
 class Means:
     """Search and evaluation of outputs that are linear in the parameters, as calibrate.uncertainty takes them."""
 
