@@ -2,6 +2,7 @@
 import argparse
 import fcntl
 import os
+import re
 import sys
 import time
 from dataclasses import dataclass, field
@@ -32,13 +33,28 @@ class Result:
     other: object = None
 
 
+def threads_of(text):
+    """Number of the option --threads, as that of a scene; 0 stands for all cores."""
+    if text == "auto":
+        return 0
+    if not re.fullmatch("[0-9]{1,4}", text) or int(text) > 1024:
+        raise Problem(f"--threads: expected a whole number in [0, 1024] or 'auto', found '{text}'")
+    return int(text)
+
+
 def options_of(arguments):
+    """Options of the command; a value may begin with a minus."""
+    arguments = list(arguments)
+    for name in ("--program", "--out", "--seeds", "--threads"):
+        if name in arguments[:-1]:
+            place = arguments.index(name)
+            arguments[place:place + 2] = [f"{name}={arguments[place + 1]}"]
     parser = argparse.ArgumentParser(prog="gneiss calibrate", allow_abbrev=False)
     parser.add_argument("target")
     parser.add_argument("--program", default=os.environ.get("GNEISS_PROGRAM", "gneiss"))
     parser.add_argument("--out")
     parser.add_argument("--seeds")
-    parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--threads", default="0")
     parser.add_argument("--force", action="store_true")
     parser.add_argument("--quiet", action="store_true")
     return parser.parse_args(arguments)
@@ -264,11 +280,12 @@ def folder_of(options):
 
 def work(options):
     request = targets.read(options.target)
-    if options.seeds:
+    threads = threads_of(options.threads)
+    if options.seeds is not None:
         request.seeds = targets.seeds_of(options.seeds)
     folder, lock = folder_of(options)
     with lock:
-        laboratory = Laboratory(options.program, folder, options.threads or len(os.sched_getaffinity(0)), request.most_runs, request.most_seconds)
+        laboratory = Laboratory(options.program, folder, threads or len(os.sched_getaffinity(0)), request.most_runs, request.most_seconds)
         if options.force:
             laboratory.forget()
         result, tried = calibrate(request, laboratory, Progress(laboratory, options.quiet))

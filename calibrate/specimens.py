@@ -13,6 +13,7 @@ DURATION = 4.0       # duration over the expected one
 STRAIN = {"compression": 1.3, "tension": 1.1, "brazilian": 9.0, "triaxial": 1.6}  # at the peak, over strength over modulus
 SEAT = 0.1           # depth of platens in discs, in mean radii: laid on, they would close gaps as wide as the strains of the test
 GRIP = 1.5           # depth of glued ends in mean radii
+AREA_SHARE, VOLUME_SHARE = 0.85, 0.6  # of particles in a packing
 FLAT = math.cos(math.radians(5.0))  # Brazilian disc: flats of 10 degrees
 
 
@@ -57,8 +58,18 @@ def size_of(scene):
         radius = metres(specimen["mean_radius"])
     else:
         each = section * height / units.number(specimen["particles"], "1")
-        radius = math.sqrt(0.85 * each / math.pi) if flat else (0.6 * each * 0.75 / math.pi) ** (1.0 / 3.0)
+        radius = math.sqrt(AREA_SHARE * each / math.pi) if flat else (VOLUME_SHARE * each * 0.75 / math.pi) ** (1.0 / 3.0)
     return Size(height, width, section, radius, diameter)
+
+
+def particles_of(scene):
+    """Number of particles of a scene's specimen, an estimate if their mean radius is given."""
+    if "mean_radius" not in scene["specimen"]:
+        return units.number(scene["specimen"]["particles"], "1")
+    size = size_of(scene)
+    if laws.dimension_of(scene) == 2:
+        return AREA_SHARE * size.section * size.height / (math.pi * size.radius**2)
+    return VOLUME_SHARE * size.section * size.height / (4.0 / 3.0 * math.pi * size.radius**3)
 
 
 def _axis(scene):

@@ -9,6 +9,7 @@ import yaml
 from calibrate import units
 from calibrate.laws import NAMES as LAWS
 from calibrate.problem import Problem
+from calibrate.specimens import particles_of
 
 # Reading: unit, lowest and highest value, default tolerance (a number below 1: of the value; of a ratio or an angle: absolute).
 READINGS = {
@@ -27,6 +28,9 @@ SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
 LENGTHS = {"cylinder": ("diameter", "height"), "box": ("size",), "rectangle": ("width", "height")}
 MATERIAL = {"density": ("kg/m3", 1.0, 1e5), "contact_modulus": ("Pa", 1.0, 1e15), "young": ("Pa", 1.0, 1e15), "normal_stiffness": ("N/m", 1e-3, 1e15),
             "kratio": ("1", 0.0, 1e6), "alpha": ("1", 1e-6, 1e6), "beta": ("1", 0.0, 1e6), "poisson": ("1", -0.99, 0.5), "bond_friction": ("1", 0.0, 100.0)}
+STIFFNESSES = ("uniform", "arithmetic", "harmonic", "mean_radius", "mean_arithmetic", "mean_harmonic", "dempack", "polyhedron")
+MOST_SEEDS = 1000
+FEWEST = 50   # particles of a specimen
 DEEPEST = 32  # of sections within sections, as in a scene
 
 
@@ -252,20 +256,18 @@ def _seeds(file, node):
         if not seeds or len(set(seeds)) < len(seeds):
             file.fail(node, "seeds: expected different whole numbers")
         return seeds
-    return list(range(1, 1 + file.whole(node, "seeds", 1, 1000)))
+    return list(range(1, 1 + file.whole(node, "seeds", 1, MOST_SEEDS)))
 
 
 def seeds_of(text):
     """Seeds of the option --seeds: a number of them from 1 on, or a list such as 3,7,11."""
-    try:
-        seeds = [int(one) for one in text.split(",")]
-    except ValueError as error:
-        raise Problem(f"--seeds: expected a number of seeds or a list such as 3,7,11, found '{text}'") from error
-    if len(seeds) == 1:
-        seeds = list(range(1, 1 + seeds[0]))
-    if not seeds or min(seeds) < 0 or len(set(seeds)) < len(seeds):
-        raise Problem(f"--seeds: expected different whole numbers, at least one, found '{text}'")
-    return seeds
+    parts = text.split(",")
+    seeds = [int(one) for one in parts if re.fullmatch(" *[0-9]{1,16} *", one)]
+    if len(seeds) < len(parts) or (len(seeds) == 1 and not 1 <= seeds[0] <= MOST_SEEDS):
+        raise Problem(f"--seeds: expected a number of seeds in [1, {MOST_SEEDS}] or a list such as 3,7,11, found '{text}'")
+    if len(set(seeds)) < len(seeds) or max(seeds) > 2**53:
+        raise Problem(f"--seeds: expected different whole numbers up to 2^53, found '{text}'")
+    return seeds if len(seeds) > 1 else list(range(1, 1 + seeds[0]))
 
 
 def _base_scene(file, node):
@@ -309,7 +311,7 @@ def _scene(file, found):
             if key in found:
                 file.fail(found[key], f"{key}: expected it in the scene itself, found it beside scene")
         base, nodes, scene = _base_scene(file, found["scene"])
-        _law(base, nodes["law"])
+        _law(base, nodes["law"], "law" not in found or found["law"].value == "scene")
         scene["dimension"] = base.whole(nodes["dimension"], "dimension", 2, 3) if "dimension" in nodes else 3
         shape = _shape(base, nodes["specimen"], scene["dimension"])
     else:
@@ -323,11 +325,13 @@ def _scene(file, found):
     return scene, shape
 
 
-def _law(file, node):
-    """A section `law`, as a scene has it."""
-    if "stiffness" not in file.section(node, "law"):
+def _law(file, node, is_used=True):
+    """A section `law`, as a scene has it; bonds need one of STIFFNESSES."""
+    keys = file.section(node, "law")
+    if "stiffness" not in keys:
         file.fail(node, "law.stiffness: expected the stiffness of contacts, found none")
-    file.text(file.section(node, "law")["stiffness"], "law.stiffness")
+    if is_used and file.text(keys["stiffness"], "law.stiffness") not in STIFFNESSES:
+        file.fail(keys["stiffness"], f"law.stiffness: expected one of {', '.join(STIFFNESSES)}, which have bonds; found '{keys['stiffness'].value}'")
     return file.data(node)
 
 
@@ -352,6 +356,10 @@ def _shape(file, node, dimension):
         file.whole(keys["particles"], "specimen.particles", 1, 1e9)
     else:
         file.fail(node, "specimen.particles: expected a number of particles or mean_radius, found neither")
+    size = "mean_radius" if "mean_radius" in keys else "particles"
+    count = particles_of({"dimension": dimension, "specimen": file.data(node)})
+    if count < FEWEST:
+        file.fail(keys[size], f"specimen.{size}: expected at least {FEWEST} particles, since fewer have no strength of a material, found about {count:.3g}")
     return shapes[0]
 
 
@@ -375,6 +383,8 @@ def read(path):
         law = found["law"].value
         if law not in ("auto", "scene", *LAWS) or (law == "scene" and "scene" not in found):
             file.fail(found["law"], f"law: expected auto, {', '.join(LAWS)} or a section as in a scene, found '{law}'")
+    if "bonds" in found and law != "scene":
+        file.fail(found["bonds"], f"bonds: expected a section law beside it, found {describe(found['law']) if 'law' in found else 'none'}")
     if law == "scene" and "bonds" not in scene:
         file.fail(found["scene"], "scene: expected a scene with the section bonds, or a law beside it, found neither")
     request = Request(path, file.text(found["title"], "title") if "title" in found else "", scene, law, targets,

@@ -218,6 +218,11 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
             (head + "title: " + 40 * "[" + "\n", r":4:39: nested too deeply"),
             (head + "title: [a]\n", r":4:8: title: expected a text, found a list"),
             (head + "law: {}\n", r":4:6: law\.stiffness: expected the stiffness of contacts, found none"),
+            (head + "bonds: {interaction_range: 0.1}\n", r":4:8: bonds: expected a section law beside it, found none"),
+            (head + "law: linear\nbonds: {}\n", r":5:8: bonds: expected a section law beside it, found 'linear'"),
+            (head + "law: {stiffness: hertz}\n", r":4:18: law\.stiffness: expected one of uniform.*found 'hertz'"),
+            (head.replace("250", "49"), r":1:67: specimen\.particles: expected at least 50 particles, .* found about 49"),
+            (head.replace("particles: 250", "mean_radius: 5 mm"), r":1:69: specimen\.mean_radius: expected at least 50 particles, .* found about 14\.4"),
             (head + "budget: --5\n", r":4:9: budget: expected a number of runs"),
             (head + "seeds: 1.5\n", r":4:8: seeds: expected a whole number, found '1\.5'"),
             (head.replace("20 mm", "nan"), r":1:33: specimen\.cylinder\.diameter: expected a number, found 'nan'"),
@@ -241,7 +246,12 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
         assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
     expect(gneiss("calibrate", os.path.join(folder, "none.yaml")), 3, "cannot be read")
     expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--set", "time.end=1"), 2, "file of targets")
-    expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--seeds", "1,x"), 2)
+    good = write_scene(folder, TARGETS, "good.yaml")
+    for option, values, expected in (("--seeds", ("-x", "1001"), "a number of seeds in"), ("--seeds", ("1,1",), "different"),
+                                     ("--threads", ("-2", "1.5"), r"a whole number in \[0, 1024\] or 'auto'")):
+        for value in values:
+            expect(gneiss("calibrate", good, "--out", os.path.join(folder, "bad"), option, value), 2, f"^gneiss: {option}: expected {expected}.*found '{value}'\n$")
+    assert not os.path.exists(os.path.join(folder, "bad")), "nothing is written for bad input"
 
 
 @plain_fact
