@@ -130,6 +130,20 @@ def interval_text(entry):
     return ", 95 %: " + (" .. ".join(with_unit(one, entry["unit"]) for one in entry["interval"]) if entry["interval"] else "-")
 
 
+def checks(whole):
+    """Lines on the fresh packings and on the test that was not fitted, as far as there are any."""
+    fresh, other, lines = [one["fresh"] for one in whole["found"].values() if "fresh" in one], whole["other_test"], []
+    if fresh:
+        count, values = max(len(one["values"]) for one in fresh), sum(len(one["values"]) for one in fresh)
+        known = all(one["inside"] is not None for one in fresh)
+        share = f"{sum(one['inside'] for one in fresh)} of {values} readings inside the prediction intervals" if known else "no prediction intervals"
+        lines.append(f"check with {count} fresh packing{'s' if count > 1 else ''}: {share}")
+    if other:
+        lines.append(f"check with a test that was not fitted: strength in {other['test']} "
+                     + ", ".join(with_unit(one, other["unit"]) for one in other["strengths"]))
+    return lines
+
+
 def show(folder, whole):
     """The result on standard output."""
     print(f"law {whole['law']}: " + ("all targets are reached" if whole["reached"] else "not all targets are reached"))
@@ -139,4 +153,6 @@ def show(folder, whole):
         print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s} for {with_unit(entry['target'], entry['unit'])}" + interval_text(entry))
     for name, entry in whole["parameters"].items():
         print(f"  {name:24s} {with_unit(entry['value'], entry['unit']):>12s}" + (interval_text(entry) if entry["free"] else ""))
+    for line in checks(whole):
+        print("  " + line)
     print(f"{whole['runs']} runs, {whole['cpu_seconds']:.0f} CPU seconds; written to {folder}: {', '.join(FILES)}")

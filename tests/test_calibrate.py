@@ -76,6 +76,9 @@ def known_parameters_are_recovered_from_their_readings_within_the_stated_interva
     found = calibration(out)
     assert found["reached"] and "all targets are reached" in done.stdout, found["notes"]
     assert found["runs"] <= 60, found["runs"]
+    inside = sum(one["fresh"]["inside"] for one in found["found"].values())
+    assert f"check with 3 fresh packings: {inside} of 12 readings inside the prediction intervals\n" in done.stdout, done.stdout
+    assert re.search(r"check with a test that was not fitted: strength in brazilian [\d.]+ MPa, [\d.]+ MPa\n", done.stdout), done.stdout
     for name, value in wanted.items():
         entry = found["found"][name]
         assert abs(entry["value"] - value) <= entry["tolerance"] and len(entry["packings"]) == 3, (name, entry, value)
