@@ -363,6 +363,7 @@ def a_planned_run_is_named_after_its_scene_and_may_be_repeated(folder):
     name = os.path.splitext(os.path.basename(scene))[0] + "-planned"
     assert sorted(os.listdir(os.path.join(folder, "runs"))) == [name, name + ".yaml"]
     expect(gneiss("run", scene, *given, cwd=folder), 0)
+    expect(gneiss("run", os.path.relpath(scene, folder), *given, cwd=folder), 0)  # the same file by another path
     planned = os.path.join(folder, "runs", name + ".yaml")
     with open(planned, "w") as file:
         file.write("# another\n")
@@ -381,6 +382,31 @@ def a_planned_run_makes_as_many_packings_as_the_plan(folder):
     done = expect(gneiss("run", scene, *given, "--threads", 1, "--jobs", 1, "--out", out), 0)
     assert f"{wanted} runs" in done.stdout, done.stdout
     assert len(glob.glob(os.path.join(out, "*", "results.h5"))) == wanted
+    before = open(out + ".yaml").read()
+    given = ("--error", "40%", *given[2:])
+    assert proposed(scene, *given)["packings"] == 1
+    expect(gneiss("run", scene, *given, "--out", out), 2, "out: expected a folder for one run, found a sweep in it: choose another with --out")
+    assert open(out + ".yaml").read() == before
+
+
+@fact
+def a_break_after_the_end_of_the_test_is_no_start(folder):
+    # Discs between stiff platens that close by 0.1 mm: the first bond would break at some three times that.
+    scene = {
+        "dimension": 2,
+        "specimen": {"rectangle": {"width": "40 mm", "height": "80 mm"}, "particles": 400},
+        "materials": [{"name": "rock", "density": 2500, "contact_modulus": "8 GPa", "kratio": 2.5, "friction": 0.4,
+                       "tensile_strength": "10 MPa", "shear_strength": "20 MPa"}],
+        "law": {"stiffness": "harmonic"},
+        "bonds": {"interaction_range": 0.05},
+        "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+        "walls": [{"name": name, "point": [0, y], "normal": [0, side], "stiffness": 1e11, "passive": True, "motion": {"vy": 0.05 * side}}
+                  for name, y, side in (("bottom", 0, 1), ("top", 0.08, -1))],
+        "test": {"kind": "compression", "axis": "y", "lower": "bottom", "upper": "top"},
+        "time": {"end": "1 ms", "stop": {"peak_drop": 0.5}},
+    }
+    plan = proposed(write_scene(folder, scene), "--error", "20%", "--reading", "stiffness")
+    assert plan["start"] == "rest" and plan["seconds"] > 0 and plan["packings"] < 40, plan
 
 
 @fact

@@ -167,6 +167,17 @@ def bonds_hold_whatever_their_strength(folder):
 
 
 @fact
+def platens_without_a_predicted_load_are_noted_and_tests_without_constants_named(folder):
+    triaxial = ("stiffness", os.path.join(SHIPPED, "triaxial.yaml"), "--set", "specimen.particles=200")
+    note = r"gneiss: note: no strain at the peak is predicted for this test, and platens are seated by the load: E at a strain of 1e-05 may be too low"
+    expect(gneiss(*triaxial), 0, note)
+    for path, *more in (triaxial[1:] + ("--strain", "1e-3"), (bar(folder),)):
+        assert "note: no strain" not in words("stiffness", path, *more)[2]
+    disc = constants(os.path.join(SHIPPED, "brazilian.yaml"), "--set", "specimen.particles=200")
+    assert disc["test"] is None and disc["test_absent"] == "such a test gives no elastic constants", disc
+
+
+@fact
 def platens_are_seated_by_the_predicted_load(folder):
     """A run fits rows of equal time while its platens gain speed, and its first breaks soften it: 1 %; at a strain of 1e-5 E is 12 % less."""
     scene, out = os.path.join(SHIPPED, "compression.yaml"), os.path.join(folder, "out")

@@ -5,6 +5,7 @@
 #include "cli/progress.h"
 #include "io/io.h"
 #include "plan/setting.h"
+#include "run/folder.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -262,21 +263,23 @@ static gneiss_status scene_text(const gn_options *options, const gn_settings *se
     return gn_text_close(out, "the text of the scene", error);
 }
 
-bool gn_plan_wrote(const char *path, const char *target) {
-    char shown[GN_PATH_SIZE], first[GN_PATH_SIZE + 8] = "", wanted[GN_PATH_SIZE + 8];
-    FILE *file = fopen(path, "r");
-    snprintf(wanted, sizeof wanted, "# %s", gn_printable(target, shown, sizeof shown));
-    const bool read = file && fgets(first, sizeof first, file);
-    if (file) (void)fclose(file);
-    const size_t length = strlen(wanted);
-    return read && strncmp(first, wanted, length) == 0 &&
-           (strcmp(first + length, " with\n") == 0 || strcmp(first + length, "\n") == 0);
-}
-
 static bool is_same_file(const char *one, const char *other) {
     struct stat a, b;
     return stat(one, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev &&
            a.st_ino == b.st_ino;
+}
+
+bool gn_plan_wrote(const char *path, const char *target) {
+    char first[GN_PATH_SIZE + 8] = "";
+    FILE *file = fopen(path, "r");
+    const bool read = file && fgets(first, sizeof first, file) && strncmp(first, "# ", 2) == 0;
+    if (file) (void)fclose(file);
+    if (!read) return false;
+    first[strcspn(first, "\n")] = '\0';
+    const size_t length = strlen(first), ending = strlen(" with");
+    if (length > ending && strcmp(first + length - ending, " with") == 0)
+        first[length - ending] = '\0';
+    return is_same_file(first + 2, target);
 }
 
 static gneiss_status write_scene(const gn_options *options, const gn_settings *settings,
@@ -313,6 +316,22 @@ static gneiss_status tell(const gn_options *options, const gn_world *world, gn_p
     return write_scene(options, &settings, error);
 }
 
+/* Results of a planned run go to the folder named after its scene file. One run and several do not
+ * share a folder; this is refused before the scene of earlier results is replaced. */
+static gneiss_status check_folder_of_runs(const gn_options *options, int packings,
+                                          gneiss_error *error) {
+    char folder[GN_PATH_SIZE], results[GN_PATH_SIZE + 16];
+    snprintf(folder, sizeof folder, "%.*s", (int)(strlen(options->write) - strlen(".yaml")),
+             options->write);
+    snprintf(results, sizeof results, "%s/results.h5", folder);
+    const bool one = access(results, F_OK) == 0;
+    if (packings > 1 ? !one : !gn_folder_holds_sweep(folder)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.300s: expected a folder for %s, found %s in it: choose another with --out",
+                   folder, packings > 1 ? "several runs" : "one run",
+                   packings > 1 ? "a run" : "a sweep");
+}
+
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                int *packings, gneiss_error *error) {
     const bool particles = world->ctx.scene.has_specimen;
@@ -332,6 +351,9 @@ gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world,
                        "%s: --error: %.3g %% cannot be reached, the least is about %.2g %%: gneiss "
                        "plan prints its causes",
                        options->target, 100.0 * wanted.error, 100.0 * plan->best.error / 1.1);
-    if (packings) *packings = plan->best.packings;
+    if (packings) {
+        *packings = plan->best.packings;
+        GN_TRY(check_folder_of_runs(options, *packings, error));
+    }
     return tell(options, world, plan, error);
 }

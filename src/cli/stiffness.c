@@ -38,6 +38,12 @@ enum { STATES = 20 }; /* readings use those up to half of the largest stress */
     X(flexural_modulus)                                                                            \
     X(stiffness)
 
+static const bool is_constant[GN_READING_COUNT] = {
+#define X(name) [GN_READING_##name] = true,
+    CONSTANTS(X)
+#undef X
+};
+
 static bool has_constant(const gn_scene *scene, gn_reading which) {
     const bool plane =
         which == GN_READING_plane_young_modulus || which == GN_READING_plane_poisson_ratio;
@@ -47,6 +53,7 @@ static bool has_constant(const gn_scene *scene, gn_reading which) {
 typedef struct outcome {
     gn_network network;
     double strain;               /* of the test */
+    bool unseated;               /* walls load the specimen and no strain at the peak is known */
     const gn_readings *readings; /* the run owns them; NULL: no test */
     char absent[GNEISS_MESSAGE_SIZE];
     int64_t solutions, iterations; /* of both */
@@ -126,7 +133,10 @@ static gneiss_status note_state(void *context, const gn_first_break *so_far, gne
 
 static const char *test_refusal(const gn_scene *scene) {
     if (!gn_scene_tested(scene)) return "the scene has no test";
-    if (!gn_scene_test(scene)->ends) return "a test without ends has no such constants";
+    bool constants = false;
+    for (int k = 0; k < GN_READING_COUNT; k++)
+        constants = constants || (is_constant[k] && has_constant(scene, (gn_reading)k));
+    if (!gn_scene_test(scene)->ends || !constants) return "such a test gives no elastic constants";
     if (scene->test.has_control) return "expected ends with prescribed motion, found test.control";
     return gn_scene_loading_refusal(scene);
 }
@@ -164,7 +174,8 @@ static bool has_walls(const gn_scene *scene) {
 
 /* Platens are seated by the load: with the strain at the predicted peak, readings are of that part
  * of the curve which those of a run are of. Otherwise the curve is straight. */
-static gneiss_status choose_strain(const gn_world *w, double *strain, gneiss_error *error) {
+static gneiss_status choose_strain(const gn_world *w, double *strain, bool *unseated,
+                                   gneiss_error *error) {
     gn_estimate estimate = {0};
     if (*strain > 0.0) return GNEISS_OK;
     *strain = default_strain;
@@ -172,6 +183,8 @@ static gneiss_status choose_strain(const gn_world *w, double *strain, gneiss_err
     GN_TRY(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &estimate, error));
     if (!estimate.absent && estimate.strain > default_strain && estimate.strain < strain_most)
         *strain = estimate.strain;
+    else
+        *unseated = true;
     return GNEISS_OK;
 }
 
@@ -179,7 +192,7 @@ static gneiss_status load_test(gn_run *run, outcome *found, gneiss_error *error)
     const gn_world *w = &run->world;
     const gn_tested_shape shape = gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids);
     gn_first_break path;
-    GN_TRY(choose_strain(w, &found->strain, error));
+    GN_TRY(choose_strain(w, &found->strain, &found->unseated, error));
     gneiss_status status =
         gn_static_loading(&run->world, found->strain * shape.length / sides(&w->ctx.scene), STATES,
                           &(gn_first_break_watch){note_state, run}, &path, error);
@@ -337,6 +350,15 @@ static void print_test(const gn_scene *scene, const outcome *found) {
 #undef X
 }
 
+static void note_unseated(const outcome *found) {
+    if (found->readings && found->unseated)
+        fprintf(stderr,
+                "gneiss: note: no strain at the peak is predicted for this test, and platens are "
+                "seated by the load: E at a strain of %.3g may be too low by a tenth or more "
+                "(--strain gives another)\n",
+                found->strain);
+}
+
 static void print_tensor(const char *name, const gn_elastic *tensor) {
     const gn_isotropic iso = gn_isotropic_of(tensor);
     char text[32];
@@ -418,6 +440,7 @@ gneiss_status gn_command_stiffness(const gn_options *options, gneiss_error *erro
         status = print_json(&run->world.ctx.scene, found, error);
     else if (status == GNEISS_OK)
         print_text(&run->world.ctx.scene, found);
+    if (status == GNEISS_OK && !options->quiet) note_unseated(found);
     gn_run_free(run);
     return status;
 }

@@ -41,8 +41,9 @@ static double steps_of_start(const gn_step_context *ctx, const gn_plan *plan,
                              const gn_proposal *proposal, double dt) {
     const double fraction = 0.9;
     const gn_estimate *estimate = &plan->estimate;
-    double saved = fraction * estimate->first_break * ctx->test_length /
-                   (estimate->closing_velocity * proposal->pace) / dt;
+    double saved = fmin(fraction * estimate->first_break * ctx->test_length /
+                            (estimate->closing_velocity * proposal->pace) / dt,
+                        proposal->steps);
     double cost = gn_slope_base_of(estimate->study, "statics in steps");
     double of = gn_slope_base_of(estimate->study, "particles");
     return cost * pow(proposal->particles / of, 1.0 / (double)ctx->scene.dimension) - saved;
@@ -169,7 +170,7 @@ static void try_ways(setting_search *search, gn_proposal proposal) {
                   search->world->ctx.scene.gravity[0] == 0.0 &&
                   search->world->ctx.scene.gravity[1] == 0.0 &&
                   search->world->ctx.scene.gravity[2] == 0.0;
-    bool start = !plan->statics_refusal && isfinite(plan->estimate.strain) &&
+    bool start = !plan->statics_refusal && plan->estimate.first_break < plan->estimate.end_strain &&
                  gn_slope_find(plan->groups.study, plan->reading, "start", false);
     const int precisions = plan->mixed_known ? 2 : 1, starts = start ? 2 : 1;
     for (int mixed = 0; mixed < precisions; mixed++)
