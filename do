@@ -365,13 +365,13 @@ PYTHON
 }
 
 # Other programs are compiled without sanitizers and read by clang: what no test here runs is not built.
-sanitized_tests() {
+sanitized_tests() { # [names of tests]
     local folder=build-check-sanitize left_out=(long plain) targets
     "$ninja" --quiet -C "$root/$folder" build.ninja >&2 || return 1 # follows what meson.build says now
     mapfile -t targets < <("$python" "$root/tools/tests_need.py" "$root/$folder" "${left_out[@]}")
     ((${#targets[@]})) || { say "sanitizers: no test to build"; return 1; }
-    ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
-        run_tests "$folder" "${left_out[@]/#/--no-suite=}" --timeout-multiplier 5
+    ASAN_OPTIONS=detect_leaks=1:intercept_tls_get_addr=${trace_tls:-1} UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
+        run_tests "$folder" "${left_out[@]/#/--no-suite=}" --timeout-multiplier 5 "$@"
 }
 
 check_sanitizers() {
@@ -380,11 +380,20 @@ check_sanitizers() {
     CC=clang CXX=clang++ configure build-check-sanitize -Dsets=scalar,avx2 -Doptimization=1 -Ddebug=true -Db_ndebug=false \
         -Db_sanitize=address,undefined -Db_lundef=false "-Dc_args=-g1 -fsanitize-ignorelist=$ignore" || return 1
     sanitized_tests && return 0
-    # The tracer of the leak checker dies itself now and then when a program with threads has ended.
+    # The leak checker of clang 14 guesses from the words before a library's thread-local block where that lies, and reads there. With
+    # glibc 2.36 the guess can be wrong and kill it after all has passed; the tests that failed then run without these blocks.
     grep -q 'LeakSanitizer has encountered a fatal error' "$root/build-check-sanitize/meson-logs/testlog.txt" ||
         return 1
-    say "the leak checker died: once more"
-    sanitized_tests
+    local failed
+    mapfile -t failed < <("$python" -c '
+import json, sys
+for line in open(sys.argv[1]):
+    test = json.loads(line)
+    if test["result"] not in ("OK", "SKIP"):
+        print(test["name"].split(" / ")[-1])' "$root/build-check-sanitize/meson-logs/testlog.json")
+    ((${#failed[@]})) || return 1
+    say "the leak checker died: once more ${failed[*]}"
+    trace_tls=0 sanitized_tests "${failed[@]}"
 }
 
 # Archer tells ThreadSanitizer what OpenMP orders; without it every parallel region would seem to be a race.
