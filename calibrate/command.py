@@ -229,13 +229,12 @@ def examine(request, result, progress):
     result.slopes = search.slopes
     try:
         result.slopes = uncertainty.measured_slopes(search, evaluation, seeds[:strength.SCOUTS])
-        fresh = [max(seeds) + 1 + k for k in range(min(FRESH, len(seeds)))] if "file" not in result.material.scene["specimen"] else []
-        if fresh:
-            progress(f"check on {len(fresh)} fresh packings")
-            result.fresh = result.material.evaluate(evaluation.parameters, fresh)
+        fresh = [max(seeds) + 1 + k for k in range(min(FRESH, len(seeds)))]
+        progress(f"check on {len(fresh)} fresh packings")
+        result.fresh = result.material.evaluate(evaluation.parameters, fresh)
         fitted = tests_for(request.targets)
         spare = [test for test in (COMPRESSION, TENSION, BRAZILIAN) if test not in fitted]
-        if spare and not (spare[0] == BRAZILIAN and "file" in result.material.scene["specimen"]):
+        if spare:
             progress(f"check on a test that was not fitted: {spare[0].name}")
             result.other = spare[0], result.material.measure(spare[0], evaluation.parameters, seeds[:strength.SCOUTS])
     except OutOfBudget as end:

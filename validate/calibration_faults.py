@@ -380,9 +380,7 @@ SECTIONS = {"kills": kills, "targets": targets}
 
 def main(arguments):
     study.reported(arguments, __doc__, FLAGS)
-    names = [one for one in arguments if not one.startswith("--") and not one.isdigit()] or list(SECTIONS)
-    if set(names) - set(SECTIONS):
-        sys.exit(f"expected some of {', '.join(SECTIONS)}, found {' '.join(names)}; --help says what they do")
+    names = calibration_page.named(arguments, SECTIONS)
     if study.KEPT:
         calibration_page.write()
         return

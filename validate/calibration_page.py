@@ -1,4 +1,6 @@
 """The page docs/evidence/calibration.md: its sections and their order. Every study writes its own sections and leaves the others as they are."""
+import sys
+
 import study
 from sections import Page
 
@@ -10,6 +12,14 @@ targets: [../calibrate.md](../calibrate.md).
 
 """
 PAGE = Page(study.ROOT / "docs" / "evidence" / "calibration.md", study.RUNS / "calibration" / "sections", HEAD, "validate/calibration_statistics.py")
+
+
+def named(arguments, sections):
+    """The sections that the arguments of a study name, all of them if there are none; numbers and options are skipped."""
+    names = [one for one in arguments if not one.startswith("--") and not one.isdigit()] or list(sections)
+    if set(names) - set(sections):
+        sys.exit(f"expected some of {', '.join(sections)}, found {' '.join(names)}; --help says what they do")
+    return names
 
 
 def put(name, title, text):

@@ -10,6 +10,10 @@ import subprocess
 import sys
 
 import calibration_page
+import study
+
+sys.path.append(str(study.ROOT))
+from calibrate.output import with_unit  # noqa: E402
 
 PUBLISHED = {"young_modulus": {"value": "18.691 GPa", "tolerance": "1 %"}, "poisson_ratio": {"value": 0.2, "tolerance": 0.005},
              "compressive_strength": {"value": "127.83 MPa", "tolerance": "3 %"}, "brazilian_strength": {"value": "12.30 MPa", "tolerance": "5 %"}}
@@ -31,11 +35,7 @@ ratio of 10.39 is above the largest that it found with this law, 9.36 in 2D and 
 
 
 def shown(value, unit):
-    if value is None:
-        return "-"
-    if unit == "Pa":
-        return f"{value / 1e9:.4g} GPa" if abs(value) >= 1e9 else f"{value / 1e6:.4g} MPa"
-    return f"{value:.4g} {unit}".rstrip()
+    return "-" if value is None else with_unit(value, unit)
 
 
 def calibrate(program, folder, name):

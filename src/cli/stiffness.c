@@ -38,12 +38,6 @@ enum { STATES = 20 }; /* readings use those up to half of the largest stress */
     X(flexural_modulus)                                                                            \
     X(stiffness)
 
-static const bool is_constant[GN_READING_COUNT] = {
-#define X(name) [GN_READING_##name] = true,
-    CONSTANTS(X)
-#undef X
-};
-
 static bool has_constant(const gn_scene *scene, gn_reading which) {
     const bool plane =
         which == GN_READING_plane_young_modulus || which == GN_READING_plane_poisson_ratio;
@@ -134,8 +128,9 @@ static gneiss_status note_state(void *context, const gn_first_break *so_far, gne
 static const char *test_refusal(const gn_scene *scene) {
     if (!gn_scene_tested(scene)) return "the scene has no test";
     bool constants = false;
-    for (int k = 0; k < GN_READING_COUNT; k++)
-        constants = constants || (is_constant[k] && has_constant(scene, (gn_reading)k));
+#define X(name) constants = constants || has_constant(scene, GN_READING_##name);
+    CONSTANTS(X)
+#undef X
     if (!gn_scene_test(scene)->ends || !constants) return "such a test gives no elastic constants";
     if (scene->test.has_control) return "expected ends with prescribed motion, found test.control";
     return gn_scene_loading_refusal(scene);
