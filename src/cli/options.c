@@ -95,7 +95,8 @@ static gneiss_status check_stiffness_options(const gn_options *options, const gn
 }
 
 static bool reads_scenes(const gn_command *command) {
-    static const char *const without[] = {"calibrate", "report", "keys", "info"};
+    static const char *const without[] = {"calibrate", "report", "keys", "info",
+                                          "explain",   "schema", "help", "version"};
     for (size_t k = 0; k < sizeof without / sizeof *without; k++)
         if (strcmp(command->name, without[k]) == 0) return false;
     return true;
