@@ -95,8 +95,8 @@ static gneiss_status check_stiffness_options(const gn_options *options, const gn
 }
 
 static bool reads_scenes(const gn_command *command) {
-    static const char *const without[] = {"calibrate", "report", "keys", "info",
-                                          "explain",   "schema", "help", "version"};
+    static const char *const without[] = {"calibrate", "report", "keys",       "info", "status",
+                                          "explain",   "schema", "completion", "help", "version"};
     for (size_t k = 0; k < sizeof without / sizeof *without; k++)
         if (strcmp(command->name, without[k]) == 0) return false;
     return true;
@@ -140,6 +140,7 @@ enum {
     OPT_QUIET,
     OPT_LOG,
     OPT_MARKDOWN,
+    OPT_MAN,
     OPT_SEEDS,
     OPT_JOBS,
     OPT_DRY_RUN,
@@ -167,6 +168,7 @@ static const struct option long_options[] = {
     {"quiet", no_argument, 0, OPT_QUIET},
     {"log", required_argument, 0, OPT_LOG},
     {"markdown", no_argument, 0, OPT_MARKDOWN},
+    {"man", no_argument, 0, OPT_MAN},
     {"seeds", required_argument, 0, OPT_SEEDS},
     {"jobs", required_argument, 0, OPT_JOBS},
     {"dry-run", no_argument, 0, OPT_DRY_RUN},
@@ -269,6 +271,9 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
     case OPT_QUIET:
         options->quiet = true;
         return GNEISS_OK;
+    case OPT_MAN:
+        options->manual = true;
+        return GNEISS_OK;
     case OPT_MARKDOWN:
         options->markdown = true;
         return GNEISS_OK;
@@ -276,7 +281,8 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
         if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'",
                            value);
-        options->json = strcmp(value, "json") == 0;
+        options->log = strcmp(value, "json") == 0;
+        options->json = options->log || options->one_json;
         return GNEISS_OK;
     default:
         return apply_to_sweep(options, option, value, error);
