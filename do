@@ -17,6 +17,7 @@ packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone
 packages_test=(locales python3-jsonschema "${packages_calibrate[@]}") # a locale with a decimal comma is made from it
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
+packages_package=(debhelper dh-python lintian) # only for `package`
 packages_bench=(libbenchmark-dev)
 packages_effects=(valgrind) # only for bench --effects
 packages_validate=(yade python3-scipy) # the second for some of validate/*_study.py
@@ -28,7 +29,7 @@ usage: ./do COMMAND [...]
 
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test; --checked: on the build of `check gcc`
-  check [steps]                format layers links words gcc clang cppcheck tidy sanitizers python (all of them); on request
+  check [steps]                format layers links words release gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
                                and aarch64: kernels and bits on another processor, under qemu-user
   bench [--peers] [--large] [--sweep]
@@ -40,7 +41,8 @@ usage: ./do COMMAND [...]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
   accuracy [--quick] [--only CASE] [--out DIR]
                                what accuracy costs in time; writes docs/accuracy.md
-  install WHAT                 the packages of build, calibrate, test, check, aarch64, bench, validate, effects or peers
+  package [DIR]                Debian packages of the last commit in DIR (build-package), and what lintian says of them
+  install WHAT                 the packages of build, calibrate, test, check, aarch64, package, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
@@ -292,6 +294,20 @@ command_install() {
     done
 }
 
+command_package() {
+    local out=$root/build-package version
+    (($# == 0)) || out=$(realpath -m "$1")
+    need "${packages_build[@]}" "${packages_package[@]}"
+    check_release || die "package: the versions differ"
+    version=$(sed -n "s/^  version: '\(.*\)',$/\1/p" "$root/meson.build")
+    rm -rf "$out/gneiss-$version"
+    mkdir -p "$out/gneiss-$version"
+    git -C "$root" archive HEAD | tar -x -C "$out/gneiss-$version"
+    mv "$out/gneiss-$version/packaging/debian" "$out/gneiss-$version/debian"
+    (cd "$out/gneiss-$version" && dpkg-buildpackage --build=binary --no-sign) || die "package: the build failed"
+    lintian --fail-on error,warning "$out"/gneiss_"$version"_*.changes
+}
+
 command_keys() {
     prepare
     build build gneiss
@@ -299,7 +315,7 @@ command_keys() {
 }
 
 command_clean() {
-    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
+    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-package "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
         "$root"/build-aarch64-root
 }
 
@@ -320,6 +336,10 @@ check_layers() { # includes against the table of docs/design.md
 
 check_links() { # pages against what they lead to
     "$python" "$root/tools/links.py"
+}
+
+check_release() { # the version in all files that name it
+    "$python" "$root/tools/release.py"
 }
 
 check_words() { # comments and pages against the rules of language
@@ -461,7 +481,7 @@ command_check() {
     need "${packages_build[@]}" "${packages_check[@]}"
     git -C "$root" rev-parse --is-inside-work-tree >/dev/null 2>&1 ||
         die "check: $root is not a git work tree; the list of files comes from git"
-    local steps=(format layers links words gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
+    local steps=(format layers links words release gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
     (($#)) && steps=("$@")
     for step in "${steps[@]}"; do
         declare -F "check_$step" >/dev/null || die "check: no such step: $step"
@@ -489,7 +509,7 @@ main() {
     local command=${1:-help}
     (($#)) && shift
     case $command in
-    run | test | check | bench | validate | accuracy | install | keys | clean) "command_$command" "$@" ;;
+    run | test | check | bench | validate | accuracy | package | install | keys | clean) "command_$command" "$@" ;;
     help | -h | --help) usage ;;
     *)
         usage >&2
