@@ -170,7 +170,7 @@ def a_foreign_status_file_is_not_replaced(folder):
 @fact
 def exit_codes_are_one_table(_):
     said = expect(gneiss("help", "exit-codes"), 0).stdout
-    rows = dict(re.findall(r"^  (\d)  (.*)$", said, re.MULTILINE))
+    rows = dict(re.findall(r"^  (\d) (.*)$", said, re.MULTILINE))
     with open(ROOT + "/docs/log.md", encoding="utf-8") as file:
         assert dict(re.findall(r"^\| (\d) \| (.*) \|$", file.read(), re.MULTILINE)) == rows
     with open(ROOT + "/include/gneiss/status.h", encoding="utf-8") as file:

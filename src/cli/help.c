@@ -212,7 +212,7 @@ void gn_print_help(FILE *out, const gn_command *command) {
 
 void gn_print_exit_codes(FILE *out) {
     for (int code = 0; gn_exit_code_text(code); code++)
-        fprintf(out, "  %d  %s\n", code, gn_exit_code_text(code));
+        fprintf(out, "  %d %s\n", code, gn_exit_code_text(code));
 }
 
 void gn_print_version(FILE *out) {
