@@ -254,8 +254,8 @@ typedef struct group {
     gn_rigid *body;
     size_t wall_at, begin, end;
     gn_body_spring spring;
-    double part;              /* sum over those that press, or did */
-    double inverse_mass;      /* 1/kg, along the normal with all of them pressing together */
+    double part;              /* sum over the contacts that press, or pressed in the last step */
+    double inverse_mass;      /* 1/kg, along the normal if all of them press together */
     double force[3], turn[3]; /* N, N m: on the body without these contacts */
 } group;
 

@@ -104,8 +104,9 @@ static gneiss_status check_filled(const gn_step_context *ctx, const gn_dem *dem,
     return refuse(ctx, ctx->scene.specimen.where, "specimen", message, error);
 }
 
-/* Where a zone comes to what is outside of the box whatever converts, the first conversion would
- * end the run. What only motions and loads keep from converting is another matter. */
+/* If a zone reaches an element outside of the box at every possible conversion, the first
+ * conversion would end the run. Elements that only motions and loads keep from converting do not
+ * count here. */
 static gneiss_status check_room(const gn_step_context *ctx, const gn_solids *solids,
                                 gneiss_error *error) {
     const double width = ctx->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
@@ -144,7 +145,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
 }
 
-/* Once all has converted there is nothing left to compare. */
+/* After everything has converted no difference is left to compare. */
 static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
                                      gn_conversions *converted, gneiss_error *error) {
@@ -214,8 +215,7 @@ typedef struct boxed {
     double tensor[GN_ZONE_MATERIALS][STRAINS][STRAINS]; /* N m, by xx yy zz 2xy 2yz 2zx */
 } boxed;
 
-/* The bonds of active particles are no longer stored. At the start, before particles are dormant,
- * all count. */
+/* Bonds of active particles are no longer stored. At the start all particles count. */
 static int32_t element_of(const boxed *q, int32_t p) {
     if (q->dem->prepared.soa.capacity && !gn_is_dormant(q->dem, (size_t)p)) return -1;
     const int32_t e = q->place[gn_dormant_element(q->dem, (size_t)p)];
@@ -293,8 +293,8 @@ static void add_bonds(boxed *q) {
     }
 }
 
-/* Pa: what it takes to stretch the packing along each axis whose sides are free; 0: nothing holds
- * it. In the plane that of plane strain. */
+/* Pa: modulus of the packing in tension along each axis with free sides (plane strain in 2D); 0: it
+ * has no stiffness. */
 static void find_tension(const boxed *q, size_t k, double volume, double tension[3]) {
     const size_t d = (size_t)q->ctx->scene.dimension, n = d == 3 ? STRAINS : 3;
     const size_t of[2][STRAINS] = {{0, 1, 3}, {0, 1, 2, 3, 4, 5}};

@@ -30,8 +30,8 @@ void gn_box_listed(const gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box
  * differ between instruction sets. */
 void gn_box_sum_stress(const gn_step_context *ctx, const gn_dem *dem,
                        const struct gn_contacts *list, size_t begin, size_t end, double sum[9]);
-/* Grows the box over the coming step, and books what that takes: the half of the work of the
- * interval that led here, at the forces there are, and the half of the coming one. */
+/* Grows the box over the coming step, and books the work: half of that of the interval that led
+ * here, at the present forces, and half of that of the coming interval. */
 void gn_box_book(const gn_step_context *ctx, const gn_dem *dem, gn_periodic_box *box,
                  gn_ledger *ledger);
 gneiss_status gn_box_move(gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box,

@@ -37,7 +37,7 @@ struct gn_step_context {
     double dt_past, dt;    /* s: interval that led here, coming interval */
     double stable;         /* s: upper bound of the step: sharp limit or bound, less the share that
                             * non-viscous damping takes */
-    gn_step_choice choice; /* what is known of the limits */
+    gn_step_choice choice; /* limits found so far */
     int64_t dt_lowered;    /* number of times that the step was lowered while running */
 
     double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
@@ -61,8 +61,8 @@ struct gn_ending {
     char halt[256]; /* reason why the run is to end here with a valid model; "": none */
 };
 
-/* By what the prescribed velocity of a wall, set, body or motion of elements along an axis is to be
- * multiplied: 1 for what is no end of a test that is controlled. */
+/* Returns the factor of the prescribed velocity of a wall, set, body or motion of elements along an
+ * axis: 1 unless it is an end of a controlled test. */
 double gn_control_of(const gn_step_context *ctx, const char *name, int axis);
 
 /* A point of the world as the user sees it. */

@@ -1,4 +1,4 @@
-/* Particles that leave the domain stop the run or leave the model with their energy; sinks take
+/* Particles that leave the domain stop the run or are removed with their energy; sinks remove
  * particles; rows of particles are added and dropped. */
 #include "inflow/removal.h"
 #include "base/ball.h"

@@ -75,7 +75,7 @@ bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 bool gn_bending_outside(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids);
 
-/* The way in which the volume of the specimen is known. */
+/* How the volume of the specimen is determined. */
 typedef enum gn_volume_source {
     GN_VOLUME_OF_ELEMENTS,
     GN_VOLUME_OF_BOX,

@@ -180,7 +180,7 @@ typedef struct cube {
     size_t n[3];
 } cube;
 
-/* Where voxels begin is drawn, so that those of a lattice are not all wrong alike. */
+/* The origin of the voxels is random, so that the errors for a lattice do not all have one sign. */
 static cube cube_about(const gn_cell *cell, int dimension, size_t particle) {
     const gn_particles *q = cell->all->particles;
     const double radius = q->pos[4 * particle + 3], side = 2.0 * (radius + cell->around);

@@ -18,12 +18,12 @@
 #include <math.h>
 #include <string.h>
 
-/* In mean radii: cells of grids, how far a cell goes beyond its particle, and its voxels. */
+/* In mean radii: cell size of grids, reach of a cell beyond its particle, and voxel size. */
 static const double cell_size = 2.5, around = 1.0, voxel = 0.25;
 
-/* Sizes in q->skin of what came off. A grain that was loose inside while others lay upon it stays
- * where it is for the membrane, which does not reach into what is closed: what it would bear goes
- * to what lies beneath. */
+/* Markers in the size column of q->skin for detached particles. An inner particle that was loose
+ * while others covered it keeps its position for the membrane, which does not reach into closed
+ * cavities: its share of the surface passes to particles beneath. */
 static const double inside = -1.0, bare = -2.0, going = -3.0;
 
 enum { NONE = -1, PLANES = 8 };
@@ -50,7 +50,7 @@ static bool has_left(const gn_dem *dem, const double mean[3], size_t p) {
     return gn_dot3(way, way) > q->pos[4 * p + 3] * q->pos[4 * p + 3];
 }
 
-/* How the skin has moved, by the mean of its particles. */
+/* Computes the mean displacement of the particles of the skin. */
 static void mean_way(const gn_particles *q, double mean[3]) {
     double count = 0.0;
     for (int a = 0; a < 3; a++) mean[a] = 0.0;
@@ -218,9 +218,9 @@ static gneiss_status give_faces(transfer *h, double area[3], double arms[9], gne
     return GNEISS_OK;
 }
 
-/* A cell is closed, so that what it bore has the sum and the moment of the faces that it bares.
- * What these miss, by the size of voxels and where the surface was no plane, all of the skin bears.
- */
+/* The faces of a cell are closed, so that the area that its particle carried equals the sum and
+ * moment of the faces that become surface. The difference that voxels and a non-planar surface
+ * leave is spread over the whole skin. */
 static void keep_sums(gn_membrane_state *m, const double area[3], const double arms[9]) {
     for (int a = 0; a < 3; a++) m->missing[a] += area[a];
     for (int k = 0; k < 9; k++) m->rest[k] += 0.5 * (arms[k] - arms[k % 3 * 3 + k / 3]);
@@ -239,7 +239,8 @@ static gneiss_status expose_faces(transfer *h, size_t p, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* By their numbers, again and again while one that goes was given something. */
+/* Visits detached particles in the order of their indices, and repeats while one of them received a
+ * patch. */
 static gneiss_status transfer_patches(transfer *h, gneiss_error *error) {
     gn_dem *d = h->dem;
     double *skin = d->particles.skin;

@@ -11,9 +11,9 @@
 
 static const double turn = 2.0 * M_PI;
 
-/* Where the centre of the ball can be while it touches a particle is a sphere (2D: a circle); those
- * of neighbours hide parts of it. Of what is this much smaller nothing is made: spheres that touch,
- * and gaps (rad) that rounding leaves between hidden parts. */
+/* The possible centres of a ball that touches a particle form a sphere (2D: a circle); those of
+ * neighbours hide parts of it. Relative tolerances below which features are ignored: tangent
+ * spheres, and gaps (rad) that rounding leaves between hidden parts. */
 static const double contact = 1e-9, gap = 1e-9;
 
 /* Hidden angles of a circle, from `begin` in [0, 2 pi) on. */
@@ -27,9 +27,10 @@ typedef struct roll {
     int32_t *neighbour;
     hidden *hidden; /* of the circle at hand */
     size_t hidden_count;
-    bool *bounded;     /* [particles] neighbours hide parts of its sphere */
-    bool *touched;     /* [particles] by the ball */
-    double *direction; /* [particles] sr, in which the ball can touch it */
+    bool *bounded; /* [particles] neighbours hide parts of its sphere */
+    bool *touched; /* [particles] the ball touches it */
+    double
+        *direction; /* [particles] sr, solid angle of directions from which the ball can touch it */
 } roll;
 
 static double reach_of(const roll *v, size_t p) {
@@ -51,7 +52,7 @@ static void way_between(const roll *v, size_t from, size_t to, double way[3]) {
 
 /* --- hidden angles --- */
 
-/* Where cos(angle - at) > limit. */
+/* Hides the angles at which cos(angle - at) > limit. */
 static void hide(roll *v, double at, double limit) {
     if (limit >= 1.0) return;
     const double half = limit <= -1.0 ? M_PI : acos(limit);
@@ -71,7 +72,8 @@ typedef struct arc {
     bool whole; /* without ends */
 } arc;
 
-/* The next free arc behind the k-th hidden part; those up to there end at *end. */
+/* Finds the next free arc after the k-th hidden part; all hidden parts before it end at or before
+ * *end. */
 static bool next_arc(const roll *v, size_t *k, double *end, arc *free) {
     while (*k < v->hidden_count) {
         const hidden *h = &v->hidden[(*k + 1) % v->hidden_count];
@@ -246,7 +248,8 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
     for (int a = 0; a < 3; a++) between[a] /= sqrt(size);
     for (int side = 0; side < 2; side++) {
         const size_t p = c->member[side];
-        const double sign = (side == 0) != begins ? 1.0 : -1.0; /* the way the arc's edge goes */
+        const double sign =
+            (side == 0) != begins ? 1.0 : -1.0; /* sense in which the arc's edge is traversed */
         const double solid = triangle(middle, between, n[side]);
         double area[3] = {0};
         add_sector(middle, between, area);
@@ -330,7 +333,7 @@ static bool is_enclosed(const roll *v, size_t p) {
     return false;
 }
 
-/* Edges tell what is free of a sphere but for whole spheres. */
+/* Edges determine the free part of a sphere unless it is free as a whole. */
 static void add_touched(roll *v, size_t p) {
     const double sphere = 2.0 * turn;
     double sum = v->bounded[p] || is_enclosed(v, p) ? v->direction[p] : sphere;
@@ -401,8 +404,8 @@ static void direction_of(int k, int dimension, double u[3]) {
     u[2] = z;
 }
 
-/* How far a cell goes: where the surface of a neighbour is as near as its own. Beyond `ball` from
- * all of them there would be room for it. */
+/* Returns the reach of a cell: the distance at which the surface of a neighbour is as near as its
+ * own. Another particle would have room farther than `ball` from all of them. */
 static double extent(const roll *v, size_t i, const double u[3]) {
     double least = reach_of(v, i);
     for (size_t n = v->start[i]; n < v->start[i + 1]; n++) {

@@ -1,6 +1,7 @@
-/* The springs of rigid bodies on plane walls and on each other: those of both one behind the other,
- * along and across. By Hertz's law, where walls and bodies have materials or are rigid, a body may
- * have a stiffness for these contacts besides; what has none is rigid in them. */
+/* Springs of rigid bodies in contact with plane walls and with each other: the springs of both
+ * sides in series, normal and tangential. Under Hertz's law, where walls and bodies have materials
+ * or are rigid, a body may have an additional stiffness for these contacts; without one it is rigid
+ * in them. */
 #ifndef GN_PARTICLES_BODY_SPRINGS_H
 #define GN_PARTICLES_BODY_SPRINGS_H
 

@@ -48,7 +48,7 @@ static double filled_by_dempack(const gn_step_context *ctx, const gn_dem *dem) {
     return sum;
 }
 
-/* Without bonds there is no body to measure it by: 1. */
+/* Returns 1 without bonds, because there is no body to measure. */
 static double gamma_of(const gn_step_context *ctx, const gn_dem *dem) {
     if (ctx->scene.gamma > 0.0) return ctx->scene.gamma;
     if (!count_sections(&dem->bonds.contacts)) return 1.0;

@@ -6,10 +6,10 @@
 
 #include <stdbool.h>
 
-/* J, what the springs of all contacts between particles hold. */
+/* Returns the energy of the springs of all contacts between particles, J. */
 double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_periodic_box *box);
-/* Tells whether that is more than rounding, and lets particles at rest spring apart. */
+/* Tells whether that energy exceeds rounding, so that particles at rest would start to move. */
 bool gn_stored_matters(const gn_step_context *ctx, const gn_dem *dem, double stored);
 
 #endif

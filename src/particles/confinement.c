@@ -1,10 +1,9 @@
-/* The pressure around bonds, for `law.confinement: mean` (Santasusana 2013 lets friction see the
- * normal force of the bond alone, so that bonds across the direction of pressure gain nothing).
- *
+/* The pressure around bonds, for `law.confinement: mean` (in Santasusana 2013 friction uses the
+ * normal force of the bond alone, so that bonds across the direction of pressure gain no strength).
  * The stress of a particle is 1/V sum f (x) l over its bonds, with l its share of the branch, of
- * length r, and V = sum A r/d: its mean, tr/d, is sum f_n/sum A whatever the dimension d. A bond
- * gets the mean of its two particles times its own section. Bonds that broke count as they press;
- * what else touches a particle has no section and does not count. */
+ * length r, and V = sum A r/d: its mean, tr/d, is sum f_n/sum A for any dimension d. A bond uses
+ * the mean of its two particles times its own section. Broken bonds count with their pressure;
+ * other contacts have no section and do not count. */
 #include "frame/frame.h"
 #include "particles/parameters.h"
 #include "particles/particles.h"

@@ -10,7 +10,7 @@
 /* Finds the loose particles, dem->loose, when it is first called. */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
-/* Begins a look at overlaps, with the loose particles known. */
+/* Begins a check of overlaps, with the loose particles known. */
 gneiss_status gn_depth_begin(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Returns the overlap, m, below which a contact is pressed less than the one in dem->depth. */
 double gn_depth_known(const gn_dem *dem, double radius);

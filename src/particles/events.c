@@ -1,5 +1,5 @@
 /* Kernels mark what happens to a bond (columns happened, released); here the marks of a step become
- * rows of the list. Only blocks whose sums say that something happened are looked at. */
+ * rows of the list. Only blocks whose sums report an event are visited. */
 #include "particles/events.h"
 
 #include "base/error.h"

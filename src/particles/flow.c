@@ -1,4 +1,4 @@
-/* Sources and sinks: what they are made of, and what is counted. */
+/* Sources and sinks: their regions and sizes, and counts of particles. */
 #include "particles/flow.h"
 
 #include "base/error.h"

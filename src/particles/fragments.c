@@ -80,7 +80,8 @@ const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
         join_touching(ctx, dem, &dem->list[l].contacts, q->parent);
     for (size_t k = 0; k < p->soa.count; k++)
         if (gn_particle_is_active(p, k)) q->members[gn_set_root(q->parent, (int32_t)k)]++;
-    for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
+    for (size_t k = p->soa.count;
+         k-- > 0;) /* processed last, so that the first particle of a body sets its values */
         q->members[k] =
             gn_particle_is_active(p, k) ? q->members[gn_set_root(q->parent, (int32_t)k)] : 0;
     return q->members;

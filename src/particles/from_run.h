@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 typedef struct gn_from_run {
-    size_t count;        /* particles, without those that had been removed */
+    size_t count;        /* particles, without removed ones */
     double *sphere;      /* [count][4] x y z r, m, as the user sees them */
     double *motion;      /* [count][6] m/s, rad/s; NULL unless asked for, and of a packing */
     size_t bonds;        /* and overlaps that are free of stress; 0 unless asked for */

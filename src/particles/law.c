@@ -69,7 +69,7 @@ double gn_inverse_mass_along(const gn_dem *dem, size_t p, const double n[3]) {
     return slot < 0 ? inverse : gn_free_share(dem->prescribed.mask[slot], n) * inverse;
 }
 
-/* Returns the inverse mass of a particle; one that shares its place with elements counts with its
+/* Returns the inverse mass of a particle; one whose mass is shared with elements counts with its
  * whole mass, because its contacts are weighted as a whole. */
 static double own_inverse_along(const gn_dem *dem, size_t p, const double n[3]) {
     const double *blend = dem->particles.blend;
@@ -137,7 +137,7 @@ void gn_contact_set(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *
     if (part != 1.0) law->weigh(list, c, part);
 }
 
-/* Without a given area, laws by area take that of a pair that was never bonded. */
+/* Without a given area, laws by area use that of an unbonded pair. */
 static double area_of(const gn_step_context *ctx, const gn_dem *dem, const gn_law *law,
                       const gn_law_pair *pair, double overlap) {
     gn_law_model model = model_of(ctx, dem);
@@ -191,7 +191,7 @@ static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->cause && !(list->kn[c] > 0.0)) return; /* released with a removed particle */
     list->kn[c] = now->kn[c];
     if (list->kt) list->kt[c] = now->kt[c];
-    if (list->kappa) { /* strengths are those that damage has left, of materials that stay */
+    if (list->kappa) { /* strengths are those remaining after damage, of the former materials */
         double kappa = list->kappa[c], last = list->mu ? list->mu[c] : 0.0;
         list->mu1[c] = (1.0 - kappa) * now->mu1[c] + kappa * last;
         return;

@@ -14,7 +14,8 @@
  * the lists are made again. */
 gn_law_spring gn_pair_spring(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j);
 gn_law_spring gn_contact_spring(const gn_dem *dem, const gn_contacts *list, size_t c);
-/* 1/kg with which a particle gives way along a unit vector: prescribed components do not. */
+/* Returns the inverse mass of a particle along a unit vector, 1/kg; prescribed components count as
+ * infinite mass. */
 double gn_inverse_mass_along(const gn_dem *dem, size_t particle, const double n[3]);
 /* Damping fraction alpha of a restitution, and of the scene's contacts; 0: none. */
 double gn_restitution_fraction(double restitution);

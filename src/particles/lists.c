@@ -65,8 +65,8 @@ static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_l
 
 enum { PART = 512 };
 
-/* Up to PART pairs found. Parameters depend on the two particles alone: a pair that was there keeps
- * them, and its history. */
+/* Fills up to PART pairs. Parameters depend on the two particles alone: a pair that was in the old
+ * list keeps them, and its history. */
 static void fill_part(const gn_step_context *ctx, const gn_dem *dem, const gn_pair_list *found,
                       gn_contacts *now, size_t begin, size_t end, size_t *at) {
     int32_t from[PART], *first = now->i, *second = now->j;

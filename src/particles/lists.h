@@ -17,7 +17,8 @@
 void gn_dem_null_particles(const gn_step_context *ctx, gn_dem *dem);
 void gn_dem_number_ids(gn_dem *dem);
 gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error);
-/* Adapts what depends on masses after they have changed; gn_dem_sum_masses only adds them up. */
+/* Updates everything that depends on masses after they have changed; gn_dem_sum_masses only adds
+ * them up. */
 void gn_dem_sum_masses(gn_dem *dem);
 void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem);
 /* Contacts whose particles have other numbers: i, j and where the contact was. Sorts the keys and

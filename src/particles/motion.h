@@ -1,4 +1,4 @@
-/* Motion of blocks of particles, and what a step sums up to. */
+/* Motion of blocks of particles, and the sums of a step. */
 #ifndef GN_PARTICLES_MOTION_H
 #define GN_PARTICLES_MOTION_H
 

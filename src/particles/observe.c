@@ -24,7 +24,7 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
     gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &dem->particles);
-    /* The pressure needs all bonds; for some alone it stays that of the last step. */
+    /* The pressure needs all bonds; for a part of them that of the last step is used. */
     if (list == &dem->bonds.contacts) gn_dem_confine(ctx, dem, copy);
     gn_contact_list alone = {.contacts = *copy};
     gn_contact_args args = gn_dem_contact_args(ctx, dem, box, &alone, false);

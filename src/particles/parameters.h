@@ -24,8 +24,8 @@ gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_e
 /* Finds them anew from the scene of another stage; *before: the caller's. */
 gneiss_status gn_hertz_renew(const gn_step_context *ctx, gn_dem *dem, gn_hertz_pair **before,
                              gneiss_error *error);
-/* Parameters of all contacts of a list from the materials as they are now, but not what they have
- * gone through. */
+/* Updates the parameters of all contacts of a list from the present materials; damage and other
+ * history stay. */
 gneiss_status gn_contacts_take_materials(const gn_step_context *ctx, const gn_dem *dem,
                                          gn_contacts *list, gneiss_error *error);
 /* Motions and forces of sets as the scene has them now. */
@@ -51,8 +51,8 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
 /* The pressure around bonds whose friction sees it, before their forces (confinement.c). */
 void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *contacts);
 
-/* Multiplies the strengths of all intact bonds, so that none breaks or softens; yield stresses stay
- * as they are. */
+/* Multiplies the strengths of all intact bonds, so that none breaks or softens; yield stresses are
+ * unchanged. */
 void gn_bonds_strengthen(gn_dem *dem, double factor);
 
 #endif

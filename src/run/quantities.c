@@ -226,8 +226,8 @@ static void read_strain(const gn_world *w, size_t k, double *value) {
     (void)k;
     mean_strain(w, value);
 }
-/* Too few particles, or all of them in a plane, have no average strain; nor has a specimen of which
- * too little is left. */
+/* A specimen has no average strain if too few of its particles are left, or all of them are in a
+ * plane. */
 static bool no_strain(const gn_world *w) {
     bool box = is_periodic(w, 0) && !gn_scene_half_periodic(&w->ctx.scene);
     return w->ctx.scene.has_specimen && !w->gauge.weights.count && !box;

@@ -329,7 +329,7 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
                          directory, count, first.message);
 }
 
-/* Overrides take effect at once. */
+/* Applies the overrides at once. */
 static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, size_t count,
                                      gneiss_error *error) {
     gn_world *w = &run->world;
@@ -466,7 +466,7 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
         gn_first_break_start(w, &(gn_first_break_watch){note_state, &b}, &run->first_break, error);
     w->ctx.seconds[GN_PHASE_setup] += gn_now() - start;
     if (status != GNEISS_OK && run->directory[0])
-        (void)rmdir(run->directory); /* nothing has been written to it */
+        (void)rmdir(run->directory); /* the folder is still empty */
     return status;
 }
 

@@ -1,5 +1,5 @@
-/* The part of a world that is finite elements: its solids, what drives them, what is read off them.
- * What is asked of the part is asked of all solids, in their order. */
+/* The part of a world that consists of finite elements: its solids, their prescribed motions and
+ * loads, and their readings. Functions of the part visit all solids, in their order. */
 #ifndef GN_SOLIDS_SOLIDS_H
 #define GN_SOLIDS_SOLIDS_H
 
@@ -32,7 +32,7 @@ typedef struct gn_element_contact {
 
 /* A solid. */
 typedef struct gn_element_model {
-    const gn_element_def *def; /* what the scene says of it; borrowed */
+    const gn_element_def *def; /* its definition in the scene; borrowed */
     gn_fem_solid solid;
     gn_mesh_joints joints; /* of a mesh from a file when it was read */
     gn_element_contact contact;
@@ -44,8 +44,9 @@ typedef struct gn_element_model {
     double (*weight)[3]; /* [nodes] of the mean strain */
 
     gn_fem_limit limit; /* of the solid at its start */
-    double stiffening;  /* what has divided it since (gn_fem_stiffening), when last acted on */
-    double stable;      /* s: sharp limit or bound, divided by it */
+    double stiffening; /* factor by which the limit fell since (gn_fem_stiffening), when it was last
+                          applied */
+    double stable;     /* s: sharp limit or bound, divided by it */
 
     double *vel_past;  /* [nodes][4] before a step of another length than the last; else NULL */
     double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
@@ -59,8 +60,9 @@ struct gn_solids {
     size_t count;
 };
 
-/* Makes what the scene has of it, with mesh, motions and loads; `mesh` NULL: a built-in one, else
- * taken over (also on failure), relative to the origin. Errors say where in the scene. */
+/* Creates the elements of the scene, with mesh, motions and loads; `mesh` NULL: a built-in one,
+ * else taken over (also on failure), relative to the origin. Messages give the place in the scene.
+ * */
 gneiss_status gn_elements_create(const gn_step_context *ctx, gn_solids *solids, gn_mesh *mesh,
                                  gneiss_error *error);
 /* A further solid; `def` has to stay as long as the world. */
@@ -90,9 +92,9 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
 double gn_elements_stable(const gn_solids *solids); /* s, the least; INFINITY: no solids */
-/* Where elements of one part are not joined though they touch (a sentence for each of places with
- * two nodes, and hanging nodes, of meshes from files), and whether a particle may press more facets
- * than there is room for; "": nothing. Returns `text`. */
+/* Writes warnings: places where elements of one part touch without being joined (a sentence for
+ * double nodes and one for hanging nodes, in meshes from files), and particles that may press more
+ * facets than there is room for; "": none. Returns `text`. */
 const char *gn_elements_doubts(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids, char *text,
                                size_t size);
@@ -124,7 +126,7 @@ double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *sol
 size_t gn_elements_motions(const gn_solids *solids);
 const char *gn_elements_motion_name(const gn_solids *solids, size_t motion);
 bool gn_elements_motion_drives(const gn_solids *solids, size_t motion);
-/* The nodes of a motion, and where they stand. */
+/* Returns the nodes of a motion; their positions. */
 const gn_fem_set *gn_elements_motion_set(const gn_solids *solids, size_t motion,
                                          const gn_particles **nodes);
 void gn_elements_travel(const gn_solids *solids, size_t motion, double travel[3]);
@@ -135,10 +137,10 @@ void gn_elements_reaction(const gn_solids *solids, size_t motion, double force[3
 /* Makes the surfaces that particles touch, where the scene wants them: after solids. */
 gneiss_status gn_element_contact_create(const gn_step_context *ctx, gn_boundary *boundary,
                                         gn_solids *solids, gneiss_error *error);
-/* Hands the forces of particles over to the nodes; notes how far nodes came in a step. */
+/* Transfers the forces of particles to the nodes, and records how far nodes moved in a step. */
 void gn_element_contact_load(gn_element_model *q);
 void gn_element_contact_moved(gn_element_model *q, double dt);
-/* m/s, of the fastest node in the last step; 0 where nothing touches them. */
+/* Returns the speed of the fastest node in the last step, m/s; 0 if nothing touches them. */
 double gn_element_contact_speed(const gn_element_model *q);
 /* Notes where the nodes are when the lists are made; bound on the path of any since then. `exact`:
  * looks where they are. */

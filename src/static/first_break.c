@@ -48,7 +48,7 @@ static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_
 static const double balanced_worst = 300.0;
 /* That of states from which elastic constants are read. */
 static const double balanced_loading = 1e-6;
-/* Strengths of bonds in it over those of the scene: none breaks. */
+/* Factor of the strengths of bonds during the search, so that none breaks. */
 static const double strengthened = 1e9;
 /* Time of their loading over time.end. */
 static const double slowness = 1e6;

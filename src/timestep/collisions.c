@@ -48,7 +48,7 @@ static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t
 typedef struct ties {
     double *stiffest; /* N/m [particles]: of the bonds of each, broken or not; NULL: none */
     double *inverse;  /* 1/kg [particles]: inverse masses */
-    bool apart;       /* most particles with bonds have lost all of them */
+    bool apart;       /* most bonded particles have lost all of their bonds */
     uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
     double share;     /* of the steps that contacts of bonded particles have to last; 0: stability
                        * suffices */

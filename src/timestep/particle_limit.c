@@ -101,8 +101,8 @@ typedef struct question {
                             * `changed` */
     double *masses;        /* [particles] receives the factors that would hold the step; NULL: not
                             * asked for */
-    uint8_t **others; /* asks for this alone: [particles], to be freed, marks of the particles whose
-                       * springs have changed since the last check; NULL: not asked for */
+    uint8_t **others; /* only finds these: [particles], freed by the caller, marks of the particles
+                         whose springs have changed since the last check; NULL: not requested */
 } question;
 
 /* rad: the lists are rebuilt before contacts rotate by more than the skin over a diameter. */
@@ -284,7 +284,7 @@ static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundar
 static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell,
                                 gneiss_error *error) {
-    /* With elements the particles may hold more than alone. */
+    /* With elements the particles may be limited less than alone. */
     double known = fmax(trusted(ctx, &ctx->choice.limit), ctx->choice.whole);
     gn_step_verdict verdict = {0};
     question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
@@ -343,8 +343,8 @@ static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_
     return gn_step_holds_by_sums(spectrum, q->step, &q->verdict->holds, error);
 }
 
-/* Grains whose collisions are resolved take steps far below the limit. Row sums then prove that the
- * step holds without a look at what has changed. */
+/* With resolved collisions steps are far below the limit. Row sums then prove that the step is
+ * stable without a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error) {

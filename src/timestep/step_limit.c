@@ -77,7 +77,7 @@ static double without(const gn_dem *dem, double rate, double other) {
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
-/* With slaved spins the elements limit it too, unless the limit of both as one is known. */
+/* With slaved spins elements limit it too, unless the limit of the coupled system is known. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double step) {
     const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
@@ -99,9 +99,10 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem, cons
                     limit_of(ctx->choice.surface_rate));
 }
 
-/* Finds the limit of the active springs: that of both sides by themselves, which is never above
- * that of both as one, and the latter where the step may be longer. Without an active spring the
- * particles' limit is that of future contacts, which the system of both does not contain. */
+/* Finds the limit of the active springs: the smaller one of the two separate systems, which never
+ * exceeds that of the coupled system, and the latter where the step may be longer. Without an
+ * active spring the particles' limit is that of future contacts, which the coupled system does not
+ * contain. */
 static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
@@ -165,8 +166,8 @@ static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *de
                    s->sources[source].name);
 }
 
-/* Without a spring, moving bodies limit the step; INFINITY: there are none. It never rises during a
- * run. */
+/* Without springs, moving bodies limit the step; INFINITY: there are none. It never increases
+ * during a run. */
 static double step_of_bodies(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary) {
     double step = ctx->scene.has_specimen ? gn_bodies_step(ctx, dem, boundary) : (double)INFINITY;

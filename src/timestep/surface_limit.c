@@ -86,8 +86,8 @@ static double hertz_stiffness(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.2 * modulus * radius;
 }
 
-/* Squared frequency, 1/s2, of a body at its contacts; `hertz`: stiffness of Hertz contacts, besides
- * its own. */
+/* Returns the squared frequency, 1/s2, of a body at its contacts; `hertz`: stiffness of Hertz
+ * contacts, in addition to its own. */
 static double square_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                         double hertz) {
     const gn_surface *s = &boundary->surfaces[body];
@@ -232,8 +232,8 @@ static void add_wall_contact(const gn_boundary *boundary, const gn_body_wall *c,
 }
 
 /* Dashpots of simultaneous contacts with one wall are 2 alpha sqrt(m/k) times their springs, with k
- * of these alone and m of all of them together, of 1/m >= `whole`. Their eigenvalue is that factor
- * times that of the springs, which is k times the largest inverse mass of one of them. */
+ * of one contact and m of all of them together, with 1/m >= `whole`. Their eigenvalue is that
+ * factor times that of the springs, which is k times the largest inverse mass of one of them. */
 typedef struct wall_damping {
     double stiffness, most, whole, fraction;
 } wall_damping;

@@ -122,14 +122,14 @@ gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error);
-/* The shortest collision among what is listed; among all of the scene, when nothing is listed that
- * collides. *shorter: than known before. */
+/* Finds the shortest collision among listed pairs (resolve_listed), or of the whole scene if no
+ * listed pair collides (resolve_flight). *shorter: it is shorter than known before. */
 gneiss_status gn_dem_resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                     const gn_solids *solids, const gn_zones *zones, bool *shorter,
                                     gneiss_error *error);
 gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                     bool *shorter, gneiss_error *error);
-/* Forgets what was found of lists and collisions. */
+/* Discards the results about lists and collisions. */
 void gn_dem_limit_anew(gn_step_context *ctx);
 
 /* Raises masses, if the scene asks for it, from the step that the world has found without. */
@@ -147,7 +147,8 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
  * step. */
 double gn_dem_added_kinetic(const gn_dem *dem);
 
-/* That no particle went bad or too far in the step (paths.c). */
+/* Checks that velocities of particles are finite and their paths in the step short enough
+ * (paths.c). */
 gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, bool measure, gneiss_error *error);
 
@@ -181,7 +182,7 @@ gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_zones *zones, bool listed, gn_whole_limit *limit,
                                gneiss_error *error);
 
-/* As last looked for; NULL: not looked for. */
+/* Returns the last result of gn_coupled_limit; NULL: there is none. */
 const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones);
 
 /* Names the side ("particles", "elements", "zone") and its member ("particle 12", "a node of the

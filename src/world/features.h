@@ -1,6 +1,6 @@
 /* The features of a world (frame/feature.h): those that its scene uses, and those that were added.
- * They are not saved with the world: what a feature of a scene has to keep is a member of the
- * world, and one that was added is added again after a resume. */
+ * They are not in checkpoints: the state of a scene's feature is a member of the world, and an
+ * added feature must be added again after a resume. */
 #ifndef GN_WORLD_FEATURES_H
 #define GN_WORLD_FEATURES_H
 

@@ -13,7 +13,7 @@
 #ifndef NDEBUG
 #include <assert.h>
 
-enum { ALL_PAIRS_UP_TO = 400 }; /* particles, for what is looked at pair by pair */
+enum { ALL_PAIRS_UP_TO = 400 }; /* particles up to which all pairs are checked */
 
 static void assert_particles(const gn_dem *dem) {
     const gn_particles *q = &dem->particles;

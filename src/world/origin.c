@@ -267,7 +267,7 @@ static gneiss_status check_bodies(const gn_step_context *ctx, const gn_dem *dem,
                               "the smallest radius", dem->radius_min, error));
         fastest(ctx->scene.bodies[k].motion.velocity, velocity);
         GN_TRY(too_slow(ctx, ctx->scene.bodies[k].where, what, velocity, b->position, error));
-        if (ctx->step == 0) /* what has come to rest since may be as slow as it likes */
+        if (ctx->step == 0) /* velocities may be arbitrarily small after the start */
             GN_TRY(
                 too_slow(ctx, ctx->scene.bodies[k].where, what, b->velocity, b->position, error));
     }

@@ -63,7 +63,7 @@ static gneiss_status drop_removed(const gn_step_context *ctx, gn_dem *dem, gn_bo
     return gn_boundary_renumber(boundary, place, error);
 }
 
-/* Removes the particles that have left the domain or come into a sink. */
+/* Removes the particles that have left the domain or entered a sink. */
 static gneiss_status remove_gone(gn_world *w, gneiss_error *error) {
     GN_FREED int32_t *gone = NULL;
     GN_TRY(gn_particles_find_gone(&w->ctx, &w->dem, &w->boundary, &w->ledger, &gone, error));

@@ -1,4 +1,4 @@
-/* The particles take over what the next stage of the scene says. */
+/* Applies the scene of the next stage to the particles. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/contact_rows.h"

@@ -1,4 +1,4 @@
-/* The particles' part of a step: forces, motion, and what both sum up to. */
+/* The particles' part of a step: forces, motion, and their sums. */
 #include "world/particle_step.h"
 #include "base/memory.h"
 #include "base/vec3.h"

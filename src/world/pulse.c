@@ -31,9 +31,9 @@ static void start(const gn_scene *scene, gn_particles *q) {
     }
 }
 
-/* Bonds are sheared as the pulse shears them: their tangential springs build up with what happens
- * and know nothing of places. Without that a disordered packing would keep a part of the pulse
- * where it began, normal springs against tangential ones. */
+/* Shears bonds with the pulse: tangential springs are incremental and do not follow from positions.
+ * Otherwise a disordered packing would keep a part of the pulse where it began, held between normal
+ * and tangential springs. */
 static void shear_bonds(const gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const gn_contacts *b = &dem->bonds.contacts;

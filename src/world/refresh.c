@@ -43,7 +43,7 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
     bool more = false;
     GN_TRY(gn_world_rebuild(w, error));
-    /* A surface that gives way may have come near many particles since the last look. */
+    /* A deformable surface may have come near many particles since the last check. */
     GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &more, error));
     if (more)
         GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
@@ -52,8 +52,8 @@ gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
                                 error);
 }
 
-/* m: how far a particle may go before the lists are made anew, whatever is beside it. Sinks and the
- * sides of a domain are looked at then as well. */
+/* Returns the path of a particle, m, after which the lists are rebuilt even without neighbours.
+ * Sinks and the sides of a domain are checked then as well. */
 static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
     const double skin = dem->verlet.skin;
     return ctx->effects & GN_FX_WALLS || ctx->scene.has_domain || ctx->scene.sink_count
@@ -85,7 +85,7 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
     other = gn_boundary_travel(&w->ctx, &w->boundary, true);
     w->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
-    /* A tenth of the skin in hand, or the next step would run out again. */
+    /* Requires a margin of a tenth of the skin, or the next step would exceed it again. */
     if (1.1 * v->closed + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * most) {
         if (!due) return GNEISS_OK;
         gn_dem_force_lists(&w->dem, true);

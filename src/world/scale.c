@@ -26,11 +26,11 @@ static const double crossings = 3.0;
 /* Largest size of a tool or container over that of its contents. */
 static const double size_ratio = 50.0;
 
-/* A file, the size of what is in it, and the size of its parts: radii, heights of elements. */
+/* A file, the size of its content, and the size of its parts: radii, heights of elements. */
 typedef struct file_size {
     const char *key;
     gn_scene_place where;
-    double longest, part; /* m; part 0: not known */
+    double longest, part; /* m; part 0: unknown */
 } file_size;
 
 static double longest_side(const double *pos, size_t count, bool radii, int dimension) {
@@ -84,7 +84,7 @@ static double length_of(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
 
-/* m/s, of whatever is moved; NaN: what drives the model is no speed. */
+/* m/s, largest prescribed speed; NaN: the model is not driven by speeds. */
 static double largest_speed(const gn_scene *scene) {
     double most = scene->random_velocity;
     if (scene->source_count || scene->has_membrane || scene->has_pulse ||
@@ -111,7 +111,7 @@ static double largest_speed(const gn_scene *scene) {
     return most;
 }
 
-/* Why a specimen of that size is none; "": nothing speaks against it. */
+/* Writes the reason why this size is implausible; "": there is none. */
 static void reason(const gn_step_context *ctx, const file_size *file, char *text, size_t size) {
     const gn_scene *s = &ctx->scene;
     const double speed = ctx->given.stage_count ? NAN : largest_speed(s),

@@ -1,5 +1,5 @@
-/* Going from one stage of the scene to the next: the scene of the stage takes the place of the one
- * before, and each part of the world takes what it holds of it anew. */
+/* Transition from one stage of the scene to the next: the scene of the stage replaces the former
+ * one, and each part of the world updates what it holds of it. */
 #include "scene/stages.h"
 
 #include "base/error.h"
@@ -45,7 +45,7 @@ gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error)
     return GNEISS_OK;
 }
 
-/* As at the start of a run: the step may become longer as well. */
+/* Chooses the step as at the start of a run: it may also become longer. */
 gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
     int64_t lowered = w->ctx.dt_lowered;
     w->ctx.dt = INFINITY;

@@ -1,6 +1,6 @@
-/* One step of the model: lists, forces of all parts, motion, and the ledger. What a part does in
- * each is its own affair (particles.h, boundary.h, solids.h); what only some scenes use hooks into
- * the places of frame/feature.h. */
+/* One step of the model: lists, forces of all parts, motion, and the ledger. Each part implements
+ * its own share (particle_step.h, boundary.h, solids.h); features that only some scenes use are
+ * hooked into the places of frame/feature.h. */
 #include "base/error.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
@@ -33,8 +33,9 @@ static void lap(watch *t, gn_phase phase) {
     t->mark = now;
 }
 
-/* Bonds that are made beyond their strength break in the first evaluation: what contacts lose there
- * was stored, as was what a sink or the domain took out before. */
+/* Bonds made with a load beyond their strength break in the first evaluation: the energy that
+ * contacts lose there counts as stored at the start, and so does the energy removed by a sink or
+ * the domain before. */
 static void begin_ledger(gn_energy *e) {
     e->stored_at_start = gn_energy_stored(e) + e->removed;
 #define X(name, text) e->stored_at_start += e->name;
@@ -42,7 +43,7 @@ static void begin_ledger(gn_energy *e) {
 #undef X
 }
 
-/* The reading of the particles and what they touch. */
+/* Takes the readings of the particles and of their contacts. */
 static void read_particles(gn_world *w) {
     gn_energy *e = &w->ledger.energy;
     gn_dem_measure(w, e, w->ledger.stress);
@@ -54,8 +55,8 @@ static void read_particles(gn_world *w) {
     w->ledger.reading = *e;
 }
 
-/* Elements keep a ledger of their own, which is added to the reading alone. Beside particles they
- * are no part of the specimen; alone they are it. */
+/* Elements have a ledger of their own, which is added to the reading only. In a model with
+ * particles elements are no part of the specimen; without particles they are the specimen. */
 static gneiss_status read_elements(gn_world *w, gneiss_error *error) {
     if (!w->ctx.scene.has_specimen) gn_elements_stress(&w->solids, w->ledger.stress);
     gn_elements_balance(&w->solids, &w->ledger.balance);

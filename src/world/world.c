@@ -119,7 +119,7 @@ double gn_world_mass(const gn_dem *dem, const gn_solids *solids) {
     return dem->mass + gn_elements_totals(solids).mass;
 }
 
-/* From what files show, so that a resumed run has the same bits. */
+/* Computed from values in the output files, so that a resumed run has the same bits. */
 static void set_domain(gn_step_context *ctx, const gn_dem *dem) {
     gn_scene *s = &ctx->scene, *given = &ctx->given;
     if (s->has_domain || (ctx->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(s))) return;
@@ -205,7 +205,7 @@ static gneiss_status check_specimen(const gn_step_context *ctx, const gn_dem *de
     return GNEISS_OK;
 }
 
-/* Sinks take at the start what is in them. */
+/* Sinks remove the particles in them at the start. */
 static gneiss_status check_some_left(const gn_step_context *ctx, const gn_dem *dem,
                                      gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -282,8 +282,8 @@ static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_err
     gauge_work gauge = {w, GNEISS_OK, {0}};
     pthread_t thread;
     const int threads = w->ctx.threads;
-    /* A box that is periodic all round has no surface whose displacements would tell its strain;
-     * what comes and goes has none. */
+    /* A fully periodic box has no surface whose displacements give its strain; with sources or
+     * sinks there is no fixed set of particles either. */
     bool box = w->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->ctx.scene);
     bool wanted = particles && !box && !gn_scene_has_flow(&w->ctx.scene),
          beside = wanted && threads > 1;

@@ -49,9 +49,9 @@ struct gn_world {
     gn_boundary boundary;     /* walls, bodies and facets that they touch */
     gn_solids solids;         /* bodies of finite elements */
     gn_membrane membrane;     /* around the specimen */
-    gn_zones zones;           /* particles and elements as one body */
+    gn_zones zones;           /* particles and elements that share one body */
     gn_conversions converted; /* sums over conversions */
-    gn_features features;     /* what only some scenes use */
+    gn_features features;     /* parts of the step that only some scenes use */
 
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */
@@ -117,11 +117,11 @@ uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       const gn_solids *solids);
 
-/* The scene of world->stages.now, relative to the origin, from world->ctx.given; room for what the
- * stages come to (stages.c). */
+/* Makes the scene of stage world->stages.now, relative to the origin, from world->ctx.given, and
+ * allocates the states of stages (stages.c). */
 gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
 
-/* GNEISS_ERROR_INPUT where the first stage waits for what no pressed contact can bring. */
+/* GNEISS_ERROR_INPUT if the first stage waits for a state that no loaded contact can produce. */
 gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_stages *stages,
                                     gneiss_error *error);
@@ -129,9 +129,9 @@ gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *de
 /* The wave that the scene begins with, when lists have been made (pulse.c). */
 gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
 
-/* Seconds are booked under phases in one step of so many, which counts for the others: looking at
- * the clock after every block takes a percent of a step. Prime, so that it keeps no time with
- * readings. */
+/* Times are measured in one step of GN_BOOKED and multiplied by it, because reading the clock after
+ * every block costs a percent of a step. It is prime, so that measured steps do not coincide with
+ * regular readings. */
 enum { GN_BOOKED = 7 };
 
 #endif

@@ -321,7 +321,7 @@ static bool is_off(double quotient) {
     return (1.0 - z) * (1.0 - z) > returned_most * (1.0 + z) * (1.0 + z);
 }
 
-/* Sides without bonds soften what is thin along its axis alone: that counts in the mean. */
+/* Free sides soften a thin body along its axis only; this counts in the mean. */
 bool gn_zone_differs(const gn_zone_material *m) {
     double mean = 0.0, most = 0.0;
     int axes = 0;
@@ -349,8 +349,8 @@ static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
         gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
 
-/* Returns the weight that an element leaves to particles; 0: it is in no zone, or leaves all, which
- * its volume does not tell. */
+/* Returns the weight that an element leaves to particles; 0: it is in no zone, or leaves all of it,
+ * which cannot be told from its volume. */
 static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_t zone, size_t e) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double centre[3] = {0.0}, share = 0.0;

@@ -213,8 +213,8 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
                         "expected particles in elements, found none", error);
 }
 
-/* Forces have the part that elements do not have; masses at least what half a distance of
- * neighbours is of the zone, so that none is without. */
+/* Force weight = 1 - element weight; the mass weight is at least r/width, so that no particle is
+ * massless. */
 static void weigh(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                   const gn_ties *ties) {
     const gn_particles *q = &dem->particles, *nodes = &gn_coupled_solid(solids)->nodes;
@@ -234,7 +234,8 @@ static void weigh(const gn_step_context *ctx, const gn_dem *dem, const gn_solids
     }
 }
 
-/* kg: what nodes carry, lumped: sum of m_i N_a(X_i), which keeps the mass and its centre. */
+/* Computes the lumped mass that nodes carry, kg: sum of m_i N_a(X_i), which preserves the mass and
+ * its centre. */
 static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q) {
     for (size_t n = 0; n < q->ties.nodes; n++) {
         double *carried = &gn_coupled_solid(solids)->carried[q->ties.node[n]];
@@ -242,7 +243,7 @@ static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_cou
         for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
             const gn_tie_share *share = &q->ties.share[s];
             const int32_t p = dem->index_of_id[q->ties.tie[share->tie].id];
-            if (q->place[share->tie] < 0 || p < 0) continue; /* it leaves, or has left */
+            if (q->place[share->tie] < 0 || p < 0) continue; /* it is removed, or about to be */
             double mass = 1.0 / dem->particles.vel[4 * (size_t)p + 3];
             *carried += mass * q->ties.tie[share->tie].shape[share->corner];
         }
@@ -298,8 +299,8 @@ gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_so
     return GNEISS_OK;
 }
 
-/* Takes the force of a particle away, so that what it moves by itself and what that costs are zero:
- * its mass is at the nodes, and so is its weight. */
+/* Removes the force of a particle, so that its own motion and energy are zero: its mass and its
+ * weight are at the nodes. */
 static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, double load[3]) {
     const gn_particles *q = &dem->particles;
     double *row = gn_hold_load(&dem->hold, width, p), *v = q->vel + 4 * p;
@@ -516,7 +517,7 @@ gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boun
 
 /* --- particles that leave --- */
 
-/* J: what the nodes of ties have by the masses that they carry. */
+/* Returns the kinetic energy of the masses that nodes carry, J. */
 static double carried_energy(const gn_solids *solids, const gn_coupled *q) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double sum = 0.0;

@@ -28,9 +28,9 @@ void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
-/* Springs instead of a constraint (zone_penalty.c): makes them; sets their stiffnesses from
- * gn_zone_state.frequency; registers them as what holds particles that touch walls; their part of a
- * step. */
+/* Springs in place of a constraint (zone_penalty.c): create them; set their stiffnesses from
+ * gn_zone_state.frequency; register them as supports of particles that touch walls; perform their
+ * part of a step. */
 gneiss_status gn_penalty_create(gn_coupled *q, gneiss_error *error);
 void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_zones *zones, gn_coupled *q);
