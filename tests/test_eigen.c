@@ -99,8 +99,8 @@ static void pairs_product(const void *context, const double *x, double *y) {
     }
 }
 
-/* The start has something in front alone, products at the end as well: what is passed over because
- * there is nothing in it must not be when there is. */
+/* The start vector has components in the first unknowns only, products also in the last ones:
+ * groups that are skipped because they are zero must not be skipped when they are not. */
 static void lanczos_follows_where_products_lead(void **state) {
     (void)state;
     size_t n = 9000;
@@ -114,7 +114,7 @@ static void lanczos_follows_where_products_lead(void **state) {
     free(x);
 }
 
-/* A path of which only some groups are not held fast, by themselves and in all of it. */
+/* A chain of which only some groups are free, alone and as a part of the whole. */
 enum { WHOLE = 9000 };
 
 static bool is_loose(size_t k) {

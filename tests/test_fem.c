@@ -1,5 +1,4 @@
-/* Bodies of finite elements at rest: meshes, loads, reactions, and what is refused.
- */
+/* Bodies of finite elements at rest: meshes, loads, reactions, and refused input. */
 #include "fem_patch.h"
 
 #include <unistd.h>
@@ -414,7 +413,8 @@ static void an_inverted_element_stops_the_run_with_its_number(void **state) {
         size_t node = (size_t)gn_elements_node(&solid->elements, 1)[e];
         char number[64];
         gneiss_error error = {0};
-        /* Element 37 alone through the opposite face: move its node 1 so that det F = -1/2. */
+        /* Inverts element 37 alone through its opposite face: moves its node 1 so that det F =
+         * -1/2. */
         double g[3], size2 = 0.0;
         for (int k = 0; k < d; k++) {
             g[k] = gn_elements_gradient(&solid->elements, 1, k)[e];

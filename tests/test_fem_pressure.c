@@ -1,5 +1,5 @@
 /* The pressure form of finite elements where the displacement form locks: nearly incompressible
- * solids at rest, and what the form does by itself. */
+ * solids at rest, and properties of the form. */
 #include "cook.h"
 
 static double deflection(gn_fem_form form, cook_cut cut, int cells) {
@@ -66,8 +66,8 @@ static void pressures_have_no_checkerboard(void **state) {
     }
 }
 
-/* The stabilising pressure has an inertia: what it does when a load comes at once and nothing is
- * damped. */
+/* The stabilising pressure has an inertia: its effect when a load is applied suddenly without
+ * damping. */
 static void a_sudden_load_makes_no_checkerboard_either(void **state) {
     (void)state;
     for (int cut = 0; cut < 3; cut++) {
@@ -143,7 +143,7 @@ static void hold_side(gn_fem_solid *solid, const char *group, unsigned mask) {
     gn_fem_set_free(&set);
 }
 
-/* The part of the top that is pressed, in place of the side z_upper, which nothing is done to. */
+/* Marks the loaded part of the top as a side in place of z_upper, which is unused. */
 static void mark_pressed(gn_mesh *mesh) {
     gn_mesh_group *group = &mesh->groups[5];
     assert_string_equal(group->name, "z_upper");

@@ -1,5 +1,5 @@
-/* docs/quantities.md is what the tables of quantities say, and a history has what they say.
- * `test_quantities FILE` writes the page. */
+/* docs/quantities.md agrees with the tables of quantities, and a history has the quantities of the
+ * tables. `test_quantities FILE` writes the page. */
 #include "world_helpers.h"
 
 #include "run/history_rows.h"

@@ -20,8 +20,7 @@ typedef struct gn_membrane_state {
                            bodies at the last look */
     double missing[3];  /* m2, area of the surface minus that of the patches */
     double rest[9];     /* moment of the surface minus that of the patches */
-    double
-        arms[9]; /* arms from the centres of the bearing particles, rotated back by the gradient */
+    double arms[9];     /* arms from the centres of the bearers, rotated back by the gradient */
     double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
                         shape */
     double from;     /* Pa, pressure at the start of a ramp */

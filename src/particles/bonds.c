@@ -269,7 +269,7 @@ static void set_overlap(const gn_step_context *ctx, gn_dem *dem, size_t c, doubl
 }
 
 /* Stores overlaps that are free of stress in the list of bonds, which holds stress-free distances;
- * they count as broken by nothing. */
+ * they do not count as bonds. */
 static gneiss_status keep_overlaps(const gn_step_context *ctx, gn_dem *dem, const free_overlaps *o,
                                    gneiss_error *error) {
     const size_t most = dem->bonds.contacts.soa.count + o->pairs.count;

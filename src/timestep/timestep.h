@@ -169,7 +169,7 @@ gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *
 gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                                 bool anew, bool *due, gneiss_error *error);
 
-/* That no node that particles touch moved too far in the step (paths.c). */
+/* Checks that no node in contact with particles moved too far in the step (paths.c). */
 gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_solids *solids, gneiss_error *error);
 
