@@ -161,8 +161,8 @@ typedef struct lanczos {
     double work[BASIS_MAX * BASIS_MAX];
 } lanczos;
 
-/* Where nothing moves, as in most of a body at rest, vectors are zero, and their blocks need
- * neither products nor orthogonalisation. */
+/* Components of vectors are zero where nothing moves, as in most of a body at rest, and their
+ * blocks need neither products nor orthogonalisation. */
 static void note_used(const lanczos *state, const double *w) {
 #pragma omp parallel for num_threads(state->threads) schedule(static) if (state->blocks.count > 4)
     for (size_t b = 0; b < state->blocks.count; b++) {

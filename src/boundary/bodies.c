@@ -79,7 +79,7 @@ void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
     for (int k = 0; k < 4; k++) turn[k] *= sign;
 }
 
-/* Rotates by a vector in space. */
+/* Rotates by a rotation vector. */
 static void turn_by(gn_rigid *b, const double vector[3]) {
     double angle = sqrt(gn_dot3(vector, vector));
     if (!(angle > 0.0)) return;

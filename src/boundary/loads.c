@@ -28,7 +28,7 @@ static gneiss_status own_rows(const gn_partials *of, gn_partials *own, gneiss_er
                    of->first[of->blocks]);
 }
 
-/* By particle and then by block, as the steps add them. */
+/* Adds in the order of particles and then blocks, as the steps do. */
 static void add_rows(const gn_step_context *ctx, const gn_partials *of, double *load) {
     const bool space = ctx->effects & GN_FX_SPACE;
     for (int32_t k = 0; k < of->first[of->blocks]; k++) {

@@ -63,8 +63,8 @@ struct gn_surface {
     size_t vertices;
 };
 
-/* Tells whether a particle of this radius is pressed by all facets in it (patch.h): a smaller one
- * touches facets at their nearest points and hardly lies between several. */
+/* Tells whether all facets inside a particle of this radius press it (patch.h): a smaller particle
+ * touches facets at their nearest points and is seldom between several. */
 static inline bool gn_surface_patched(const gn_surface *surface, double radius) {
     const double facets = 3.0;
     return surface->body < 0 && radius > facets * surface->facet_size;

@@ -74,8 +74,8 @@ size_t gn_conversion_around(const gn_fem_solid *solid, const gn_tie *tie,
     return count;
 }
 
-/* The spin of the body at a place, 1/s: half of the curl of velocities, the mean of the elements
- * there. */
+/* Computes the spin of the body at a position, 1/s: half of the curl of velocities, averaged over
+ * the elements there. */
 static void find_spin(const gn_fem_solid *solid, const gn_tie *tie, double spin[3]) {
     int32_t element[GN_AROUND_MOST];
     const size_t count = gn_conversion_around(solid, tie, element);
@@ -93,7 +93,7 @@ static void find_spin(const gn_fem_solid *solid, const gn_tie *tie, double spin[
     }
 }
 
-/* With the motion of the element that it is in. */
+/* Activates a particle with the motion of its element. */
 static void activate(const gn_conversion *conversion, size_t p) {
     gn_particles *q = &conversion->model->dem->particles;
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);

@@ -32,7 +32,7 @@ typedef struct gn_convertible {
     gn_world *world;                                                /* passed to `rebuild` */
 } gn_convertible;
 
-/* Before bonds are formed: which element each particle is in. */
+/* Finds the element that contains each particle. Must be called before bonds are formed. */
 gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gneiss_error *error);

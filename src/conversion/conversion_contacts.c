@@ -54,7 +54,7 @@ typedef struct turns {
     double turn[TURNS][3][3];
 } turns;
 
-/* The mean turn of the elements at the place of a particle. */
+/* Computes the mean rotation of the elements at the position of a particle. */
 static void find_turn(const gn_conversion *conversion, int32_t p, double turn[3][3]) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const gn_tie tie = gn_tie_at(b, gn_home_of(conversion, (size_t)p),

@@ -129,7 +129,7 @@ void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
 
 /* --- masses --- */
 
-/* kg: of an element as a whole, and by how much its part changes. */
+/* kg: mass of an element at full weight; change of its mass. */
 static double element_change(const gn_conversion *conversion, size_t e, double *whole) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
@@ -296,7 +296,8 @@ gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bo
 
 /* --- what is only watched --- */
 
-/* Marks nodes [nodes] of elements that nothing else keeps from going, then motions [motions]. */
+/* Marks the nodes [nodes] of elements that only a recording motion keeps from converting, then the
+ * motions [motions]. */
 static void find_watching(const gn_element_model *q, const uint8_t *kind, const uint8_t *use,
                           uint8_t *node, uint8_t *found) {
     const gn_elements *elements = &q->solid.elements;

@@ -96,9 +96,9 @@ static size_t most_stressed(size_t count, const double *excess, double least, co
     return first;
 }
 
-/* Marks the elements that are loaded as the last marked one but for rounding, as on either side of
- * a plane of symmetry, so that the share of a look does not part them. Where more are alike than
- * were marked, as in a body under one stress, the share decides. */
+/* Marks the elements whose load equals that of the last marked one up to rounding, as on both sides
+ * of a plane of symmetry, so that the fraction per evaluation does not separate them. If more are
+ * equal than were marked, as under uniform stress, the fraction decides. */
 static void mark_alike(size_t count, const double *excess, double last, size_t marked,
                        uint8_t *kind) {
     const double least = (1.0 - 1e-6) * last;
@@ -161,8 +161,8 @@ static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids
     gn_conversion_centre(b, at, most->place);
 }
 
-/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
- * both are the caller's whatever happens. */
+/* [elements] gn_front_kind, and the load of elements that may convert relative to their nearest
+ * limit; the caller frees both in any case. */
 static gneiss_status conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
                                                 const gn_most_loaded *most_loaded, uint8_t **kind,
                                                 double **excess, gneiss_error *error) {

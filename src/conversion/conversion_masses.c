@@ -16,7 +16,7 @@
 
 /* --- sums --- */
 
-/* Second moments that a rotation needs, of a place: in the plane that about the axis alone. */
+/* Second moments of a point that a rotation needs; in 2D only that about z. */
 enum { SECOND_MOST = 6, BASIS_MOST = GN_BASIS_MOST };
 static size_t second_count(size_t dimension) {
     return dimension == 3 ? 6 : 1;

@@ -181,7 +181,8 @@ static void turning_of(size_t dimension, const double s[6], const double spin[3]
                  s[3 + (a + 2) % 3] * spin[(a + 2) % 3];
 }
 
-/* Means over those whose masses were scaled: of a rigid motion its own. */
+/* Means over the particles with scaled masses: velocity and spin of a rigid motion equal its own.
+ * */
 typedef struct means {
     double centre[3], velocity[3], spin[3]; /* m, m/s, rad/s */
 } means;
@@ -287,7 +288,7 @@ static bool find_takers(const gn_conversion *conversion, const lack *l, bool tur
     return false;
 }
 
-/* A component at which all are held takes none. */
+/* A component that is held for all of them is left out. */
 static void find_velocity(rigid *r, const lack *l) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}};
     r->count = r->dimension;

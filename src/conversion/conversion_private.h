@@ -25,7 +25,7 @@ typedef struct gn_conversion {
     double *part;   /* [particles][2] weights before, 0 if it was dormant */
     double *node_part;  /* [nodes][2] parts and distances before (couple/front.h) */
     uint8_t *freed;     /* [particles] moves by itself from now on */
-    uint8_t *touched;   /* [elements before] leaves, or has another part of the body */
+    uint8_t *touched;   /* [elements before] converts, or gets another weight */
     int32_t *some;      /* [elements before] scratch */
     uint8_t *active;    /* [prepared bonds] acts from now on */
     size_t acting;      /* how many do */
@@ -53,12 +53,14 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
  * elements. */
 gneiss_status gn_conversion_activate_bonds(const gn_conversion *conversion, gneiss_error *error);
 
-/* m/s: at which the ends of a contact part where they meet, along and across n. */
+/* Computes the relative velocity of the ends of a contact at the contact point, along and across n,
+ * m/s. */
 void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
                      double length, const double n[3], double rate[3]);
 
-/* N, of the springs of a contact on its first particle at the instant, in the sense of leap-frog;
- * what of it is along n, from the first to the second; m, between both (conversion_energy.c). */
+/* Computes the force of the springs of a contact on its first particle at the instant, N, as
+ * defined by leap-frog, and the distance of the centres, m; returns the component along n, from the
+ * first to the second (conversion_energy.c). */
 double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                        size_t c, double n[3], double *length, double force[3]);
 
@@ -76,11 +78,11 @@ typedef struct gn_held {
 static inline double gn_held_sum(const gn_held *held) {
     return held->elements + held->contacts + held->step;
 }
-/* J (conversion_energy.c): of what is other after the conversion than before. With parts and
- * `freed` found. */
+/* Returns the energy of everything that the conversion changes, J (conversion_energy.c). To be
+ * called with weights and `freed` found. */
 gn_held gn_conversion_held(const gn_conversion *conversion);
 double gn_conversion_held_in_contacts(const gn_conversion *conversion);
-/* J: the same of all else. */
+/* Returns the energy of everything else, J. */
 double gn_conversion_held_beside(const gn_conversion *conversion);
 
 /* J: energy that elements, and springs in their place, would hold of the weight that particles take
@@ -104,7 +106,7 @@ void gn_conversion_halt_without_mass(const gn_conversion *conversion, const doub
  * would support it. Halts at the lightest such node. To be called with weights found. */
 gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bool *found,
                                              gneiss_error *error);
-/* m, of an element at the start. */
+/* Computes the centre of an element at the start, m. */
 void gn_conversion_centre(const gn_fem_solid *solid, size_t e, double centre[3]);
 
 /* Largest change of a mass that is taken for a packing's scatter. */
@@ -140,8 +142,8 @@ gneiss_status gn_conversion_keep_invariants(const gn_conversion *conversion, con
 typedef enum gn_scaled { GN_SCALED_CHANGED, GN_SCALED_TIED } gn_scaled;
 bool gn_conversion_scales(const gn_conversion *conversion, gn_scaled scaled, size_t particle);
 
-/* x of m x = f, in its place, for a symmetric positive m [n][n]; false: it is as good as singular.
- */
+/* Solves m x = f in place, for a symmetric positive definite m [n][n]; false: it is numerically
+ * singular. */
 enum { GN_BASIS_MOST = 10 };
 bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f);
 

@@ -142,7 +142,8 @@ static const double roundings = 64.0;
 typedef struct link {
     gn_contacts *list;
     size_t at;
-    double force[3], normal, worst; /* N on its first particle; of it along n; of its strength */
+    double force[3], normal, worst; /* N, force on its first particle; its component along n;
+                                       largest ratio to its strength */
     bool bonded;
 } link;
 
@@ -206,7 +207,7 @@ static bool find_particles(relaxation *r) {
     return r->local && r->particle;
 }
 
-/* Counts, or takes, the contacts of a list that hold one of them. */
+/* Counts, or collects, the contacts of a list with an end among the released particles. */
 static size_t find_links(relaxation *r, gn_contacts *list, bool take) {
     size_t found = 0;
     for (size_t k = 0; k < list->soa.count; k++) {
@@ -238,7 +239,8 @@ static gneiss_status begin(relaxation *r, gneiss_error *error) {
 
 /* --- forces --- */
 
-/* J, of a contact that does not slide; of one that does what its springs hold at the limit. */
+/* Returns the energy, J, of a contact that does not slide; of one that slides, that of its springs
+ * at the limit. */
 static double stored_in(const relaxation *r, size_t k, double length, double rest) {
     const link *l = &r->link[k];
     const double *n = r->spring[k].n;
@@ -544,7 +546,7 @@ static void note(const relaxation *r, double before) {
     all->time = r->ctx->time;
 }
 
-/* Lists know of where they are. */
+/* Updates the displacement bounds of the lists. */
 static void update_drift(relaxation *r) {
     const gn_particles *q = &r->dem->particles;
     double most = 0.0;

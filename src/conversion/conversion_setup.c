@@ -55,7 +55,7 @@ static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) 
                   error);
 }
 
-/* Where a zone is as wide as the body no element is left with the first conversion. */
+/* If a zone is as wide as the body, no element is left after the first conversion. */
 static gneiss_status check_width(const gn_step_context *ctx, const gn_solids *solids,
                                  gneiss_error *error) {
     const double side = gn_elements_longest_side(ctx, solids);

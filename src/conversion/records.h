@@ -47,7 +47,7 @@ typedef struct gn_conversion_parts {
                         converted part: their difference is `stiffness` */
 } gn_conversion_parts;
 
-/* Doubles alone, as checkpoints hold it. */
+/* Doubles only, as checkpoints store them. */
 struct gn_conversions {
     gn_relaxations relaxed;
     gn_corrections corrected;

@@ -50,7 +50,7 @@ typedef struct gn_feature {
     bool (*used)(const gn_world *world);
     gn_hook *hook[GN_HOOK_PLACES]; /* NULL: no hook at this place */
     void *context;                 /* passed to the hooks */
-    void (*end)(void *context);    /* when the world is freed; NULL: nothing to do */
+    void (*end)(void *context);    /* called when the world is freed; NULL: not needed */
 } gn_feature;
 
 /* The features of scenes, in the order in which their hooks are called at every place; those that

@@ -26,7 +26,7 @@ typedef struct gn_machine {
 struct gn_step_context {
     gn_scene scene; /* of the stage; its points relative to scene.origin, as all points of the
                        world */
-    gn_scene given; /* the same as the user sees it, for files */
+    gn_scene given; /* the same in the user's coordinates, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;
     int threads;
@@ -57,15 +57,15 @@ static inline bool gn_converts(const gn_step_context *ctx) {
 
 /* The end of a run by the model itself. */
 struct gn_ending {
-    bool bad;       /* the run failed: its state is written as it is, for inspection */
-    char halt[256]; /* reason why the run is to end here with a valid model; "": none */
+    bool bad;       /* the run failed: its state is written for inspection */
+    char halt[256]; /* reason to end the run with a valid model; "": none */
 };
 
 /* Returns the factor of the prescribed velocity of a wall, set, body or motion of elements along an
  * axis: 1 unless it is an end of a controlled test. */
 double gn_control_of(const gn_step_context *ctx, const char *name, int axis);
 
-/* A point of the world as the user sees it. */
+/* Converts a point of the world to the user's coordinates. */
 void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]);
 
 /* Places are too coarse where the spacing of doubles there exceeds this share of a length. */

@@ -28,7 +28,8 @@ struct gn_periodic_box {
 bool gn_box_moves(const gn_step_context *ctx, const gn_periodic_box *box);
 bool gn_box_moved(const gn_periodic_box *box);
 
-/* m/s: the most by which the ends of a listed contact came apart with it in the last step. */
+/* Returns the largest speed, m/s, at which the box moved the ends of a listed contact apart in the
+ * last step. */
 double gn_box_speed(const gn_periodic_box *box);
 /* Returns the status of a search for neighbours: a box that is too narrow for it is an error of the
  * scene at the start, later one of the motion of its sides. */

@@ -16,22 +16,21 @@ typedef struct gn_resolution {
     int64_t first, second;
 } gn_resolution;
 
-/* Masses raised for a longer step (mass_scaling.c); gn_raised_masses has how many and by how much.
- */
+/* Masses raised for a longer step (mass_scaling.c); see also gn_raised_masses. */
 typedef struct gn_mass_scaling {
     double unscaled; /* s: the step without */
-    double step;     /* s: that masses were raised for; 0: none had to be */
+    double step;     /* s: the step for which masses were raised; 0: none was */
     double reached;  /* s: the step reached at the start */
 } gn_mass_scaling;
 
 typedef struct gn_step_choice {
-    gn_step_limit limit;      /* of the particles, last full estimate */
-    double stable;            /* s: the limit of the particles alone, without damping */
-    double listed;            /* s: the limit with all listed contacts in touch, where it was found
-                               * to be within a hundredth of the step or below it; else INFINITY */
-    double listed_holds;      /* s: step of the particles alone at which all that is listed holds */
-    double whole;             /* s: sharp limit of particles and elements as one; 0: not looked
-                               * for; negative: to be found anew, as nodes have lost mass */
+    gn_step_limit limit; /* of the particles, last full estimate */
+    double stable;       /* s: the limit of the particles alone, without damping */
+    double listed;       /* s: the limit with all listed contacts in touch, where it was found
+                          * to be within a hundredth of the step or below it; else INFINITY */
+    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
+    double whole;        /* s: sharp limit of the coupled system of particles and elements; 0: not
+                            searched; negative: outdated, because nodes have lost mass */
     gn_resolution resolution; /* the shortest so far */
     gn_mass_scaling scaling;
     double surface_rate;  /* 1/s: 1/dt of free bodies, see gn_boundary_limit */

@@ -14,7 +14,8 @@
  * the lists of the last step. */
 gneiss_status gn_particles_find_gone(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                      gn_ledger *ledger, int32_t **gone, gneiss_error *error);
-/* Takes them out of the model, without mass and contacts, once nothing else holds them. */
+/* Removes the marked particles from the model, with their mass and contacts, after other parts have
+ * released them. */
 gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger,
                                     const int32_t *gone, gneiss_error *error);
 
@@ -22,8 +23,8 @@ gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_
  * particle to remove; such sinks are checked in every step. */
 bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem);
 
-/* Tells whether there are particles that never are wholly inside of a sink; then the text says so.
- */
+/* Tells whether there are particles that never are entirely inside a sink, and writes a message to
+ * `text`. */
 bool gn_sink_is_too_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink, char *text,
                          size_t size);
 

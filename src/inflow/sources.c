@@ -81,7 +81,7 @@ bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem) {
     return false;
 }
 
-/* One particle in the unit of the rate. */
+/* Returns the amount of one particle in the unit of the rate. */
 static double one(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
     const gn_source_state *s = &dem->flow.sources[k];
     if (!(ctx->scene.sources[k].mass_rate > 0.0)) return 1.0;

@@ -111,7 +111,8 @@ static region region_of(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return r;
 }
 
-/* Share of the way from x along l that lies in the region: |x + q l - centre| < radius. */
+/* Returns the fraction of the segment from x along l inside the region: |x + q l - centre| <
+ * radius. */
 static double share_inside(const region *r, const double x[3], const double l[3]) {
     double d[2] = {x[0] - r->centre[0], x[1] - r->centre[1]};
     double a = l[0] * l[0] + l[1] * l[1], b = d[0] * l[0] + d[1] * l[1];
@@ -222,8 +223,8 @@ static bool cut_by_groups(const gn_scene *s) {
     return cut;
 }
 
-/* Section across an axis: at most that of the bounding box. Of prismatic shapes it is the mean one;
- * of others, which may have a waist, no lower limit is known. */
+/* Section across an axis: at most that of the bounding box. For prismatic shapes it is the mean
+ * section; for others, which may have a waist, there is no lower limit. */
 static size_given section_across(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_solids *solids, int axis) {
     const gn_test *t = &ctx->scene.test;

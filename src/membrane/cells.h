@@ -38,7 +38,7 @@ typedef struct gn_cell_face {
     int32_t particle; /* the neighbour */
     double area[3];   /* m2, out of the cell; 2D: 1 m thick */
     double point[3];  /* m, its middle */
-    double sum;       /* m2, of the faces of its voxels; 0: they have nothing in common */
+    double sum;       /* m2, area of the faces of its voxels; 0: it is empty */
 } gn_cell_face;
 
 typedef struct gn_cell {

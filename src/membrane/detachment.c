@@ -34,15 +34,16 @@ typedef struct transfer {
     gn_dem *dem;
     gn_membrane *membrane;
     gn_start_grid left, all;
-    bool *of; /* [particles] that are left */
+    bool *of; /* [particles] those that remain */
     gn_cell cell;
     gn_patch *patch;
     int32_t *next, *head; /* [capacity], [particles] */
     size_t count, capacity;
 } transfer;
 
-/* Tells whether a particle is farther than its radius from its place on the skin as a whole: a
- * particle that was never held is detached then, and not where the packing left a gap. */
+/* Tells whether a particle is farther than its radius from its position on the moving skin: a
+ * particle that was never supported is detached then, and a gap of the packing does not detach one.
+ * */
 static bool has_left(const gn_dem *dem, const double mean[3], size_t p) {
     const gn_particles *q = &dem->particles;
     double way[3];
@@ -153,7 +154,7 @@ static gneiss_status collect_patches(const gn_step_context *ctx, gn_dem *dem, gn
     return GNEISS_OK;
 }
 
-/* Back into the world, those of one particle one after the other. */
+/* Stores the patches in the world, sorted by particles. */
 static gneiss_status store_patches(const transfer *h, gneiss_error *error) {
     const gn_particles *q = &h->dem->particles;
     gn_membrane *membrane = h->membrane;
@@ -178,7 +179,7 @@ static gneiss_status give(transfer *h, int32_t p, const gn_patch *patch, gneiss_
     return p < 0 ? GNEISS_OK : add_patch(h, p, patch, error);
 }
 
-/* Planes of the surface at a particle: of its patches of the start. */
+/* Finds the planes of the surface at a particle from its original patches. */
 static size_t planes_at(const transfer *h, size_t p, double (*plane)[4]) {
     size_t count = 0;
     for (int32_t k = h->head[p]; k != NONE && count < PLANES; k = h->next[k]) {
@@ -192,7 +193,7 @@ static size_t planes_at(const transfer *h, size_t p, double (*plane)[4]) {
     return count;
 }
 
-/* Adds area and area times place. */
+/* Adds an area, and area times position. */
 static void add_sums(const gn_patch *patch, double sign, double area[3], double arms[9]) {
     for (int a = 0; a < 3; a++) area[a] += sign * patch->area[a];
     for (int k = 0; k < 9; k++)

@@ -227,8 +227,8 @@ static void set_surface(gn_dem *dem, const view *v, gn_skin_body body, double at
     }
 }
 
-/* The surface of a body, in balance with its particles at their centres. Ways end where it encloses
- * what the body fills. */
+/* Sets the surface of a body, in balance with its particles at their centres. Arms end where the
+ * surface encloses the volume of the body. */
 static void finish(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                    const gn_boundary *boundary, const gn_solids *solids, const view *v,
                    gn_skin_body body, double *arms) {

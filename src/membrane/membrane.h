@@ -12,12 +12,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* State of a membrane, as checkpoints have it. Areas act where they are; tensors
- * are sums of areas times places or ways, m3. */
+/* State of a membrane, as checkpoints store it. Areas act at their present positions; tensors are
+ * sums of areas times positions or arms, m3. */
 typedef struct gn_membrane_state {
     double pressure;    /* Pa, in the last step */
-    double gradient[9]; /* of the skin in the last step: how it has moved as a whole; of several
-                           bodies at the last look */
+    double gradient[9]; /* mean displacement gradient of the skin in the last step; of several
+                           bodies at the last update */
     double missing[3];  /* m2, area of the surface minus that of the patches */
     double rest[9];     /* moment of the surface minus that of the patches */
     double arms[9];     /* arms from the centres of the bearers, rotated back by the gradient */
@@ -37,7 +37,7 @@ typedef struct gn_patch {
     double point[3]; /* m, its middle */
     double area[3];  /* m2, outward */
     double rest[9];  /* m3, sum of areas times arms from the middle */
-    double size;     /* m2; 0: a face, whose size is that of its area */
+    double size;     /* m2; 0: a face, whose size is the magnitude of its area */
     int32_t owner;   /* id of the particle that carries it; -1: none is left */
     int32_t body;    /* its body among those of the skin at the last update */
 } gn_patch;
@@ -70,9 +70,9 @@ gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem
 gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_dem *dem, bool *held,
                                          gneiss_error *error);
 
-/* The skin of particles without a shape, over which a ball of the radius `ball` rolls
- * (free_surface.c). Areas go to q->skin; `arms` [particles] are the trace of areas times ways from
- * the centres, m3, and begin as 0. */
+/* Makes the skin of particles without a given shape, over which a ball of the radius `ball` rolls
+ * (free_surface.c). Areas go to q->skin; `arms` [particles] are the traces of areas times arms from
+ * the centres, m3, and must be 0 initially. */
 gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     double ball, double *arms, gneiss_error *error);
@@ -126,13 +126,12 @@ void gn_membrane_enter(const gn_step_context *ctx, gn_membrane *membrane, size_t
 gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                 gneiss_error *error);
 
-/* m3: that the mean stress of the specimen refers to; of particles without a shape what the
- * membrane encloses at the start. */
+/* Returns the volume to which the mean stress of the specimen refers, m3; without a given shape
+ * that enclosed by the membrane at the start. */
 double gn_membrane_volume(const gn_step_context *ctx, const gn_membrane *membrane);
 
-/* Pa: of the last step; what it adds to the mean stress of the specimen, between centres and
- * surface.
- */
+/* gn_membrane_pressure returns the pressure of the last step, Pa; gn_membrane_stress adds the
+ * stress between centres and surface to the mean stress of the specimen. */
 double gn_membrane_pressure(const gn_membrane *membrane);
 void gn_membrane_stress(const gn_step_context *ctx, const gn_membrane *membrane, double volume,
                         double stress[9]);
@@ -159,11 +158,12 @@ static inline bool gn_is_loaded_of(const gn_particles *particles, gn_skin_body b
 /* x = F X by least squares of places that were at X and are at x, both from their means on. */
 typedef struct gn_gradient_fit {
     int dimension;
-    double sum, from[3], to[3]; /* of weights; of places times them */
+    double sum, from[3], to[3]; /* sum of weights; weighted sums of positions */
     double moved[9], spread[9];
 } gn_gradient_fit;
 void gn_gradient_add(gn_gradient_fit *fit, double weight, const double from[3], const double to[3]);
-/* m2: of weights times squares of ways from the mean, along the axis where it is least. */
+/* Returns the weighted sum of squared distances from the mean, m2, along the axis where it is
+ * least. */
 double gn_gradient_spread(const gn_gradient_fit *fit);
 /* False, and the identity, where the places do not span space. */
 bool gn_gradient_of(const gn_gradient_fit *fit, double gradient[9]);

@@ -28,7 +28,7 @@ static const double pace = 1.0 / 8.0;
 enum { OPEN = -1, WIDENED = 3 };
 static const double wider = 1.5;
 
-/* How much more or less than as a whole a patch may be stretched. */
+/* Limits of the stretch of a patch relative to that of the whole skin. */
 static const double stretch_most = 3.0;
 
 /* --- how the surroundings have moved --- */
@@ -396,7 +396,7 @@ static void blend(gn_dem *dem, const double *was, const double had[9], double ar
     for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
 }
 
-/* Grains that roll by themselves do not say how a body moves. */
+/* Grains that roll independently do not show how a body moves. */
 static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                   gn_start_grid *grid, gneiss_error *error) {
     bool *held = NULL;

@@ -37,7 +37,7 @@ static double reach_of(const roll *v, size_t p) {
     return v->rolled->particles->pos[4 * p + 3] + v->rolled->ball;
 }
 
-/* How far from the ball's centre a layer is, m. */
+/* Returns the distance of a layer from the ball's centre, m. */
 static double layer_of(const roll *v, int k) {
     return gn_rolled_layer[k] * v->rolled->ball;
 }
@@ -110,7 +110,8 @@ typedef struct circle {
     size_t member[2];
     double axis[3], e1[3], e2[3], radius;
     double height[2]; /* m, from each towards the other */
-    double angle[2];  /* rad, between the way from each to the ball and the plane of the circle */
+    double angle[2];  /* rad, between the direction from each particle to the ball and the plane of
+                         the circle */
 } circle;
 
 static void frame_of(circle *c) {
@@ -125,7 +126,7 @@ static void frame_of(circle *c) {
     gn_cross3(c->e2, l, c->e1);
 }
 
-/* How far the sphere of j cuts that of i, towards j; false: it does not. */
+/* Finds the plane in which the sphere of j cuts that of i; false: they do not intersect. */
 static bool cuts(const roll *v, size_t i, size_t j, double *length, double *height) {
     const double s = reach_of(v, i), t = reach_of(v, j);
     double way[3];
@@ -191,7 +192,8 @@ static double triangle(const double a[3], const double b[3], const double c[3]) 
     return 2.0 * atan2(gn_dot3(a, across), 1.0 + gn_dot3(a, b) + gn_dot3(b, c) + gn_dot3(c, a));
 }
 
-/* Solid angle between a pole and an arc that is the edge of what is free of one side's sphere. */
+/* Returns the solid angle between a pole and an arc that bounds the free part of one particle's
+ * sphere. */
 static double edge_direction(const circle *c, int side, const arc *free) {
     static const double pole[3] = {0.48, 0.36, 0.8};
     const int parts = 1 + (int)((free->to - free->from) / 2.0);
@@ -207,8 +209,8 @@ static double edge_direction(const circle *c, int side, const arc *free) {
     return sum;
 }
 
-/* Mean of the unit vectors to a ball from what it touches, i among them, from which it is `first`.
- */
+/* Computes the mean of the unit vectors from the touched particles to a ball; `first`: that from i.
+ * */
 static void middle_of_cap(const roll *v, size_t i, const double first[3], double middle[3]) {
     const double near = 1e-6;
     memcpy(middle, first, 3 * sizeof *middle);
@@ -244,7 +246,8 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
         between[a] = n[0][a] + n[1][a];
         size += between[a] * between[a];
     }
-    if (!(size > 0.0)) return; /* the ball passes between two that are as far apart as it is wide */
+    if (!(size > 0.0))
+        return; /* the ball passes between two particles whose gap equals its diameter */
     for (int a = 0; a < 3; a++) between[a] /= sqrt(size);
     for (int side = 0; side < 2; side++) {
         const size_t p = c->member[side];
@@ -263,7 +266,7 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
 }
 
 /* Integrals over the meridian of a ring up to an angle: of areas along the radius and along the
- * axis, and of areas times ways from the centre. */
+ * axis, and of areas times arms from the centre. */
 static void meridian(const circle *c, int side, double t, double angle, double sign,
                      double sum[3]) {
     const double r = c->radius, h = c->height[side], x = cos(angle), y = sin(angle);

@@ -261,7 +261,7 @@ static void set_middle(gn_patch *patch, const double centre[3], const double way
     for (int a = 0; a < 3; a++) patch->point[a] = centre[a] + way[a];
 }
 
-/* Shares of the surface of the shape. */
+/* Divides the surface of the given shape among particles. */
 static gneiss_status skin_of_shape(const gn_step_context *ctx, gn_dem *dem, double radius,
                                    const bool *held, gn_patch *all, gneiss_error *error) {
     gn_boundary_pieces pieces;

@@ -130,7 +130,7 @@ static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
     const size_t needed = n->blocks * n->stride, streams = streams_of(n);
     if (needed <= n->room && streams <= n->streams) return GNEISS_OK;
     free_room(n);
-    n->room = needed + needed / 8; /* lists that are made anew differ little */
+    n->room = needed + needed / 8; /* rebuilt lists differ little in length */
     n->streams = streams;
     n->i = gn_alloc_array_raw(n->room, sizeof *n->i);
     n->j = gn_alloc_array_raw(n->room, sizeof *n->j);
@@ -160,7 +160,7 @@ gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     n->on = n->packed = false;
     if (!worth_while(ctx, dem, box)) return GNEISS_OK;
     GN_TRY(make_paths(dem, error));
-    find_columns(n, &dem->pairs.contacts, &(gn_uniform){0}); /* more are never asked for */
+    find_columns(n, &dem->pairs.contacts, &(gn_uniform){0}); /* no more columns are ever needed */
     GN_TRY(make_room(dem, error));
     find_columns(n, &dem->pairs.contacts, &dem->pairs.uniform);
     n->listed = (double)dem->pairs.contacts.soa.count;
@@ -182,8 +182,8 @@ size_t gn_near_bytes(const gn_dem *dem) {
 /* Room for rounding. */
 static const double more = 1.0 + 1e-6;
 
-/* Returns the path within a span of `steps` steps if velocities go on changing by `change` in each.
- */
+/* Returns the path within a span of `steps` steps if velocities continue to change by `change` per
+ * step. */
 static double drift(const gn_near_past *past, double change, int steps) {
     return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
 }
@@ -194,9 +194,9 @@ static double largest_change(const gn_near *near) {
     return most;
 }
 
-/* Begins a span: the pairs found now are to hold for `steps` steps if velocities go on changing by
- * 1.5 times as much as in the last step. Where little happens a collision may begin, but seldom the
- * fiercest. */
+/* Begins a span: the pairs found now must be valid for `steps` steps if velocities change by 1.5
+ * times as much per step as in the last one. In a quiet system a collision may begin, but seldom
+ * the most violent one. */
 static void begin_span(gn_near *near, int steps) {
     static const double reserve = 1.5, of_largest = 0.2;
     const double least = of_largest * largest_change(near);
@@ -209,9 +209,9 @@ static void begin_span(gn_near *near, int steps) {
     near->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
 }
 
-/* Looking costs about half of what the kernel does with as many pairs; the longer it is to hold,
- * the more pairs do not touch. So many steps that both together cost least are gone up to and down
- * from again: pairs and not seconds decide. */
+/* A search costs about half of what the kernel takes for as many pairs; the longer its result is to
+ * be valid, the more of its pairs do not touch. The number of steps with the least total cost is
+ * found by varying it up and down; the cost is counted in pairs, not in seconds. */
 static void tune_steps(gn_near *near) {
     enum { MOST = 64 };
     static const double look = 0.5; /* relative cost of the search for a pair, the kernel being 1 */
@@ -225,9 +225,9 @@ static void tune_steps(gn_near *near) {
     if (near->steps > MOST) near->steps = MOST;
 }
 
-/* A sweep at other velocities than those that led to the positions does not show which pairs
- * touched a step ago. All pairs of new lists are processed once: zeros that changed their sign with
- * the places of their ends lose it, see put. */
+/* A sweep with velocities other than those that led to the positions does not show which pairs
+ * touched a step ago. All pairs of new lists are processed once: zeros whose sign changed when
+ * their ends were exchanged become positive, see put. */
 void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
     gn_near *n = &dem->near;
     if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
@@ -323,7 +323,7 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
         (int32_t)(n->whole ? take_all(block) : kernels->find(&args, block->act));
 }
 
-/* Their ends and places. */
+/* Packs their ends and places. */
 static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_contact_args *pairs,
                       const block_of_pairs *block) {
     const gn_near_kernels *kernels = ctx->kernels->near;

@@ -42,8 +42,9 @@ typedef struct gn_near_span {
     int steps;      /* sweeps that worked on it */
 } gn_near_span;
 
-/* The part of it in checkpoints besides `act`, in doubles. The pairs that are packed beside each
- * other determine the order in which losses are summed, so a resumed run packs the same ones. */
+/* The part of the state in checkpoints apart from `act`, in doubles. The pairs that are packed
+ * beside each other determine the order in which losses are summed, so that a resumed run must pack
+ * the same ones. */
 typedef struct gn_near_kept {
     double known, dt[2];                        /* gn_near_past */
     double ahead, elapsed, over, worked;        /* gn_near_span */
@@ -66,8 +67,8 @@ typedef struct gn_near {
     int steps, towards;  /* steps for which a search is to hold; 1 or -1: direction in which their
                             number is varied */
     double listed, cost; /* pairs; of the last span, in pairs worked on per step */
-    gn_near_kept kept;   /* of a checkpoint that was read, until lists are there; */
-    uint8_t *kept_act;   /* [kept_groups], NULL: of none */
+    gn_near_kept kept;   /* state of a checkpoint that was read, until lists exist; */
+    uint8_t *kept_act;   /* [kept_groups], NULL: none */
     size_t kept_groups;
     gn_near_path *kept_paths; /* [kept_path_count] */
     size_t kept_path_count;
@@ -98,8 +99,8 @@ void gn_near_free(gn_near *near);
 size_t gn_near_bytes(const gn_dem *dem);
 
 /* Writes packed columns back into the list of pairs, before shear, fd, closeness or roll are read
- * there. The list is then as if nothing had been packed, so that a constant world may be settled.
- */
+ * there. The list is then as without packing; as this does not change the state, a constant world
+ * may be settled. */
 void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
 /* Columns of pairs were or will be changed by others than the kernel; also velocities or places, by
  * others than a step. */

@@ -34,9 +34,9 @@ static bool bondable(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
            *distance >= sum * (1.0 - ctx->scene.overlap_range);
 }
 
-/* Least length of a bond over the smaller radius. A bond turns with the line of its centres: where
- * these are hardly farther apart than what it is stretched and sheared before it breaks (some
- * thousandths of a radius), the line turns by large angles in a step and the energy goes wrong. */
+/* Least length of a bond over the smaller radius. A bond rotates with the line between its centres:
+ * if their distance is hardly larger than the deformation at which it breaks (some thousandths of a
+ * radius), that line rotates by large angles in a step, and energy is not conserved. */
 static const double bond_least = 0.01;
 
 static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
@@ -126,9 +126,9 @@ static void add_overlap(free_overlaps *overlaps, int32_t i, int32_t j, double re
 /* Overlaps below this share of r_i + r_j are rounding of the places. */
 static const double overlap_least = 1e-9;
 
-/* Tells whether overlaps of the start are those of a packing that bonds take as they are. Where a
- * later stage forms the bonds this is known of packings that were made to overlap. Elements that
- * convert refuse overlaps without a bond (conversion/conversion_setup.c). */
+/* Tells whether the overlaps at the start are those of a packing, which bonds take as stress-free.
+ * If a later stage forms the bonds, this holds for packings that were made with overlaps. Elements
+ * that convert refuse overlaps without a bond (conversion/conversion_setup.c). */
 static bool overlaps_are_free(const gn_step_context *ctx) {
     const gn_scene *s = &ctx->scene;
     const bool made = s->specimen.pack.overlap == GN_OVERLAP_PASSIVE || gn_scene_from_packing(s);
@@ -168,8 +168,8 @@ static int by_ends(const void *a, const void *b) {
     return (x->j > y->j) - (x->j < y->j);
 }
 
-/* The bonds of another run in the order of this one: pairs, and in from->rest_length what belongs
- * to each. Those that do not hold keep the distance at which they have no force. */
+/* Takes over the bonds of another run in the order of this one: pairs, and in from->rest_length
+ * their data. Those that are broken keep their stress-free distance. */
 static gneiss_status take_bonds(const gn_step_context *ctx, const gn_dem *dem, gn_from_run *from,
                                 gn_pair_list *pairs, free_overlaps *loose, gneiss_error *error) {
     GN_TRY(gn_from_run_read(&ctx->scene, from, error));
@@ -231,8 +231,8 @@ static size_t count_known(const gn_contacts *list, const gn_pair_list *pairs) {
     return known;
 }
 
-/* Both lists are sorted; `fresh` [in all]: whether a bond is a new one, which takes the place of a
- * free overlap of that pair. */
+/* Merges two sorted lists; `fresh` [in all]: the bond is new, and replaces a stress-free overlap of
+ * that pair. */
 static gneiss_status merge(gn_dem *dem, const gn_pair_list *pairs, uint8_t *fresh,
                            gneiss_error *error) {
     gn_contacts *old = &dem->bonds.contacts, now = {0};
@@ -342,8 +342,8 @@ static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return length - sqrt(gn_dot3(before, before));
 }
 
-/* J: what a tangential force on the first particle did in the last step, n from it to the second.
- */
+/* Returns the work, J, of a tangential force on the first particle in the last step, n from it to
+ * the second. */
 static double last_slide(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
                          const double n[3], double gap, const double force[3]) {
     const gn_particles *q = &dem->particles;

@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 typedef struct gn_burst {
-    double time, duration; /* s, of its first break; to its last */
+    double time, duration; /* s, of its first break; from that to its last one */
     double place[3];       /* m, mean position of its breaks in the user's coordinates */
     double energy;         /* J, that its breaks released; NaN: without the ledger */
     int32_t size, tension; /* number of breaks, and of breaks in tension */

@@ -31,7 +31,8 @@ static double get(const gn_contacts *contacts, size_t c) {
     return contacts->confined ? contacts->confined[c] : (double)contacts->confined_f[c];
 }
 
-/* Sums go by the order of the list, on one thread, so that they are the same for any number. */
+/* Sums are formed in the order of the list, on one thread, so that they are the same for any number
+ * of threads. */
 static void add_up(const gn_dem *dem, const gn_contacts *contacts, double *around) {
     for (size_t p = 0; p < 2 * dem->particles.soa.count; p++) around[p] = 0.0;
     for (size_t c = 0; c < contacts->soa.count; c++) {

@@ -31,7 +31,7 @@ typedef struct gn_sink_state {
 
 /* A particle that left the domain. */
 typedef struct gn_lost {
-    double id, time, place[3], velocity[3]; /* s; m, as the user sees it; m/s */
+    double id, time, place[3], velocity[3]; /* s; m, in the user's coordinates; m/s */
 } gn_lost;
 
 typedef struct gn_flow {

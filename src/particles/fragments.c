@@ -38,7 +38,7 @@ static gn_fragments measure(const gn_step_context *ctx, const gn_dem *dem, int32
     gn_fragments found = {0, 0};
     double all = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (gn_is_dormant(dem, p)) continue; /* no part of the body as yet */
+        if (gn_is_dormant(dem, p)) continue; /* not a part of the body yet */
         size_t root = (size_t)gn_set_root(parent, (int32_t)p);
         double own = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         volume[root] += own;
@@ -160,8 +160,9 @@ static int by_volume(const void *a, const void *b) {
     return (x->first > y->first) - (x->first < y->first);
 }
 
-/* Pieces in the order of the least of their ids, particles in that of their ids: the sums do not
- * depend on how particles are sorted. *place: of each piece by its first particle's id. */
+/* Sums fragments in the order of their smallest ids, and particles in the order of ids, so that the
+ * sums do not depend on the sorting of particles. *place: index of each fragment by its first
+ * particle's id. */
 static void sum_pieces(const gn_step_context *ctx, const gn_dem *dem, gn_fragment_list *list,
                        int32_t *piece) {
     const gn_dem *d = dem;

@@ -18,7 +18,7 @@ typedef struct gn_fragments {
 gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem);
 
-/* A piece, one particle or more. */
+/* A fragment, one particle or more. */
 typedef struct gn_fragment {
     double volume;      /* m3, in 2D m2 x 1 m, of its particles */
     double mass;        /* kg, without mass added for a longer step */
@@ -47,7 +47,7 @@ const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem);
 /* Tells whether a bond has broken or was dissolved, or a particle has left the domain. */
 bool gn_world_has_loosened(const gn_dem *dem);
 
-/* A body with fewer particles than this share of the largest one's has come off it. */
+/* A body with fewer particles than the largest one over this number counts as detached from it. */
 enum { GN_CHIP = 10 };
 
 /* Finds bodies for the membrane: group[p] is a representative of the body of p; bodies with less

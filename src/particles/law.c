@@ -18,7 +18,7 @@
 
 double gn_restitution_fraction(double restitution) {
     if (restitution >= 1.0) return 0.0;
-    if (restitution == 0.0) return 1.0; /* critical: it closes and does not come back */
+    if (restitution == 0.0) return 1.0; /* critical damping: it closes and does not rebound */
     double l = log(restitution);
     return -l / sqrt(M_PI * M_PI + l * l);
 }
@@ -36,7 +36,7 @@ gneiss_status gn_hertz_renew(const gn_step_context *ctx, gn_dem *dem, gn_hertz_p
     return gn_hertz_prepare(ctx, dem, error);
 }
 
-/* All pairs of materials that may meet. */
+/* Computes the parameters of all pairs of materials that may come into contact. */
 gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     size_t sides = gn_scene_sides(s), count = s->material_count;
@@ -120,8 +120,8 @@ static gn_law_pair pair_of_contact(const gn_step_context *ctx, const gn_dem *dem
     return pair;
 }
 
-/* The part that contacts have where elements are at their place as well: the mean of both ends. A
- * bond between two particles that have none keeps next to nothing, so that it still is a bond. */
+/* Returns the weight of contacts where elements occupy the same space: the mean of both ends. A
+ * bond between two particles of weight zero keeps a tiny weight, so that it remains a bond. */
 static double part_of(const gn_dem *dem, const gn_contacts *list, size_t c) {
     const double *blend = dem->particles.blend;
     if (!blend) return 1.0;

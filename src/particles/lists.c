@@ -153,8 +153,8 @@ gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn
     return status;
 }
 
-/* Contacts sorted by their new keys take these, and those whose ends changed places are mirrored;
- * `swapped` [count] is scratch. */
+/* Gives contacts, which are sorted by their new keys, these keys, and mirrors those whose ends
+ * exchanged places; `swapped` [count] is scratch. */
 static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swapped) {
     size_t turned = 0;
     for (size_t c = 0; c < list->soa.count; c++) {

@@ -1,4 +1,4 @@
-/* The contacts as they are at the present positions, for output. */
+/* Evaluates the contacts at the present positions, for output. */
 #include "particles/observe.h"
 #include "base/ball.h"
 #include "base/effects.h"
@@ -31,7 +31,7 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
     args.contacts = copy;
     args.partials = partials;
     args.dt = 0.0;
-    /* Without partial sums any cut into blocks will do. */
+    /* Without partial sums any division into blocks is valid. */
     size_t count = copy->soa.count, length = partials ? partials->length : GN_CONTACT_BLOCK;
 #pragma omp parallel for schedule(static) num_threads(ctx->threads)
     for (size_t c = 0; c < count; c += length) {
@@ -82,7 +82,7 @@ double gn_dem_mean_radius(const gn_dem *dem) {
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
     double solid = 0.0;
     if (ctx->scene.has_specimen && !ctx->scene.specimen_given && !(ctx->effects & GN_FX_PERIODIC))
-        return 0.0; /* grains of sources alone have no volume but their own */
+        return 0.0; /* grains of sources have no volume but their own */
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
     return 1.0 - solid / ctx->volume;

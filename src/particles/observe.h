@@ -10,8 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Some contacts of a list (observe.c), with the forces of the present places in their rows; the
- * caller's, also on failure. */
+/* Some contacts of a list (observe.c), with the forces at the present positions in their rows;
+ * owned by the caller, also on failure. */
 gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_periodic_box *box, const gn_contacts *list,
                                   const int32_t *chosen, size_t count, gn_contacts *seen,

@@ -1,5 +1,5 @@
-/* The part of a world that is particles: their records, contacts and lists, what drives them, and
- * the step that they allow. */
+/* The part of a world that consists of particles: their records, contacts and lists, prescribed
+ * motions, and the step that they allow. */
 #ifndef GN_PARTICLES_PARTICLES_H
 #define GN_PARTICLES_PARTICLES_H
 
@@ -27,10 +27,11 @@
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
     double skin;       /* m, present value */
-    double skin_start; /* m, as it was at the start */
+    double skin_start; /* m, value at the start */
     double widened;    /* m, the widest that it had to be beyond the scene's; 0: never */
     double drift;      /* m, bound on any particle's path since `ref` was set */
-    double closed;     /* m, bound on how much closer two came since then that were not listed */
+    double closed; /* m, bound on how much two unlisted particles have approached each other since
+                      then */
     int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */
     bool forced;       /* the lists are made for a source or a thin sink alone */
@@ -45,7 +46,7 @@ typedef struct gn_dem_sums {
     double step_change[2]; /* J, halves */
 } gn_dem_sums;
 
-/* Masses of which a part is added for a longer step, when the lists were made. */
+/* Masses that are raised for a longer step, when the lists were made. */
 typedef struct gn_raised_masses {
     double added;   /* kg */
     double largest; /* mass over own mass, the most */
@@ -68,7 +69,7 @@ typedef struct gn_pieces {
 /* The contact of a particle that was pressed furthest, in doubles, as checkpoints have it. */
 typedef struct gn_depth {
     double excess;  /* overlap over the smaller radius, divided by the ratio that is too large */
-    double share;   /* overlap over the smaller radius; 0: none was pressed */
+    double share;   /* overlap over the smaller radius; 0: none */
     double overlap; /* m */
     double time;    /* s, when it was seen */
     double first, second; /* id of the particle; of another one, or -1 less the place of a wall,
@@ -124,7 +125,7 @@ struct gn_dem {
     gn_pieces pieces;
     double *around; /* [particles][2] N, m2: of their bonds, with law.confinement mean; else NULL */
     bool pressed;   /* a contact was pressed further in the last step than expected */
-    double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
+    double speed_most; /* m/s, largest in the last step; 0: unknown (start, resume) */
 
     gn_depth depth; /* the furthest so far */
     uint8_t *loose; /* [ids]: not bonded at the start, see collisions.c */
@@ -154,7 +155,7 @@ void gn_dem_free(gn_dem *dem);
  * verlet.closed (travel.c). */
 void gn_dem_look_at_travel(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box);
 
-/* After the step has changed (lists.c): the coefficients of dashpots that depend on it. */
+/* Updates the coefficients of dashpots after the step has changed (lists.c). */
 void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem);
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);

@@ -1,5 +1,5 @@
-/* Number and order of the rows of particles. What points at rows from other parts is renumbered by
- * the caller, from the places that these functions return. */
+/* Number and order of the rows of particles. The caller renumbers references to rows in other
+ * parts, by the indices that these functions return. */
 #ifndef GN_PARTICLES_ROWS_H
 #define GN_PARTICLES_ROWS_H
 

@@ -25,8 +25,8 @@ typedef struct gn_extent {
         }                                                                                          \
     }
 void gn_extent_add(gn_extent *extent, const double point[3], double radius);
-/* About where the specimen will be. Nothing is added for a geometry that gmsh has to mesh first,
- * nor for a file that cannot be read: packing it will tell why. */
+/* Estimates the extent of the specimen. Nothing is added for a geometry that gmsh has to mesh
+ * first, nor for a file that cannot be read: packing it will report the reason. */
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent);
 /* Tells whether the radii of a packing cover a narrower range than requested, and writes a message
  * to `text`. Never with sources or sinks, because the message is about the specimen (specimen.c).

@@ -41,7 +41,7 @@ static void merge(ways *to, const double low[3], const double high[3]) {
     }
 }
 
-/* Room that the places of then take up; *radius: the largest. */
+/* Returns the bounding box of the former positions; *radius: the largest. */
 static ways extent(const gn_particles *particles, double *radius) {
     ways room = none;
     *radius = 0.0;
@@ -79,8 +79,8 @@ static ways *cell_of(const grid *g, const double x[3]) {
     return &g->cell[row * g->count[0] + place_of(g, x[0], 0)];
 }
 
-/* In a box that is high for its contents most layers are empty. If the lowest one is not, all
- * count: the highest may be next to it. */
+/* In a box that is high relative to its contents most layers are empty. If the lowest one is not,
+ * all are used, because the highest may be adjacent to it. */
 static void find_layers(const ways *room, grid *g) {
     const size_t low = place_of(g, room->low[2], 2);
     g->begin = low > 0 ? low - 1 : 0;
@@ -160,8 +160,8 @@ static double closed_in(const gn_step_context *ctx, gn_dem *dem, double most) {
     return fmin(2.0 * most, sqrt(most2) * (1.0 + 1e-12));
 }
 
-/* Bonded specimens keep the bits of their runs; where a box or elements move particles, so do their
- * ways. */
+/* Bonded specimens skip this and keep the bits of their runs; so do models in which a box or
+ * elements move particles. */
 static bool looks_at_neighbours(const gn_step_context *ctx, const gn_periodic_box *box) {
     return !(ctx->effects & GN_FX_BONDS) && !ctx->scene.has_couple && !gn_box_moves(ctx, box);
 }

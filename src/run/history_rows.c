@@ -69,14 +69,14 @@ static double largest_coordinate(const gn_world *w) {
     return fmax(most, fmax(largest(lower), largest(upper)));
 }
 
-/* A generous bound of the energy that the rounding of coordinates produces. A scene at rest has no
- * other energy (touching particles of a hexagonal lattice overlap by an ulp), and a residual
- * relative to that would mean nothing.
- * The bound has three parts, with d = eps X the ulp of the largest coordinate X. The first is a
- * constant: generously, all mass moves by 100 d in a step.
+/* Returns a generous bound of the energy that the rounding of coordinates produces. A scene at rest
+ * has no other energy (touching particles of a hexagonal lattice overlap by an ulp), and a residual
+ * relative to that would be meaningless. The bound has three parts, with d = eps X the ulp of the
+ * largest coordinate X.
+ * The first is a constant: generously, all mass moves by 100 d in a step.
  * The second grows with the steps: each step rounds every coordinate by d^2/12 in the mean square,
  * independent of the force, so that a spring k stores k d^2/24 more every time. In a stable step k
- * of a coordinate is below 4 m/dt^2, so three coordinates take up at most m (d/dt)^2/2 in every
+ * of a coordinate is below 4 m/dt^2, so that three coordinates gain at most m (d/dt)^2/2 in every
  * step (measured: a third of that). This is to be a hundredth of the scale: 50 m (d/dt)^2 in a
  * step, 1/200 of the first part. For 5 cm at 20 ns the bound is that of the mass moving at 5e-8
  * m/s, and after a million steps at 4e-6 m/s: far below the effect of any load.

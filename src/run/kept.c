@@ -100,8 +100,8 @@ static bool is_candidate(gn_run *run, double stress) {
     return stress > growth * least && now > growth * from;
 }
 
-/* Tells whether the ends carry nothing at first. The test then begins as soon as they move, which
- * rows show before looks do. */
+/* Tells whether the ends carry no load at first. The test then begins as soon as they move, which
+ * rows show before samples do. */
 static bool begins_unloaded(const gn_run *run) {
     const double *stress = gn_history_column(&run->history, "stress");
     return stress && run->history.row_count && !(stress[0] > 0.0);

@@ -89,7 +89,7 @@ typedef struct gn_progress {
 } gn_progress;
 
 /* Creates a run without an output folder: `directory` is "" and nothing is written while it
- * advances. Takes over the contents of `scene`. On failure nothing is held. */
+ * advances. Takes over the contents of `scene`. After a failure there is nothing to free. */
 gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error);
 
 /* Creates the world of a scene and its output folder. Nothing is written before the world exists.

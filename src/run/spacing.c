@@ -65,8 +65,8 @@ void gn_run_space_rows(gn_run *run, int64_t interval) {
         adapts(&run->world, run->world.stages.now) ? gn_row_halvings(interval) : 0;
 }
 
-/* Returns the steps between rows with the remaining halvings. The spacing doubles from the closest
- * on, so that the rows that are kept are those of before. */
+/* Returns the steps between rows with the remaining halvings. The spacing is a power of two times
+ * the closest one, so that the rows that are kept are rows of the former spacing. */
 static int64_t spacing_of(const gn_run *run) {
     const int64_t first = gn_row_halvings(run->history_interval);
     return run->history_interval >> first << (first - run->history_halvings);

@@ -45,9 +45,9 @@ typedef struct gn_servo_row {
 gn_servo_row gn_run_wall_servo(const gn_run *run, size_t wall, size_t row);
 gn_servo_row gn_run_side_servo(const gn_run *run, int axis, size_t row);
 
-/* s: the longest duration of the stage. */
+/* Returns the longest duration of the stage, s. */
 double gn_run_stage_duration(const gn_run *run);
-/* s to the latest end of the run. */
+/* Returns the time to the latest end of the run, s. */
 double gn_run_time_left(const gn_run *run);
 /* Ends the run because time.end was reached, in any stage. */
 void gn_run_out_of_time(gn_run *run);

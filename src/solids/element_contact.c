@@ -1,6 +1,6 @@
-/* Particles on the surface of a solid of finite elements: its facets become a surface of the world,
- * and what particles do to the nodes joins their forces as contacts with walls join those of
- * particles. */
+/* Contacts of particles with the surface of a solid of finite elements: its facets become a surface
+ * of the world, and the forces of particles on nodes are added to theirs, as wall forces are added
+ * to those of particles. */
 #include "base/error.h"
 #include "base/new.h"
 #include "base/vec3.h"

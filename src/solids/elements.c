@@ -1,4 +1,4 @@
-/* From the scene to a solid of finite elements, and its part of a step. */
+/* Creation of a solid of finite elements from the scene, and its part of a step. */
 #include "solids/solids.h"
 
 #include "base/effects.h"
@@ -527,7 +527,7 @@ size_t gn_elements_motions(const gn_solids *solids) {
     return count;
 }
 
-/* Finds the solid of a motion; *motion becomes its place in that solid. */
+/* Finds the solid of a motion; *motion becomes its index in that solid. */
 static const gn_element_model *owner_of(const gn_solids *solids, size_t *motion) {
     size_t k = 0;
     for (; *motion >= solids->elements[k]->def->motion_count; k++)

@@ -21,8 +21,8 @@
 
 /* Contacts of particles with the surface (element_contact.c). */
 typedef struct gn_element_contact {
-    int32_t *corner;       /* of facets, by places of nodes */
-    const double *force;   /* [nodes][4], N; of the surface; NULL: nothing touches it */
+    int32_t *corner;       /* of facets, by indices of nodes */
+    const double *force;   /* [nodes][4], N, forces of the surface; NULL: nothing touches it */
     gn_wall_contacts rows; /* the same, of the nodes of facets, as the motion kernel takes it */
     int32_t *first;        /* [nodes + 1] */
     double travel;         /* m, as gn_rigid.travel */
@@ -65,7 +65,7 @@ struct gn_solids {
  * */
 gneiss_status gn_elements_create(const gn_step_context *ctx, gn_solids *solids, gn_mesh *mesh,
                                  gneiss_error *error);
-/* A further solid; `def` has to stay as long as the world. */
+/* Adds a solid; `def` must exist as long as the world. */
 gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
                               const gn_element_def *def, gn_mesh *mesh, gneiss_error *error);
 /* Takes motions, loads, gravity and damping from the scene of another stage. */
@@ -82,11 +82,11 @@ gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn
 /* Adds their ledgers of the last measured step. */
 void gn_elements_book(const gn_solids *solids, gn_energy *ledger);
 
-/* Looks at the stability limits: `full` from the start on, otherwise only at what
- * strain has done since. *due: one has changed. */
+/* Updates the stability limits: `full`: from the start, otherwise only the effect of strain since.
+ * *due: a limit has changed. */
 gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, bool full, bool *due,
                                 gneiss_error *error);
-/* Elements were taken out: the bound holds for those that are left, whatever their parts. */
+/* To be called after elements were removed: the bound holds for the rest, for any weights. */
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 /* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
@@ -117,7 +117,7 @@ void gn_elements_stress(const gn_solids *solids, double stress[9]);
 void gn_elements_balance(const gn_solids *solids, gn_balance *balance);
 /* Widens a box to all nodes at the start, m. */
 void gn_elements_extent(const gn_solids *solids, double lower[3], double upper[3]);
-/* m: the sides of the smallest box around all of them. */
+/* Returns the sides of the smallest box around all of them, m. */
 void gn_elements_sides(const gn_solids *solids, double side[3]);
 double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *solids);
 
@@ -142,8 +142,9 @@ void gn_element_contact_load(gn_element_model *q);
 void gn_element_contact_moved(gn_element_model *q, double dt);
 /* Returns the speed of the fastest node in the last step, m/s; 0 if nothing touches them. */
 double gn_element_contact_speed(const gn_element_model *q);
-/* Notes where the nodes are when the lists are made; bound on the path of any since then. `exact`:
- * looks where they are. */
+/* gn_element_contact_refer stores the positions of nodes when the lists are made;
+ * gn_element_contact_travel returns a bound on the path of any node since then. `exact`: from the
+ * present positions. */
 void gn_element_contact_refer(gn_element_model *q);
 double gn_element_contact_travel(gn_element_model *q, bool exact);
 void gn_element_contact_free(gn_element_contact *k);

@@ -192,8 +192,8 @@ static void spring_force(const network *x, size_t s, int row, const double *u, d
     }
 }
 
-/* Computes the unbalanced loads of all free components; returns their root mean square, N, and
- * gives that of the forces of bonds. */
+/* Computes the unbalanced loads of all free components; returns their root mean square, N, and that
+ * of the forces of bonds. */
 static double unbalanced(const network *x, int row, const double *u, double *load, double *force) {
     const gn_particles *particles = x->assembly.particles;
     double forces = 0.0, loads = 0.0;

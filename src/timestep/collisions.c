@@ -135,7 +135,8 @@ static bool is_loose(const gn_dem *dem, const ties *t, size_t p) {
 typedef struct fastest {
     double square, share;
     int64_t first, second;
-    double *factor; /* [particles] of the own masses that w^2 <= `most` asks for; NULL: not asked */
+    double *factor; /* [particles] receives the factors of the own masses for w^2 <= `most`; NULL:
+                       not requested */
     double most;    /* 1/s2, for all steps */
 } fastest;
 

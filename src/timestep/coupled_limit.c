@@ -37,7 +37,7 @@ typedef struct whole {
     double *moves;                /* [count] above 0: an unknown */
     double *mode;                 /* [count] the fastest one */
     gn_whole_limit *limit;        /* the result */
-    double (*gradient)[4][3];     /* [ties] slaved spins: of the present places */
+    double (*gradient)[4][3];     /* [ties] with slaved spins: at the present positions */
 } whole;
 
 static void whole_free(whole *y) {

@@ -21,8 +21,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The largest stiffness of a contact before the lists are rebuilt; of a facet of a patch that of
- * its part, with the same part of the particle's mass. */
+/* Returns the largest stiffness of a contact before the lists are rebuilt; of a facet of a patch
+ * that of its part, with the same part of the particle's mass. */
 static gn_law_spring law_spring(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_surface_contact *c, double part) {
     gn_touch_side side = gn_surface_side(ctx, dem, c->surface, c->particle, part);
@@ -39,7 +39,7 @@ static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
     memcpy(e.n, k->n, sizeof e.n);
     e.arm = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
                                                       : dem->particles.pos[4 * c->particle + 3];
-    /* Against rolling k_t r^2/I is 2.5 of the 3.5 k_t/m of a tangential spring. */
+    /* For rolling k_t r^2/I is 2.5 of the 3.5 k_t/m of a tangential spring. */
     if (ctx->effects & GN_FX_ROLLING) e.kt += fmax(e.kt, e.kn);
     if (joined) e.kt += e.kn;
     /* Contacts that share a stiffness resist in every direction in which one of them does: with the

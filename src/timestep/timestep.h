@@ -112,8 +112,8 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
 gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
                                   gneiss_error *error);
-/* Tells whether the step of the world holds with all listed contacts closed; else dem.listed is the
- * step that would. `full`: checks all of them. */
+/* Tells whether the step of the world is stable with all listed contacts closed; else dem.listed is
+ * a stable one. `full`: checks all of them. */
 gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                                   bool *fine, gneiss_error *error);
@@ -173,8 +173,9 @@ gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boun
 gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_solids *solids, gneiss_error *error);
 
-/* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
- * pressure form, nor where the scene trusts bounds alone. */
+/* gn_coupled_limit computes the sharp limit of the coupled system: of the active springs or, with
+ * `listed`, of all listed ones. gn_coupled_has_limit: false for the pressure form, and if the scene
+ * requests bounds only. */
 bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids);
 
 gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,

@@ -127,8 +127,8 @@ const gn_feature gn_feature_bodies = {
     .hook = {[GN_HOOK_LIMIT] = follow_bodies},
 };
 
-/* Wedged debris gains some tenths of its energy in every collision of a few steps. Counted by
- * steps, so that it does not depend on what is written, or resumed. */
+/* Wedged debris gains some tenths of its energy in every collision of a few steps. The interval is
+ * counted in steps, so that it does not depend on output or a resume. */
 enum { DEBRIS_EVERY = 20 };
 
 static bool may_have_debris(const gn_world *w) {
@@ -247,7 +247,7 @@ static bool is_periodic(const gn_world *w) {
     return w->ctx.effects & GN_FX_PERIODIC;
 }
 
-/* A servo asks for the stress in every step. */
+/* A servo needs the stress in every step. */
 GN_HOOK(ask_for_sums) {
     w->ctx.sums |= gn_box_moves(&w->ctx, &w->box);
     return GNEISS_OK;

@@ -20,7 +20,7 @@ gneiss_status gn_feature_add(gn_world *world, gn_feature feature, gneiss_error *
 
 void gn_features_free(gn_features *features);
 
-/* Finds which of them the scene uses. */
+/* Finds which features the scene uses. */
 void gn_features_choose(gn_world *world);
 /* Finds the used features and holds their blocks, after lists were made. */
 gneiss_status gn_features_follow_lists(gn_world *world, gneiss_error *error);

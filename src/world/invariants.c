@@ -29,7 +29,7 @@ static void assert_particles(const gn_dem *dem) {
     for (size_t p = n; p < n + 2 && n > 0; p++) assert(q->pos[4 * p + 3] == 0.0);
 }
 
-/* Sorted by (i, j), none twice; padding belongs to the null particles. */
+/* Contacts are sorted by (i, j) and unique; padding refers to the null particles. */
 static void assert_contacts(const gn_dem *dem, const gn_contacts *list) {
     int32_t n = (int32_t)dem->particles.soa.count;
     for (size_t c = 0; c < list->soa.count; c++) {

@@ -41,7 +41,8 @@ static void add_elements(const gn_scene *scene, const gn_mesh *mesh, gn_extent *
     gn_extent_add(extent, upper, 0.0);
 }
 
-/* Only axes along which the model lies far away get more than a small multiple of its extent. */
+/* Only axes along which the model is far from 0 get an origin of more than a small multiple of its
+ * extent. */
 static void settle(gn_scene *scene, const gn_extent *extent) {
     double size = 0.0, far = 0.0, middle[3] = {0, 0, 0};
     int exponent;
@@ -187,8 +188,9 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
-/* Refuses a path in a step that is too short; components far below the largest count as round-off.
- * A constant velocity is rounded the same way in step after step, up to half the spacing each. */
+/* Refuses a displacement per step that is too short; components far below the largest count as
+ * round-off. A constant velocity is rounded in the same way in every step, by up to half the
+ * spacing. */
 static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, const char *what,
                               const double velocity[3], const double reach[3],
                               gneiss_error *error) {

@@ -20,7 +20,7 @@ gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_erro
  * world->ctx.scene from it. The caller frees *mesh: the elements' file, relative to the origin. */
 gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error);
 
-/* world->ctx.scene from world->ctx.given, which says its origin. */
+/* Makes world->ctx.scene from world->ctx.given, which contains its origin. */
 gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
 
 /* Refuses a specimen whose positions are too coarse even so: the spacing of doubles there exceeds

@@ -30,7 +30,8 @@ static double surface_speed(const gn_boundary *boundary, const gn_surface *surfa
     return sqrt(gn_dot3(b->velocity, b->velocity)) + b->reach * sqrt(gn_dot3(b->spin, b->spin));
 }
 
-/* By how much two things that may touch moved apart in the last step, at most. */
+/* Returns an upper bound of the distance by which two objects that may touch moved apart in the
+ * last step. */
 static double widest_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          const gn_periodic_box *box) {
     double own = largest_speed(dem->particles.vel, dem->particles.soa.count), other = own;

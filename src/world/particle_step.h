@@ -14,9 +14,9 @@
 
 /* Applies the scene of another stage, before the lists are rebuilt. */
 gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
-/* Sorts the particles and forms their bonds, once all of the scene is there. */
+/* Sorts the particles and forms their bonds, when the scene is complete. */
 gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
-/* Makes the lists anew. */
+/* Rebuilds the lists. */
 gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
 /* All that follows from records and lists, which were read. */
 gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
@@ -25,7 +25,7 @@ gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_p
 void gn_dem_forces(gn_world *world, bool measure);
 /* Moves the held blocks, and computes the sums of the step. */
 void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure);
-/* Computes forces at the present positions, for a search for equilibrium: contacts take the
+/* Computes forces at the present positions, for a search for equilibrium: contacts use the
  * velocities as those of a path of `span` s that led here, 0: none. Then the loads, including
  * gravity and applied forces, change the velocities for half of `kick` s, without background
  * damping; positions are undefined after that. With `kick` 0 nothing moves. */

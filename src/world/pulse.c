@@ -1,4 +1,4 @@
-/* A plane wave that is under way at the start (initial.pulse). */
+/* A plane wave that exists at the start (initial.pulse). */
 #include "base/error.h"
 #include "base/vec3.h"
 #include "fem/fem.h"

@@ -19,7 +19,7 @@
 static const double large = 5.0, large_in_test = 2.0, large_tool = 1.0;
 /* Least displacement over the size of a specimen that loads it; rock breaks at 1e-4 to 1e-2. */
 static const double next_to_nothing = 1e-4;
-/* kg/m3: of materials as they are given in kg and m. */
+/* kg/m3: densities of materials given in kg and m are above this. */
 static const double density_least = 10.0, density_most = 3e4;
 /* Waves cross a body that often before it is loaded as a whole. */
 static const double crossings = 3.0;
@@ -164,7 +164,7 @@ static bool tell(const gn_step_context *ctx, const file_size *f, const char *why
     return true;
 }
 
-/* A tool or container far larger than all that it meets. */
+/* Reports a tool or container that is far larger than the objects in contact with it. */
 static bool body_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         char *text, size_t size) {
     const double specimen = specimen_size(ctx, dem);

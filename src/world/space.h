@@ -1,4 +1,4 @@
-/* The space that walls, a membrane or a periodic box leave to the specimen, as they are now. */
+/* The volume and the area that walls, a membrane or a periodic box enclose at present. */
 #ifndef GN_WORLD_SPACE_H
 #define GN_WORLD_SPACE_H
 

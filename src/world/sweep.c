@@ -29,7 +29,8 @@ static void book(work *k, gn_phase phase) {
     k->mark = now;
 }
 
-/* On a machine that others use as well this is most of the time, and none of the kernels'. */
+/* On a machine with other load waiting takes most of the time, and is not booked for the kernels.
+ * */
 static void waited(void *context, double seconds) {
     work *k = context;
     if (!k->books) return;

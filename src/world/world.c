@@ -38,14 +38,14 @@
 #include <pthread.h>
 #include <string.h>
 
-/* A shape leaves its volume. */
+/* Sets the volume if the specimen has a shape. */
 static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_packing packing = {0};
     if (!ctx->scene.specimen_given) return gn_dem_create(ctx, dem, &packing, error);
     GN_TRY(gn_specimen_make(&ctx->scene, &packing, &ctx->volume, error));
     gneiss_status status = gn_dem_create(ctx, dem, &packing, error);
     gn_packing_free(&packing);
-    gn_free(ctx->scene.specimen.packed); /* was needed for this alone */
+    gn_free(ctx->scene.specimen.packed); /* used here only */
     ctx->scene.specimen.packed = NULL;
     ctx->scene.specimen.packed_count = 0;
     return status;
@@ -87,14 +87,14 @@ static gneiss_status measure_test(gn_step_context *ctx, const gn_dem *dem,
                    isfinite(shape.length) ? "ends that overlap" : "an end without particles");
 }
 
-/* Along an axis without sides as far as the particles reach. */
+/* Returns the volume of a periodic box; along an open axis its extent is that of the particles. */
 static double box_volume(const gn_step_context *ctx) {
     int64_t open = ctx->scene.periodic_open;
     return gn_box_section(ctx) * (open >= 0 ? ctx->upper[open] - ctx->lower[open] : 1.0);
 }
 
-/* Extent with radii and the volume that density, porosity and average stress refer to. That of a
- * shape is there already. */
+/* Computes the extent with radii, and the volume to which density, porosity and average stress
+ * refer, unless a shape has set it. */
 static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
@@ -172,8 +172,8 @@ static gneiss_status check_built(const gn_scene *s, gneiss_error *error) {
                    s->source, names);
 }
 
-/* Scene -> effects, threads, kernels, period: everything that does not depend on particles. Resume
- * calls this too, so that a checkpoint goes on with the kernels of its scene. */
+/* Sets effects, threads, kernels and period from the scene: everything that does not depend on
+ * particles. A resume calls this too, so that a checkpoint uses the kernels of its scene. */
 gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box,
                                gneiss_error *error) {
     GN_TRY(check_built(&ctx->scene, error));
@@ -232,7 +232,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_coupled_create(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, w->solids.count, error));
     GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
-    /* The volume that bodies leave free is sheared. */
+    /* The sheared volume is the one that bodies leave free. */
     if (gn_scene_test(&w->ctx.scene)->sheared)
         GN_TRY(measure_test(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_element_contact_create(&w->ctx, &w->boundary, &w->solids, error));

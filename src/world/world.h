@@ -24,17 +24,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The course of a stage of the scene. */
+/* State of a stage of the scene. */
 typedef struct gn_stage_state {
     double time;   /* s: when it began */
     double strain; /* of the test in its first row */
-    double peak;   /* Pa, largest stress of the test in it */
+    double peak;   /* Pa, largest stress of the test during the stage */
     int64_t step;  /* when it began */
     int64_t row;   /* rows of the history before it */
     int64_t ended; /* gn_stage_cause; 0: not yet */
 } gn_stage_state;
 
-/* The stage of the scene that runs, and how each went. */
+/* The present stage of the scene, and the states of all stages. */
 struct gn_stages {
     size_t now;            /* base 0 */
     gn_stage_state *state; /* [given.stage_count] */
@@ -64,8 +64,8 @@ struct gn_world {
     gn_ending outcome;
 };
 
-/* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
- * failure nothing is held. */
+/* Builds the world; takes over the contents of `scene` (also on failure, when they are freed).
+ * After a failure there is nothing to free. */
 gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error);
 
 void gn_world_free(gn_world *world);
@@ -82,7 +82,7 @@ gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error)
 /* Chooses the step as at the start. */
 gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error);
 
-/* Another number of threads from now on; results stay the same. */
+/* Changes the number of threads; results stay the same. */
 gneiss_status gn_world_use_threads(gn_step_context *ctx, gn_dem *dem, int threads,
                                    gneiss_error *error);
 
@@ -94,13 +94,14 @@ gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error);
 /* Makes the lists of all parts anew (refresh.c); at the start, forms bonds as well. */
 gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
 
-/* After the records of a checkpoint were read: null particles, padding, partial and block sums. */
+/* Restores null particles, padding, partial and block sums after the records of a checkpoint were
+ * read. */
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 
-/* Returns the parts of the world as conversion takes them; valid as long as the world. */
+/* Returns the parts of the world that conversion uses; valid as long as the world. */
 gn_convertible gn_world_convertible(gn_world *world);
 
-/* Rebuilds if the displacement bound says so. */
+/* Rebuilds the lists if the displacement bound requires it. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
 /* Rebuilds the lists in any case. */

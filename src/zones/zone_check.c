@@ -20,8 +20,8 @@
 
 /* --- what is in a zone --- */
 
-/* The extent of an element; its place in a zone, of the node that is farthest among the particles.
- */
+/* Returns the position of an element in a zone, that of its node farthest among the particles, and
+ * the extent of the element. */
 static double element_place(const gn_fem_solid *b, size_t e, const gn_couple_zone *z,
                             double size[3]) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -124,7 +124,7 @@ static gneiss_status check_inside(const gn_step_context *ctx, const gn_dem *dem,
     const gn_particles *q = &dem->particles;
     char at[GN_POINT_SIZE];
     size_t next = 0;
-    for (size_t p = 0; p < q->soa.count; p++) { /* in the order of their ids as yet */
+    for (size_t p = 0; p < q->soa.count; p++) { /* still sorted by their ids */
         if (next < ties->count && ties->tie[next].id == q->id[p]) {
             next++;
             continue;
@@ -374,7 +374,7 @@ static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn
     double left = 0.0, mass = 0.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double part =
-            left_by(ctx, solids, zone, e); /* the volume is that of the elements' own part */
+            left_by(ctx, solids, zone, e); /* the volume is that of the elements' own weight */
         left += part / (1.0 - part) * b->density[b->elements.material[e]] * b->elements.volume[e];
     }
     for (size_t k = 0; k < c->ties.count; k++) {

@@ -56,10 +56,10 @@ void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_c
     }
 }
 
-/* Viscous damping of the lump, -a lump (v(-) + v(+))/2, beside accelerations r of the masses
- * without it, leaves M dv/dt = f - a M v of the consistent ones: lump dv/dt = f + (lump - M) r - a
- * lump v with f = M r is dv/dt = r - a v. What it takes is that of M. In the halves before and
- * after the instant, as of nodes. */
+/* Viscous damping of the lumped motion, -a lump (v(-) + v(+))/2, in addition to the accelerations r
+ * of the masses without it, gives M dv/dt = f - a M v with the consistent masses: lump dv/dt = f +
+ * (lump - M) r - a lump v with f = M r is dv/dt = r - a v. The dissipation is that of M, in the
+ * halves before and after the instant, as for nodes. */
 static void book_damping(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
     gn_fem_solid *b = gn_coupled_solid(solids);
     gn_consistent *y = &q->consistent;

@@ -14,7 +14,7 @@ struct gn_most_loaded {
     int32_t element;
 };
 
-/* Doubles alone, as checkpoints hold it. */
+/* Doubles only, as checkpoints store them. */
 typedef struct gn_zone_state {
     double frequency; /* rad/s, largest of the particles, which sets the springs of zones */
     double rate[2]; /* 1/s: contributions of springs to the rates 1/dt of particles and elements */

@@ -46,7 +46,7 @@ static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, co
                    where.line, where.column, key, message);
 }
 
-/* Elements end at the edge that says so: none leads on into the particles. */
+/* Elements must end at the edge towards the particles that the scene states. */
 static gneiss_status check_end(const gn_step_context *ctx, const gn_solids *solids, size_t zone,
                                gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
@@ -267,7 +267,7 @@ static void load_nodes(gn_fem_solid *b) {
 
 /* --- its part of a step --- */
 
-/* Masses that tie nodes to each other, of the particles that are there; scratch: loads. */
+/* Assembles consistent masses from the particles in the model; scratch: loads. */
 static void weigh_consistent(const gn_dem *dem, gn_coupled *q) {
     double *mass = &q->load[0][0];
     for (size_t k = 0; k < q->ties.count; k++)
@@ -375,7 +375,7 @@ static inline __attribute__((always_inline)) void follow_nodes(const gn_tie *t,
         }
 }
 
-/* Puts a particle where the nodes take it; returns the square of its speed. */
+/* Moves a particle with its nodes; returns the square of its speed. */
 static double place(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                     const gn_coupled *q, size_t k) {
     const gn_particles *nodes = &gn_coupled_solid(solids)->nodes, *a = &dem->particles;
@@ -542,7 +542,7 @@ void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids 
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
-    ctx->choice.whole = -fabs(ctx->choice.whole); /* to be looked for anew */
+    ctx->choice.whole = -fabs(ctx->choice.whole); /* is outdated */
     const bool lumped = !q->before && !q->stiffness;
     double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {

@@ -1,5 +1,5 @@
-/* Particles and elements as one body: particles of zones (couple/zone.h) move with the nodes and
- * hand them their forces. */
+/* Zones in which particles and elements share one body: their particles (couple/zone.h) move with
+ * the nodes and transfer their forces to them. */
 #ifndef GN_ZONES_ZONES_H
 #define GN_ZONES_ZONES_H
 
@@ -103,8 +103,8 @@ void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
  * them; to be called before they lose their masses. `gone` [particles]: nonzero for these. */
 void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones, gn_ledger *ledger, const int32_t *gone);
-/* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
- * particles of zones (zone_readings.c). */
+/* Adds the part of the stress that elements carry at the particles of zones, Pa, [particles][6] as
+ * gn_stress_particles (zone_readings.c). */
 gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_zones *zones, double *sigma,
                                     gneiss_error *error);
@@ -113,7 +113,7 @@ gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *de
 gneiss_status gn_coupled_mean_stress(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_solids *solids, const gn_zones *zones,
                                      double sigma[9], gneiss_error *error);
-/* Particles of zones that have left. */
+/* Returns the number of removed particles of zones. */
 size_t gn_coupled_removed_count(const gn_step_context *ctx, const gn_zones *zones);
 
 /* J: energy of plane waves in the elements outside of zones that run away from the particles of
