@@ -544,14 +544,14 @@ static void limits_are_those_of_principal_stress_and_of_coulomb(void **state) {
     gn_convert_def def = {.stress = 2e6};
     const double weak[6] = {1e6, 0, -1e6, 0, 0, 0}, pull[6] = {1e6, -5e6, 0, 0, 0, 0},
                  shear[6] = {0, 0, 0, 3e6, 0, 0}, press[6] = {-1e6, -9e6, -1e6, 0, 0, 0};
-    assert_near(gn_front_excess(&def, weak), 0.0, 0.0);
-    assert_near(gn_front_excess(&def, pull), 0.5, 1e-12);
-    assert_near(gn_front_excess(&def, shear), 1.5, 1e-12);
-    assert_near(gn_front_excess(&def, press), -0.5, 1e-12);
+    assert_near(gn_front_excess(&def, weak, 1.0), 0.0, 0.0);
+    assert_near(gn_front_excess(&def, pull, 1.0), 0.5, 1e-12);
+    assert_near(gn_front_excess(&def, shear, 1.0), 1.5, 1e-12);
+    assert_near(gn_front_excess(&def, press, 1.0), -0.5, 1e-12);
     /* tan(phi) = 3/4: sin = 0.6, cos = 0.8. Half the difference 4, the mean -5 MPa. */
     def = (gn_convert_def){.has_mohr = true, .cohesion = 1e6, .friction = 0.75};
-    assert_near(gn_front_excess(&def, press), (4.0 - 5.0 * 0.6) / 0.8, 1e-12);
-    assert_near(gn_front_excess(&def, shear), 3.0 / 0.8, 1e-12);
+    assert_near(gn_front_excess(&def, press, 1.0), (4.0 - 5.0 * 0.6) / 0.8, 1e-12);
+    assert_near(gn_front_excess(&def, shear, 1.0), 3.0 / 0.8, 1e-12);
 }
 
 static void friction_of_a_limit_may_be_an_angle(void **state) {

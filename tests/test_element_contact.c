@@ -414,7 +414,8 @@ static void compare_bits(gn_world *make(void), int64_t steps, int64_t rebuilds) 
     char saved[64];
     snprintf(saved, sizeof saved, "/tmp/gneiss-contact-%d.h5", (int)getpid());
     gn_world *one = make(), *two = make();
-    assert_int_equal(gn_world_use_threads(&two->ctx, &two->dem, 2, NULL), GNEISS_OK);
+    two->ctx.threads = 2;
+    assert_int_equal(gn_dem_use_threads(&two->ctx, &two->dem, NULL), GNEISS_OK);
     run_steps(one, steps);
     run_steps(two, steps);
     assert_true(gn_world_hash(&one->ctx, &one->dem, &one->boundary, &one->solids, &one->box) ==

@@ -5,7 +5,7 @@
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "kernels/partials.h"
-#include "particles/parameters.h"
+#include "particles/observe.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/field.h"

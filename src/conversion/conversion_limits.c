@@ -47,7 +47,7 @@ static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_s
         for (int a = 0; a <= b->dimension; a++)
             for (int k = 0; k < 6; k++)
                 mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
-        excess[e] = gn_front_excess_above(&ctx->scene.couple.convert, mean, least);
+        excess[e] = gn_front_excess(&ctx->scene.couple.convert, mean, least);
     }
     gn_free(stress);
     return status;
@@ -68,7 +68,7 @@ static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *so
         double stress[6];
         if (kind[e] != GN_FRONT_READY) continue;
         gn_fem_stress_of(b, e, stress);
-        excess[e] = gn_front_excess_above(def, stress, least);
+        excess[e] = gn_front_excess(def, stress, least);
     }
     return GNEISS_OK;
 }

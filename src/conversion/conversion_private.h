@@ -43,11 +43,6 @@ static inline int32_t gn_home_of(const gn_conversion *conversion, size_t p) {
     return conversion->place[gn_dormant_element(conversion->model->dem, p)];
 }
 
-/* Checks that released particles are only loaded by the strain of the body (conversion_setup.c),
- * from the bonds of all particles. */
-gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
-                                             gneiss_error *error);
-
 /* Scales present contacts to their new weight and adds the bonds of activated particles, with the
  * forces of the strain of the elements (conversion_contacts.c). Must precede the removal of
  * elements. */

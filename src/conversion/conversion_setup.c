@@ -161,14 +161,6 @@ static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *d
     return GNEISS_OK;
 }
 
-gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
-                                           const gn_boundary *boundary, const gn_solids *solids,
-                                           gn_conversions *converted, gneiss_error *error) {
-    GN_TRY(gn_conversion_check_neighbours(ctx, dem, error));
-    GN_TRY(gn_dormant_deactivate_all(ctx, dem, error));
-    return keep_difference(ctx, dem, boundary, solids, converted, error);
-}
-
 /* --- what is in the box --- */
 
 /* The mean side of the boxes about elements in the box of the scene; kg of these. */
@@ -395,8 +387,10 @@ static gneiss_status check_free_of_stress(const gn_step_context *ctx, const gn_d
     return GNEISS_OK;
 }
 
-gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
-                                             gneiss_error *error) {
+/* Checks that released particles are only loaded by the strain of the body,
+ * from the bonds of all particles. */
+static gneiss_status check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
+                                      gneiss_error *error) {
     const gn_pair_query query = {&dem->particles, (int)ctx->scene.dimension, 0.0, 0.0, false, {0.0},
                                  ctx->threads};
     gn_pair_list pairs = {0};
@@ -405,6 +399,14 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
     if (status == GNEISS_OK) status = refuse_overlaps(ctx, dem, &pairs, error);
     gn_pair_list_free(&pairs);
     return status;
+}
+
+gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
+                                           const gn_boundary *boundary, const gn_solids *solids,
+                                           gn_conversions *converted, gneiss_error *error) {
+    GN_TRY(check_neighbours(ctx, dem, error));
+    GN_TRY(gn_dormant_deactivate_all(ctx, dem, error));
+    return keep_difference(ctx, dem, boundary, solids, converted, error);
 }
 
 /* --- all of them active --- */

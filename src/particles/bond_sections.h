@@ -21,8 +21,8 @@ typedef struct gn_area_check {
 gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem, gn_area_check *check,
                              gneiss_error *error);
 
-/* Bond area that a plane through the specimen cuts over its own, in the mean over directions, of
- * any law (law.c). */
+/* Returns the area of bonds, of any law, that a plane through the specimen cuts, over the area of
+ * the plane, averaged over directions (law.c). */
 double gn_law_cut(const gn_step_context *ctx, const gn_dem *dem);
 
 #endif

@@ -11,7 +11,6 @@
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/lists.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/bond_causes.h"

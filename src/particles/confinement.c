@@ -5,7 +5,7 @@
  * the mean of its two particles times its own section. Broken bonds count with their pressure;
  * other contacts have no section and do not count. */
 #include "frame/frame.h"
-#include "particles/parameters.h"
+#include "particles/law.h"
 #include "particles/particles.h"
 #include "soa/records.h"
 

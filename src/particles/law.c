@@ -7,7 +7,6 @@
 #include "particles/body_springs.h"
 #include "particles/bond_sections.h"
 #include "particles/expected_overlap.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "scene/sides.h"

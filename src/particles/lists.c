@@ -8,7 +8,7 @@
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/dormant.h"
-#include "particles/parameters.h"
+#include "particles/law.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/field.h"

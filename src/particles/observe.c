@@ -7,7 +7,7 @@
 #include "kernels/dispatch.h"
 #include "kernels/partials.h"
 #include "particles/active_pairs.h"
-#include "particles/parameters.h"
+#include "particles/law.h"
 #include "particles/particles.h"
 #include "soa/field.h"
 #include "soa/records.h"

@@ -5,7 +5,6 @@
 #include "base/point.h"
 #include "frame/frame.h"
 #include "kernels/motion.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"

@@ -142,11 +142,6 @@ void gn_element_contact_load(gn_element_model *q);
 void gn_element_contact_moved(gn_element_model *q, double dt);
 /* Returns the speed of the fastest node in the last step, m/s; 0 if nothing touches them. */
 double gn_element_contact_speed(const gn_element_model *q);
-/* gn_element_contact_refer stores the positions of nodes when the lists are made;
- * gn_element_contact_travel returns a bound on the path of any node since then. `exact`: from the
- * present positions. */
-void gn_element_contact_refer(gn_element_model *q);
-double gn_element_contact_travel(gn_element_model *q, bool exact);
 void gn_element_contact_free(gn_element_contact *k);
 
 /* Returns the body of elements that shares its zones with particles. */

@@ -18,7 +18,7 @@
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "limit/equilibrium.h"
-#include "particles/parameters.h"
+#include "particles/bonds.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/records.h"

@@ -4,8 +4,8 @@
 #include "boundary/contact_rows.h"
 #include "particles/bonds.h"
 #include "particles/law.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
+#include "particles/sets.h"
 #include "world/particle_step.h"
 #include "world/world.h"
 

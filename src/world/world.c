@@ -150,12 +150,6 @@ static gneiss_status choose_kernels(gn_step_context *ctx, gneiss_error *error) {
     return status;
 }
 
-gneiss_status gn_world_use_threads(gn_step_context *ctx, gn_dem *dem, int threads,
-                                   gneiss_error *error) {
-    ctx->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
-    return gn_dem_use_threads(ctx, dem, error);
-}
-
 static gneiss_status check_built(const gn_scene *s, gneiss_error *error) {
     char names[256] = "";
     gn_effects missing = gn_scene_not_built(s);

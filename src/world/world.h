@@ -82,10 +82,6 @@ gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error)
 /* Chooses the step as at the start. */
 gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error);
 
-/* Changes the number of threads; results stay the same. */
-gneiss_status gn_world_use_threads(gn_step_context *ctx, gn_dem *dem, int threads,
-                                   gneiss_error *error);
-
 /* Advances by one step. Forces, wall forces, reactions and, with `measure`, `reading` and
  * `unbalanced` are those of the instant at which the step starts; positions, velocities and time
  * are those at its end. GNEISS_ERROR_UNSTABLE: the state is the last computed one. */
