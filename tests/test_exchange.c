@@ -1,7 +1,7 @@
 /* The seam between force and motion: an exchange adds to the loads of held blocks. */
 #include "world_helpers.h"
 
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "timestep/timestep.h"
 #include "world/features.h"
 
@@ -151,8 +151,8 @@ static two_blocks *stack(int dimension, double step, int threads) {
     s->def.materials = &s->material;
     s->def.origin[dimension - 1] -= 3e-3;
     if (gn_elements_add(&s->w->ctx, &s->w->solids, &s->def, NULL, &error) != GNEISS_OK ||
-        gn_world_check_step(&s->w->ctx, &s->w->dem, &s->w->boundary, &s->w->solids, &s->w->zones,
-                            &s->w->ledger, true, &error) != GNEISS_OK)
+        gn_timestep_check(&s->w->ctx, &s->w->dem, &s->w->boundary, &s->w->solids, &s->w->zones,
+                          &s->w->ledger, true, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     stir(s->w, &s->w->solids.elements[1]->solid.nodes);
     tie_make(&s->upper, s->w, -1, 0);

@@ -10,8 +10,8 @@ static loads loads_of(const gn_world *w) {
     const size_t n = w->dem.particles.soa.count;
     loads l = {calloc(n + 1, sizeof *l.total), calloc(n + 1, sizeof *l.damping)};
     gneiss_error error = {0};
-    if (gn_world_loads(&w->ctx, &w->dem, &w->boundary, &w->box, l.total[0], l.damping[0], &error) !=
-        GNEISS_OK)
+    if (gn_boundary_write_loads(&w->ctx, &w->dem, &w->boundary, &w->box, l.total[0], l.damping[0],
+                                &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     return l;
 }

@@ -76,8 +76,8 @@ static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **sta
         gneiss_error error = {0};
         w->ctx.scene.contact_steps = 0.01;
         w->ctx.scene.estimate = k ? GN_STEP_BOUND : GN_STEP_SHARP;
-        assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                             &w->ledger, true, &error),
+        assert_int_equal(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                           &w->ledger, true, &error),
                          GNEISS_OK);
         assert_true(w->ctx.dt < w->ctx.choice.resolution.step);
         assert_true(fabs(residual_after(w, 5e-4)) < 0.1);
@@ -147,7 +147,7 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
                 1e-3 + large + gap, large);
             double least = 2.0 * w->ctx.choice.resolution.contact + gap, limit = 20.0 * least;
             while (w->ctx.time < limit && vel_of(w, 0)[0] > 0.0) run_steps(w, 1);
-            run_steps(w, (int64_t)gn_world_contact_steps(&w->ctx) + 2);
+            run_steps(w, (int64_t)gn_timestep_contact_steps(&w->ctx) + 2);
             double speed = vel_of(w, 1)[0] - vel_of(w, 0)[0];
             if (!(fabs(speed - 1.0) < 0.1))
                 fail_msg("R/r %g: rebound %g of the speed of approach", ratio[k], speed);
@@ -229,8 +229,8 @@ static void the_sharp_limit_follows_a_row_that_is_pressed(void **state) {
            bound = w->ctx.choice.limit.bound;
     assert_close(before, 2.0 / sqrt(3.0) * unit, 1e-3);
     for (int k = 0; k < 12; k++) pos_of(w, 3 + k)[0] = 1.9999e-3 * k;
-    assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                         &w->ledger, false, &error),
+    assert_int_equal(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                       &w->ledger, false, &error),
                      GNEISS_OK);
     assert_close(w->ctx.choice.limit.bound, bound, 1e-12);
     assert_close(w->ctx.choice.limit.sharp, unit / sin(pi * 11.0 / 24.0), 1e-3);
@@ -249,7 +249,7 @@ static void the_step_falls_when_a_stiffer_pair_comes_near(void **state) {
     double first = w->ctx.dt;
     double square = 1e5 * (1.0 / mass_of(w, 2) + 1.0 / mass_of(w, 0));
     while (pos_of(w, 2)[1] > 0.011 + 1e-5) run_steps(w, 1);
-    assert_close(w->ctx.dt, pi / sqrt(square) / gn_world_contact_steps(&w->ctx), 1e-12);
+    assert_close(w->ctx.dt, pi / sqrt(square) / gn_timestep_contact_steps(&w->ctx), 1e-12);
     assert_true(w->ctx.dt < 0.1 * first && w->ctx.dt_lowered > 0);
     world_end(w);
 }

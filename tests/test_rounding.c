@@ -11,7 +11,7 @@ static double largest_residual(gn_world *w, int64_t count) {
     double largest = 0.0;
     if (gn_history_begin(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
     for (int64_t k = 0; k < count; k++) {
-        if (gn_history_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        if (gn_history_record_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
         largest = fmax(largest, fabs(gn_energy_residual(&w->ledger.reading)));
     }
     gn_history_free(&h);

@@ -123,9 +123,9 @@ static void complete(const gn_step_context *ctx, const gn_dem *dem, size_t p, do
     for (int k = 0; k < 6; k++) total[k] += damping[k];
 }
 
-gneiss_status gn_world_loads(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_periodic_box *box, double *total,
-                             double *damping, gneiss_error *error) {
+gneiss_status gn_boundary_write_loads(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_boundary *boundary, const gn_periodic_box *box,
+                                      double *total, double *damping, gneiss_error *error) {
     const gn_dem *d = dem;
     memset(total, 0, 6 * d->particles.soa.count * sizeof *total);
     for (int l = 0; l < GN_LIST_COUNT; l++)

@@ -225,10 +225,10 @@ static gneiss_status make_lists(gn_conversion *conversion, const gn_tally *befor
     GN_TRY(gn_conversion_keep_invariants(conversion, before, error));
     gn_dem_masses_changed(model->ctx, model->dem);
     GN_TRY(gn_elements_converted(model->solids->elements[0], error));
-    GN_TRY(gn_world_check_step(model->ctx, model->dem, model->boundary, model->solids, model->zones,
-                               model->ledger, false, error));
-    return gn_world_check_lists(model->ctx, model->dem, model->boundary, model->solids,
-                                model->zones, model->ledger, error);
+    GN_TRY(gn_timestep_check(model->ctx, model->dem, model->boundary, model->solids, model->zones,
+                             model->ledger, false, error));
+    return gn_timestep_check_lists(model->ctx, model->dem, model->boundary, model->solids,
+                                   model->zones, model->ledger, error);
 }
 
 static void put_back(gn_conversion *conversion) {

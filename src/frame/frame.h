@@ -66,7 +66,7 @@ struct gn_ending {
 double gn_control_of(const gn_step_context *ctx, const char *name, int axis);
 
 /* Converts a point of the world to the user's coordinates. */
-void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]);
+void gn_user_point(const gn_step_context *ctx, const double point[3], double out[3]);
 
 /* Places are too coarse where the spacing of doubles there exceeds this share of a length. */
 #define GN_COARSE 1e-8
@@ -78,6 +78,6 @@ double gn_finest_reach(double radius);
 double gn_world_nonviscous_share(const gn_step_context *ctx);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
-gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
+gneiss_status gn_check_duration(const gn_step_context *ctx, gneiss_error *error);
 
 #endif

@@ -39,8 +39,8 @@ gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Computes the extent, m, of the specimen at the start: of the particles, radii included, and of
  * the elements of the same body (`couple`), of which they may fill a part. */
-void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
-                   double upper[3]);
+void gn_tested_extent(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
+                      double upper[3]);
 
 double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis);
 

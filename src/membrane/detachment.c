@@ -67,8 +67,8 @@ static void mean_way(const gn_particles *q, double mean[3]) {
  * ones. */
 static bool mark_detached(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
-    const int32_t *members = gn_world_bodies(ctx, dem);
-    const bool loosened = gn_world_has_loosened(dem);
+    const int32_t *members = gn_dem_body_sizes(ctx, dem);
+    const bool loosened = gn_dem_has_loosened(dem);
     int32_t largest = 0;
     bool found = false;
     double mean[3];

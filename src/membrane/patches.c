@@ -453,7 +453,7 @@ gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem,
             ? gn_membrane_fit_bodies(ctx, dem, membrane, error)
             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     if (status == GNEISS_OK) {
-        const size_t bodies = gn_world_body_groups(ctx, dem, GN_CHIP, group);
+        const size_t bodies = gn_dem_body_groups(ctx, dem, GN_CHIP, group);
         status = lay(ctx, dem, membrane, bodies > 1 ? group : NULL, was, error);
     }
     gn_free(group);

@@ -398,7 +398,7 @@ static gneiss_status redistribute(const gn_step_context *ctx, gn_dem *dem, gn_me
                                   const bool *held, int32_t *body, gneiss_error *error) {
     gn_dem *d = dem;
     if (!gn_scene_membrane_on_shape(&ctx->scene)) {
-        gn_world_body_groups(ctx, dem, INT32_MAX, body);
+        gn_dem_body_groups(ctx, dem, INT32_MAX, body);
         GN_TRY(reassign_patches(ctx, dem, membrane, held, body, error));
         qsort(membrane->patches, membrane->patch_count, sizeof *membrane->patches, by_owner);
     } else {

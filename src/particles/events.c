@@ -40,7 +40,7 @@ static void place_of(const gn_step_context *ctx, const gn_dem *dem, size_t c, do
     double length = sqrt(gn_dot3(d, d));
     double arm = 0.5 * (length + q->pos[4 * i + 3] - q->pos[4 * j + 3]);
     for (size_t a = 0; a < 3 && length > 0.0; a++) at[a] += arm / length * d[a];
-    gn_world_point_out(ctx, at, place);
+    gn_user_point(ctx, at, place);
 }
 
 static void add_event(const gn_step_context *ctx, gn_dem *dem, size_t c, int cause, double energy) {

@@ -71,7 +71,7 @@ static void start(const gn_pieces *pieces, size_t n) {
     }
 }
 
-const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
+const int32_t *gn_dem_body_sizes(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *p = &dem->particles;
     const gn_pieces *q = &dem->pieces;
     if (!(ctx->effects & GN_FX_BONDS)) return NULL;
@@ -87,7 +87,7 @@ const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
     return q->members;
 }
 
-bool gn_world_has_loosened(const gn_dem *dem) {
+bool gn_dem_has_loosened(const gn_dem *dem) {
     const gn_dem *d = dem;
     if (d->broken_tension + d->broken_shear + d->lost > 0) return true;
     for (size_t c = 0; c < d->bonds.contacts.soa.count; c++)
@@ -95,14 +95,14 @@ bool gn_world_has_loosened(const gn_dem *dem) {
     return false;
 }
 
-size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
-                            int32_t *group) {
+size_t gn_dem_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
+                          int32_t *group) {
     const size_t n = dem->particles.soa.count;
     int32_t *parent = dem->pieces.parent, lead = 0;
     size_t groups = 0;
     memset(group, 0, n * sizeof *group);
     if (!parent || !dem->bonds.contacts.soa.count) return 1;
-    const int32_t *members = gn_world_bodies(ctx, dem);
+    const int32_t *members = gn_dem_body_sizes(ctx, dem);
     for (size_t p = 0; p < n; p++)
         if (members[p] > members[lead]) lead = (int32_t)p;
     for (size_t p = 0; p < n; p++) {
@@ -113,7 +113,7 @@ size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32
     return groups;
 }
 
-gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem) {
+gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem) {
     const size_t n = dem->particles.soa.count;
     const gn_pieces *q = &dem->pieces;
     if (!(ctx->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
@@ -151,7 +151,7 @@ static void finish(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *f
         centre[a] = dem->particles.pos[4 * at + a] + fragment->centre[a] / fragment->mass;
         fragment->velocity[a] /= fragment->mass;
     }
-    gn_world_point_out(ctx, centre, fragment->centre);
+    gn_user_point(ctx, centre, fragment->centre);
 }
 
 static int by_volume(const void *a, const void *b) {

@@ -16,7 +16,7 @@ typedef struct gn_fragments {
 /* Allocates the scratch of the functions below. To be called when the number of particles is known.
  * */
 gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
-gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem);
+gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem);
 
 /* A fragment, one particle or more. */
 typedef struct gn_fragment {
@@ -42,10 +42,10 @@ void gn_fragments_free(gn_fragment_list *list);
 /* Returns the sizes of bodies, which are particles connected by intact bonds and touching contacts:
  * members[p] is the number of particles of the body of p, 0 for removed particles; NULL without
  * bonds. Valid until the next call of this function or the next one. */
-const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem);
+const int32_t *gn_dem_body_sizes(const gn_step_context *ctx, const gn_dem *dem);
 
 /* Tells whether a bond has broken or was dissolved, or a particle has left the domain. */
-bool gn_world_has_loosened(const gn_dem *dem);
+bool gn_dem_has_loosened(const gn_dem *dem);
 
 /* A body with fewer particles than the largest one over this number counts as detached from it. */
 enum { GN_CHIP = 10 };
@@ -53,7 +53,7 @@ enum { GN_CHIP = 10 };
 /* Finds bodies for the membrane: group[p] is a representative of the body of p; bodies with less
  * than 1/chip of the particles of the largest body belong to it. Returns the number of bodies; 1
  * without bonds, and before bonds are formed. `group` [particles]. */
-size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
-                            int32_t *group);
+size_t gn_dem_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
+                          int32_t *group);
 
 #endif

@@ -11,7 +11,7 @@
 #include "measure/measure.h"
 #include "run/checkpoint_internal.h"
 #include "run/kept.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/run.h"
 #include "run/spacing.h"
 #include "run/stages.h"
@@ -241,7 +241,7 @@ static gneiss_status get_history(gn_run *run, gn_h5 *file, gneiss_error *error) 
     gn_history *h = &run->history;
     size_t rows = 0;
     GN_FREED double *table = NULL;
-    GN_TRY(gn_run_watch(run, error));
+    GN_TRY(gn_run_begin_history(run, error));
     GN_TRY(gn_h5_rows(file, "history/step", &rows, error));
     GN_TRY(gn_new(&table, rows * h->column_count, "values of the history", error));
     for (size_t c = 0; c < h->column_count; c++) {
@@ -424,12 +424,12 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(get_kept(run, file, path, error));
     GN_TRY(get_history(run, file, error));
     GN_TRY(check_stages(run, path, error));
-    GN_TRY(gn_run_note_looks(run, error));
+    GN_TRY(gn_run_rebuild_samples(run, error));
     gn_kept_resume(run);
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
     GN_TRY(gn_coupled_resume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_world_restore(w, error));
-    GN_TRY(gn_world_check_duration(&w->ctx, error));
+    GN_TRY(gn_check_duration(&w->ctx, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));
     if (hash != gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box))

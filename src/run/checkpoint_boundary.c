@@ -6,7 +6,7 @@
 #include "boundary/boundary.h"
 #include "io/h5_pieces.h"
 #include "run/checkpoint_internal.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/solids.h"

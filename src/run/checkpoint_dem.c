@@ -7,7 +7,7 @@
 #include "particles/active_pairs.h"
 #include "particles/particles.h"
 #include "run/checkpoint_internal.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "world/world.h"

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "mesh/h5_mesh.h"
 #include "run/checkpoint_internal.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -4,7 +4,7 @@
 #include "particles/bursts.h"
 #include "run/checkpoint_internal.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include "base/error.h"
 #include "base/new.h"

@@ -160,11 +160,11 @@ static gneiss_status step_with_row(gn_world *w, gn_history *h, bool last, gneiss
     return status;
 }
 
-gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
+gneiss_status gn_history_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     return step_with_row(w, h, false, error);
 }
 
-gneiss_status gn_history_last(gn_world *w, gn_history *h, gneiss_error *error) {
+gneiss_status gn_history_record_last_step(gn_world *w, gn_history *h, gneiss_error *error) {
     if (h) return step_with_row(w, h, true, error);
     GN_TRY(gn_world_step(w, true, error));
     read_passed(w);

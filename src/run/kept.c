@@ -2,7 +2,7 @@
 
 #include "base/new.h"
 #include "io/listing.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/spacing.h"
 #include "run/stages.h"
 
@@ -62,8 +62,8 @@ void gn_kept_begin(gn_run *run, bool closer) {
 }
 
 void gn_kept_resume(gn_run *run) {
-    const gn_looks *looks = &run->looks;
-    gn_beginning_update(&run->kept.beginning, looks->strain, looks->stress, looks->count);
+    const gn_samples *samples = &run->samples;
+    gn_beginning_update(&run->kept.beginning, samples->strain, samples->stress, samples->count);
 }
 
 void gn_kept_free(gn_kept *kept) {
@@ -113,21 +113,22 @@ static bool has_moved(const gn_run *run) {
 }
 
 /* Tells whether the test has begun; the rows before do not belong to it. */
-static bool has_begun(gn_run *run, bool look) {
+static bool has_begun(gn_run *run, bool sample) {
     gn_kept *k = &run->kept;
     const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
     if (gn_run_staged(run)) return rows > 1;
     const bool before = k->beginning.begun;
-    if (look)
-        gn_beginning_update(&k->beginning, run->looks.strain, run->looks.stress, run->looks.count);
+    if (sample)
+        gn_beginning_update(&k->beginning, run->samples.strain, run->samples.stress,
+                            run->samples.count);
     if (begins_unloaded(run)) return k->beginning.begun || has_moved(run);
     if (k->beginning.begun && !before) k->peak = 0.0;
     return k->beginning.begun;
 }
 
-void gn_kept_row(gn_run *run, bool look) {
+void gn_kept_row(gn_run *run, bool sample) {
     gn_kept *k = &run->kept;
-    if (!run->directory[0] || !run->snapshot_interval || !has_peak(run) || !has_begun(run, look))
+    if (!run->directory[0] || !run->snapshot_interval || !has_peak(run) || !has_begun(run, sample))
         return;
     const double stress = last_in(run, "stress");
     if (stress > k->peak) {

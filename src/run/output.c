@@ -18,7 +18,7 @@
 #include "run/output_contacts.h"
 #include "run/output_fields.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "scene/scene.h"

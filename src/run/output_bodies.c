@@ -6,7 +6,7 @@
 #include "base/new.h"
 #include "io/io.h"
 #include "io/snapshot.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/quantities.h"
 #include "run/run.h"
 #include "scene/values.h"
@@ -51,7 +51,7 @@ static void fill(view *v) {
             double *place = v->place + 3 * vertex;
             v->vertex_body[vertex] = (int32_t)k;
             gn_rigid_place(&w->boundary.bodies[k], w->boundary.body_vertex + 4 * vertex, place);
-            gn_world_point_out(&w->ctx, place, place);
+            gn_user_point(&w->ctx, place, place);
         }
     }
 }
@@ -87,11 +87,11 @@ READ(inertia, 3, b->inertia)
 
 static void read_position(const void *of, size_t k, double *value) {
     const gn_world *w = ((const view *)of)->world;
-    gn_world_point_out(&w->ctx, w->boundary.bodies[k].position, value);
+    gn_user_point(&w->ctx, w->boundary.bodies[k].position, value);
 }
 static void read_start(const void *of, size_t k, double *value) {
     const gn_world *w = ((const view *)of)->world;
-    gn_world_point_out(&w->ctx, w->boundary.bodies[k].start, value);
+    gn_user_point(&w->ctx, w->boundary.bodies[k].start, value);
 }
 static void read_orientation(const void *of, size_t k, double *value) {
     gn_rigid_orientation(&((const view *)of)->world->boundary.bodies[k], value);

@@ -2,7 +2,7 @@
 #include "base/eigen.h"
 #include "base/new.h"
 #include "base/point.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include <math.h>
 #include <stdlib.h>

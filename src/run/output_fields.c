@@ -65,7 +65,7 @@ void gn_output_place(const gn_output_view *v, size_t p, double place[3]) {
         gn_particle_travel(&v->world->dem, &v->world->solids, v->places, p, travel);
         for (size_t a = 0; a < 3; a++) now[a] = q->start[4 * p + a] + travel[a];
     }
-    gn_world_point_out(&v->world->ctx, now, place);
+    gn_user_point(&v->world->ctx, now, place);
 }
 static void read_position(const void *view, size_t k, double *value) {
     gn_output_place(view, k, value);
@@ -389,8 +389,8 @@ static gneiss_status read_loads(gn_output_view *v, gneiss_error *error) {
     v->damping = calloc(n + 1, 6 * sizeof(double));
     if (!v->total || !v->damping)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the forces on %zu particles", n);
-    return gn_world_loads(&v->world->ctx, &v->world->dem, &v->world->boundary, &v->world->box,
-                          v->total, v->damping, error);
+    return gn_boundary_write_loads(&v->world->ctx, &v->world->dem, &v->world->boundary,
+                                   &v->world->box, v->total, v->damping, error);
 }
 
 gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,

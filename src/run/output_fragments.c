@@ -1,7 +1,7 @@
 /* Fragments, the sets of particles that bonds connect (particles/fragments.h), in results.h5. */
 #include "particles/fragments.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include <string.h>
 

@@ -26,13 +26,13 @@ struct gn_run_read {
     gn_budget *budget; /* of these readings; NULL: not computed yet */
 };
 
-gneiss_status gn_run_watch(gn_run *run, gneiss_error *error) {
+gneiss_status gn_run_begin_history(gn_run *run, gneiss_error *error) {
     run->read = calloc(1, sizeof *run->read);
     if (!run->read) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings");
     return gn_history_begin(&run->world, &run->history, error);
 }
 
-void gn_run_unwatch(gn_run *run) {
+void gn_run_end_history(gn_run *run) {
     if (run->read) free(run->read->budget);
     free(run->read);
     gn_history_free(&run->history);
@@ -75,7 +75,7 @@ static double by_ends(const gn_world *w) {
 static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over) {
     const gn_test *t = &w->ctx.scene.test;
     const double *g = w->ctx.scene.gravity;
-    const gn_fragments pieces = gn_world_fragments(&w->ctx, &w->dem);
+    const gn_fragments pieces = gn_dem_fragments(&w->ctx, &w->dem);
     return (gn_tested){
         .kind = t->kind,
         .dimension = (int)w->ctx.scene.dimension,

@@ -106,65 +106,65 @@ gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
     if (!run->history_end_row || run->finished || !run->history.row_count) return GNEISS_OK;
     run->history_end_row = 0;
     run->history.row_count--;
-    return gn_run_note_looks(run, error);
+    return gn_run_rebuild_samples(run, error);
 }
 
-/* --- looks --- */
+/* --- samples --- */
 
-/* The first row of all, or of a stage, is a look as well. */
-bool gn_run_is_look(const gn_run *run, size_t row) {
+/* The first row of all, or of a stage, is a sample as well. */
+bool gn_run_is_sample(const gn_run *run, size_t row) {
     if (row <= (size_t)run->history_begin || !goes_by_steps(run)) return true;
     const double step = gn_history_column(&run->history, "step")[row];
     return (int64_t)step % run->history_interval == 0;
 }
 
-size_t gn_run_looks(const gn_run *run, size_t begin, size_t most) {
-    size_t looks = 0;
-    for (size_t row = run->history.row_count; row > begin && looks < most; row--)
-        looks += gn_run_is_look(run, row - 1);
-    return looks;
+size_t gn_run_sample_count(const gn_run *run, size_t begin, size_t most) {
+    size_t samples = 0;
+    for (size_t row = run->history.row_count; row > begin && samples < most; row--)
+        samples += gn_run_is_sample(run, row - 1);
+    return samples;
 }
 
-size_t gn_run_look(const gn_run *run, size_t back) {
+size_t gn_run_sample_row(const gn_run *run, size_t back) {
     size_t row = run->history.row_count;
-    while (row > 0 && back > 0) back -= gn_run_is_look(run, --row);
+    while (row > 0 && back > 0) back -= gn_run_is_sample(run, --row);
     return row;
 }
 
-static gneiss_status grow(gn_looks *looks, gneiss_error *error) {
-    const size_t capacity = looks->capacity ? 2 * looks->capacity : 256;
-    double *stress = realloc(looks->stress, capacity * sizeof *stress);
-    if (stress) looks->stress = stress;
-    double *strain = realloc(looks->strain, capacity * sizeof *strain);
-    if (strain) looks->strain = strain;
+static gneiss_status grow(gn_samples *samples, gneiss_error *error) {
+    const size_t capacity = samples->capacity ? 2 * samples->capacity : 256;
+    double *stress = realloc(samples->stress, capacity * sizeof *stress);
+    if (stress) samples->stress = stress;
+    double *strain = realloc(samples->strain, capacity * sizeof *strain);
+    if (strain) samples->strain = strain;
     if (!stress || !strain)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu rows of stress", capacity);
-    looks->capacity = capacity;
+    samples->capacity = capacity;
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_note_look(gn_run *run, size_t row, gneiss_error *error) {
-    gn_looks *looks = &run->looks;
+gneiss_status gn_run_add_sample(gn_run *run, size_t row, gneiss_error *error) {
+    gn_samples *samples = &run->samples;
     const double *stress = gn_history_column(&run->history, "stress"),
                  *strain = gn_history_column(&run->history, "strain");
-    if (looks->count == looks->capacity) GN_TRY(grow(looks, error));
-    looks->stress[looks->count] = stress ? stress[row] : NAN;
-    looks->strain[looks->count] = strain ? strain[row] : NAN;
-    looks->count++;
+    if (samples->count == samples->capacity) GN_TRY(grow(samples, error));
+    samples->stress[samples->count] = stress ? stress[row] : NAN;
+    samples->strain[samples->count] = strain ? strain[row] : NAN;
+    samples->count++;
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_note_looks(gn_run *run, gneiss_error *error) {
-    run->looks.count = 0;
+gneiss_status gn_run_rebuild_samples(gn_run *run, gneiss_error *error) {
+    run->samples.count = 0;
     for (size_t row = 0; row < run->history.row_count; row++)
-        if (gn_run_is_look(run, row)) GN_TRY(gn_run_note_look(run, row, error));
+        if (gn_run_is_sample(run, row)) GN_TRY(gn_run_add_sample(run, row, error));
     return GNEISS_OK;
 }
 
-void gn_looks_free(gn_looks *looks) {
-    free(looks->stress);
-    free(looks->strain);
-    *looks = (gn_looks){0};
+void gn_samples_free(gn_samples *samples) {
+    free(samples->stress);
+    free(samples->strain);
+    *samples = (gn_samples){0};
 }
 
 /* --- thinning --- */

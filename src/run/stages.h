@@ -37,7 +37,7 @@ void gn_run_stage_time(gn_run *run);
 gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error);
 
 /* The force on the servo of a wall (N), or the stress on a pair of sides of a periodic box (Pa), in
- * a row, and its target. A stage with the end `held` evaluates this number of looks. */
+ * a row, and its target. A stage with the end `held` evaluates this number of samples. */
 enum { GN_ROWS_HELD = 10 };
 typedef struct gn_servo_row {
     double found, wanted;

@@ -151,7 +151,7 @@ static double time_of_break(search *run) {
     double d[3], middle[3];
     gn_branch(&run->w->ctx, x, run->w->dem.particles.pos + 4 * (int64_t)list->j[c], d);
     for (int a = 0; a < 3; a++) middle[a] = x[a] + 0.5 * d[a];
-    gn_world_point_out(&run->w->ctx, middle, run->found->place);
+    gn_user_point(&run->w->ctx, middle, run->found->place);
     run->found->i = run->w->dem.particles.id[list->i[c]];
     run->found->j = run->w->dem.particles.id[list->j[c]];
     return run->w->ctx.time + left * run->span;

@@ -464,6 +464,6 @@ gneiss_status gn_trial_leave(gn_trial *t, const double *path, double span, gneis
     w->ledger.reading = w->ledger.energy;
     gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
     w->ctx.dt_past = 0.0;
-    return gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                               true, error);
+    return gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                             true, error);
 }

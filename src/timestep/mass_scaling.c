@@ -152,7 +152,7 @@ static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boun
     double low = 0.5, high = 1.0, part = q->sharp ? 0.85 : 1.0, added = -1.0;
     for (int k = 1;; k++) {
         GN_TRY(raise(ctx, dem, boundary, solids, zones, q, part, error));
-        GN_TRY(gn_world_check_step(ctx, dem, boundary, solids, zones, ledger, true, error));
+        GN_TRY(gn_timestep_check(ctx, dem, boundary, solids, zones, ledger, true, error));
         double beyond = ctx->scene.safety * ctx->stable / q->step;
         bool reached = ctx->dt >= (1.0 - 1e-9) * q->step;
         if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;

@@ -230,7 +230,7 @@ static double trusted(const gn_step_context *ctx, const gn_step_limit *limit) {
 /* Returns the limit that the scene requests: of the active springs; without any, of all listed
  * ones; without those, of one contact of the stiffest pair of particles, or of particle and wall.
  * The last only gives an initial step: an approaching particle is listed and checked before it
- * touches (gn_world_check_lists). */
+ * touches (gn_timestep_check_lists). */
 static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, double *limit, gneiss_error *error) {
     gn_step_limit listed = {0};

@@ -117,7 +117,7 @@ static bool has_automatic_step(const gn_world *w) {
 }
 
 GN_HOOK(follow_bodies) {
-    gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
+    gn_timestep_follow_bodies(&w->ctx, &w->dem, &w->boundary);
     return GNEISS_OK;
 }
 
@@ -145,8 +145,8 @@ GN_HOOK(find_debris) {
 
 GN_HOOK(check_debris) {
     return w->ctx.choice.debris_read
-               ? gn_world_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                       &w->ledger, error)
+               ? gn_timestep_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                          &w->ledger, error)
                : GNEISS_OK;
 }
 

@@ -1,7 +1,7 @@
 /* The origin of the coordinates in computations. A double has 16 digits: the farther a model is
  * from 0, the fewer of them resolve its motion. Points are converted to coordinates relative to an
  * origin near the model (gn_origin_enter, gn_scene_shift) and back to the user's coordinates for
- * output (gn_world_point_out, gn_point_text). */
+ * output (gn_user_point, gn_point_text). */
 #ifndef GN_WORLD_ORIGIN_H
 #define GN_WORLD_ORIGIN_H
 

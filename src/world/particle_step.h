@@ -40,7 +40,7 @@ void gn_dem_balance(const gn_dem *dem, const gn_boundary *boundary, gn_balance *
 gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   bool measure);
 
-/* sweep.c: walls, contacts and motion of one step, in parallel. */
+/* particle_sweep.c: walls, contacts and motion of one step, in parallel. */
 void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
                   const gn_motion_args *motion);
 

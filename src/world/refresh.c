@@ -46,10 +46,10 @@ gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
     /* A deformable surface may have come near many particles since the last check. */
     GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &more, error));
     if (more)
-        GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                   &w->ledger, false, error));
-    return gn_world_check_lists(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                                error);
+        GN_TRY(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                                 false, error));
+    return gn_timestep_check_lists(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                   &w->ledger, error);
 }
 
 /* Returns the path of a particle, m, after which the lists are rebuilt even without neighbours.

@@ -49,8 +49,8 @@ gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error)
 gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
     int64_t lowered = w->ctx.dt_lowered;
     w->ctx.dt = INFINITY;
-    gneiss_status status = gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids,
-                                               &w->zones, &w->ledger, true, error);
+    gneiss_status status = gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                             &w->ledger, true, error);
     w->ctx.dt_lowered = lowered;
     GN_TRY(status);
     return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);

@@ -87,15 +87,15 @@ static gneiss_status move(gn_world *w, watch *time, gneiss_error *error) {
 static gneiss_status finish(gn_world *w, watch *time, gneiss_error *error) {
     const bool measure = w->ctx.measure;
     GN_TRY(move(w, time, error));
-    GN_TRY(gn_dem_check(&w->ctx, &w->dem, &w->boundary, measure, error));
-    GN_TRY(gn_boundary_check(&w->ctx, &w->dem, &w->boundary, error));
+    GN_TRY(gn_dem_check_paths(&w->ctx, &w->dem, &w->boundary, measure, error));
+    GN_TRY(gn_boundary_check_paths(&w->ctx, &w->dem, &w->boundary, error));
     lap(time, GN_PHASE_motion);
     GN_TRY(gn_elements_move(&w->ctx, &w->solids, &w->ledger, w->ctx.seconds, measure, error));
     start(time);
     GN_TRY(gn_features_run(w, GN_HOOK_ELEMENTS_MOVED, error));
     lap(time, GN_PHASE_exchange);
     if (measure) GN_TRY(read_elements(w, error));
-    return gn_elements_check(&w->ctx, &w->dem, &w->solids, error);
+    return gn_elements_check_paths(&w->ctx, &w->dem, &w->solids, error);
 }
 
 static gneiss_status find_forces(gn_world *w, watch *time, gneiss_error *error) {
@@ -127,7 +127,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     w->ctx.dt_past = w->ctx.dt;
     w->ctx.step++;
     if (status == GNEISS_OK)
-        status = gn_world_check_apart(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, broken,
-                                      error);
+        status = gn_timestep_check_after_breaks(&w->ctx, &w->dem, &w->boundary, &w->solids,
+                                                &w->zones, broken, error);
     return status == GNEISS_OK ? gn_features_run(w, GN_HOOK_AFTER_STEP, error) : status;
 }

@@ -286,8 +286,8 @@ static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_err
     w->ctx.threads = beside ? threads - 1 : threads;
     gneiss_status status = GNEISS_OK;
     if (beside || gauge.status == GNEISS_OK)
-        status = gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                     &w->ledger, true, error);
+        status = gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                   &w->ledger, true, error);
     if (beside) (void)pthread_join(thread, NULL);
     w->ctx.threads = threads;
     if (gauge.status == GNEISS_OK) gn_gauge_note_apart(&w->ctx, &w->dem, &w->gauge);
@@ -318,7 +318,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_scale_masses(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
                                error));
     /* The step is now also limited by the resolution of collisions. */
-    GN_TRY(gn_world_check_duration(&w->ctx, error));
+    GN_TRY(gn_check_duration(&w->ctx, error));
     return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);
 }
 
