@@ -40,7 +40,7 @@ typedef enum gn_hook_place {
 typedef gneiss_status gn_hook(void *context, gn_world *world, gneiss_error *error);
 /* Head of a hook that needs no context. */
 #define GN_HOOK(name)                                                                              \
-    static gneiss_status name(__attribute__((unused)) void *context, gn_world *w,                  \
+    static gneiss_status name(__attribute__((unused)) void *context, gn_world *world,              \
                               __attribute__((unused)) gneiss_error *error)
 
 typedef struct gn_feature {

@@ -74,9 +74,9 @@ void gn_kept_free(gn_kept *kept) {
 /* --- the peak --- */
 
 /* Returns the last candidate of the peak; NULL: there is none. */
-static const gn_kept_snapshot *candidate(const gn_kept *k, gn_kept_kind kind) {
-    for (size_t n = k->count; n > 0; n--)
-        if (k->list[n - 1].kind == (double)kind) return &k->list[n - 1];
+static const gn_kept_snapshot *candidate(const gn_kept *kept, gn_kept_kind kind) {
+    for (size_t n = kept->count; n > 0; n--)
+        if (kept->list[n - 1].kind == (double)kind) return &kept->list[n - 1];
     return NULL;
 }
 
@@ -173,31 +173,31 @@ static gneiss_status drop(gn_run *run, size_t at, gneiss_error *error) {
 
 /* --- regular snapshots --- */
 
-static int64_t part_size(const gn_kept *k) {
-    return PARTS >> k->halvings;
+static int64_t part_size(const gn_kept *kept) {
+    return PARTS >> kept->halvings;
 }
 
-static bool is_on_grid(const gn_kept *k, const gn_kept_snapshot *s) {
-    return s->kind == GN_KEPT_REGULAR && (int64_t)s->part % part_size(k) == 0;
+static bool is_on_grid(const gn_kept *kept, const gn_kept_snapshot *snapshot) {
+    return snapshot->kind == GN_KEPT_REGULAR && (int64_t)snapshot->part % part_size(kept) == 0;
 }
 
-static size_t count_regular(const gn_kept *k) {
+static size_t count_regular(const gn_kept *kept) {
     size_t count = 0;
-    for (size_t n = 0; n < k->count; n++) count += is_on_grid(k, &k->list[n]);
+    for (size_t n = 0; n < kept->count; n++) count += is_on_grid(kept, &kept->list[n]);
     return count;
 }
 
 /* Returns the snapshot before the peak with a stress nearest to `share` of the peak; k->count:
  * there is none. */
-static size_t nearest_before(const gn_kept *k, double share) {
-    const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
-    size_t nearest = k->count;
-    for (size_t n = 0; n < k->count; n++) {
-        const double kind = k->list[n].kind;
+static size_t nearest_before(const gn_kept *kept, double share) {
+    const gn_kept_snapshot *peak = candidate(kept, GN_KEPT_PEAK);
+    size_t nearest = kept->count;
+    for (size_t n = 0; n < kept->count; n++) {
+        const double kind = kept->list[n].kind;
         if (kind != GN_KEPT_REGULAR && kind != GN_KEPT_BEFORE) continue;
-        if (peak && k->list[n].step > peak->step) continue;
-        const double off = fabs(k->list[n].stress - share * k->peak);
-        if (nearest == k->count || off < fabs(k->list[nearest].stress - share * k->peak))
+        if (peak && kept->list[n].step > peak->step) continue;
+        const double off = fabs(kept->list[n].stress - share * kept->peak);
+        if (nearest == kept->count || off < fabs(kept->list[nearest].stress - share * kept->peak))
             nearest = n;
     }
     return nearest;
@@ -205,11 +205,11 @@ static size_t nearest_before(const gn_kept *k, double share) {
 
 /* Tells whether a snapshot is the one nearest to half of the peak, or the one nearest to the peak
  * if the candidate of the peak has a lower stress. */
-static bool is_needed(const gn_kept *k, size_t at) {
-    const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
-    if (!(k->peak > 0.0)) return false;
-    if (at == nearest_before(k, 0.5)) return true;
-    return at == nearest_before(k, 1.0) && !(peak && peak->stress >= k->list[at].stress);
+static bool is_needed(const gn_kept *kept, size_t at) {
+    const gn_kept_snapshot *peak = candidate(kept, GN_KEPT_PEAK);
+    if (!(kept->peak > 0.0)) return false;
+    if (at == nearest_before(kept, 0.5)) return true;
+    return at == nearest_before(kept, 1.0) && !(peak && peak->stress >= kept->list[at].stress);
 }
 
 static gneiss_status thin(gn_run *run, gneiss_error *error) {
@@ -258,14 +258,14 @@ bool gn_kept_is_due(gn_run *run, bool first) {
 
 /* --- written snapshots --- */
 
-static gneiss_status grow(gn_kept *k, gneiss_error *error) {
-    const size_t capacity = k->capacity ? 2 * k->capacity : 64;
+static gneiss_status grow(gn_kept *kept, gneiss_error *error) {
+    const size_t capacity = kept->capacity ? 2 * kept->capacity : 64;
     gn_kept_snapshot *list;
     GN_TRY(gn_new(&list, capacity, "snapshots", error));
-    if (k->count) memcpy(list, k->list, k->count * sizeof *list);
-    gn_free(k->list);
-    k->list = list;
-    k->capacity = capacity;
+    if (kept->count) memcpy(list, kept->list, kept->count * sizeof *list);
+    gn_free(kept->list);
+    kept->list = list;
+    kept->capacity = capacity;
     return GNEISS_OK;
 }
 

@@ -33,26 +33,29 @@ int64_t gn_row_halvings(int64_t interval) {
 
 /* Tells whether rows may be closer at first; all others are equal times apart. Runs that convert
  * elements have their rows at given times, and rates of sinks are means from row to row. */
-static bool adapts(const gn_world *w, size_t stage) {
-    return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
-           !gn_scene_has_flow(&w->ctx.scene) && gn_scene_may_end_early(&w->ctx.scene, stage);
+static bool adapts(const gn_world *world, size_t stage) {
+    return world->ctx.scene.history_rows > 0 && !gn_converts(&world->ctx) &&
+           !gn_scene_has_flow(&world->ctx.scene) &&
+           gn_scene_may_end_early(&world->ctx.scene, stage);
 }
 
-static double rows_expected(const gn_world *w, size_t stage) {
-    const gn_scene *s = &w->ctx.scene;
+static double rows_expected(const gn_world *world, size_t stage) {
+    const gn_scene *s = &world->ctx.scene;
     const gn_stage *e = s->stage_count ? &s->stages[stage] : NULL;
     const double wanted = (double)s->history_rows;
-    double steps = fmin(1e15, (e && e->time >= 0.0 ? fmin(e->time, s->end) : s->end) / w->ctx.dt);
+    double steps =
+        fmin(1e15, (e && e->time >= 0.0 ? fmin(e->time, s->end) : s->end) / world->ctx.dt);
     if (e && e->steps >= 0) steps = fmin(steps, (double)e->steps);
-    if (!(wanted > 0.0) || steps <= wanted || !adapts(w, stage)) return fmin(wanted, steps);
+    if (!(wanted > 0.0) || steps <= wanted || !adapts(world, stage)) return fmin(wanted, steps);
     const int64_t interval = (int64_t)(steps / wanted);
     const double closest = (double)(interval >> gn_row_halvings(interval));
     return fmin(1.25 * wanted, steps / 8.0 / closest);
 }
 
-double gn_run_rows_expected(const gn_world *w) {
+double gn_run_rows_expected(const gn_world *world) {
     double rows = 1.0;
-    for (size_t k = 0; k < w->ctx.scene.stage_count || k == 0; k++) rows += rows_expected(w, k);
+    for (size_t k = 0; k < world->ctx.scene.stage_count || k == 0; k++)
+        rows += rows_expected(world, k);
     return rows;
 }
 

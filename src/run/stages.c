@@ -104,11 +104,11 @@ static gn_servo_row membrane_row(const gn_run *run, size_t row) {
                           gn_table_at(&s->membrane.pressure, in_row(run, "time", row))};
 }
 
-static bool has_servo(const gn_world *w) {
+static bool has_servo(const gn_world *world) {
     bool any = false;
-    for (int a = 0; a < 3; a++) any = any || w->ctx.scene.box[a].stress.count;
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
-        any = any || w->ctx.scene.walls[k].servo.active;
+    for (int a = 0; a < 3; a++) any = any || world->ctx.scene.box[a].stress.count;
+    for (size_t k = 0; k < world->ctx.scene.wall_count; k++)
+        any = any || world->ctx.scene.walls[k].servo.active;
     return any;
 }
 
@@ -193,19 +193,19 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     return GN_STAGE_RUNS;
 }
 
-const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size) {
+const char *gn_stage_reason(const gn_stage *stage, gn_stage_cause cause, char *text, size_t size) {
     const struct {
         const char *format;
         double value;
     } texts[] = {{"not over", 0.0},
-                 {"%g s passed", e->time},
-                 {"%.0f steps done", (double)e->steps},
-                 {"strain grew by %g", e->strain},
-                 {"stress reached %g Pa", e->stress},
-                 {"stress fell by %g of its peak", e->peak_drop},
-                 {"unbalanced force ratio fell below %g", e->unbalanced},
-                 {"servos held their forces to %g", e->held},
-                 {"the mean stress held the pressure of the membrane to %g", e->held}};
+                 {"%g s passed", stage->time},
+                 {"%.0f steps done", (double)stage->steps},
+                 {"strain grew by %g", stage->strain},
+                 {"stress reached %g Pa", stage->stress},
+                 {"stress fell by %g of its peak", stage->peak_drop},
+                 {"unbalanced force ratio fell below %g", stage->unbalanced},
+                 {"servos held their forces to %g", stage->held},
+                 {"the mean stress held the pressure of the membrane to %g", stage->held}};
     snprintf(text, size, texts[cause].format, texts[cause].value);
     return text;
 }

@@ -57,7 +57,7 @@ void gn_run_out_of_time(gn_run *run);
  * Limit 0: false. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit);
 /* Writes the reason as text: "unbalanced force ratio fell below 0.01". */
-const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size);
+const char *gn_stage_reason(const gn_stage *stage, gn_stage_cause cause, char *text, size_t size);
 /* Computes the readings of a stage from its rows alone; strain is counted from its start. */
 gneiss_status gn_run_stage_readings(const gn_run *run, size_t stage, gn_readings *readings,
                                     gneiss_error *error);

@@ -59,12 +59,14 @@ static void assert_wall_contacts(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 /* Every end of a contact has a row among the partial sums of its block, which belongs to it. */
-static void assert_partials(const gn_dem *dem, const gn_contacts *list, const gn_partials *q) {
+static void assert_partials(const gn_dem *dem, const gn_contacts *list,
+                            const gn_partials *partials) {
     if (list->soa.count == 0) return;
-    assert(q->blocks == gn_blocks(list->soa.count, q->length));
+    assert(partials->blocks == gn_blocks(list->soa.count, partials->length));
     for (size_t b = 0; b <= gn_blocks(dem->particles.soa.count, GN_PARTICLE_BLOCK); b++)
-        assert(b == 0 || q->start[b - 1] <= q->start[b]);
-    for (size_t b = 0; b < q->blocks; b++) assert(q->first[b] <= q->first[b + 1]);
+        assert(b == 0 || partials->start[b - 1] <= partials->start[b]);
+    for (size_t b = 0; b < partials->blocks; b++)
+        assert(partials->first[b] <= partials->first[b + 1]);
 }
 
 static bool listed(const gn_contacts *list, int32_t i, int32_t j) {

@@ -103,18 +103,18 @@ static void take_off(const gn_scene *scene, double *rows, size_t count, size_t w
             rows[width * k + a] -= scene->origin[a];
 }
 
-gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
-    if (w->ctx.given.stage_count) {
-        GN_TRY(gn_stages_scene(w, &w->ctx.scene, error));
+gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error) {
+    if (world->ctx.given.stage_count) {
+        GN_TRY(gn_stages_scene(world, &world->ctx.scene, error));
     } else {
-        GN_TRY(gn_scene_copy(&w->ctx.given, &w->ctx.scene, error));
-        gn_scene_shift(&w->ctx.scene);
+        GN_TRY(gn_scene_copy(&world->ctx.given, &world->ctx.scene, error));
+        gn_scene_shift(&world->ctx.scene);
     }
-    w->ctx.scene.specimen.packed = w->ctx.given.specimen.packed;
-    w->ctx.scene.specimen.packed_count = w->ctx.given.specimen.packed_count;
-    w->ctx.scene.specimen.packed_volume = w->ctx.given.specimen.packed_volume;
-    w->ctx.given.specimen.packed = NULL;
-    w->ctx.given.specimen.packed_count = 0;
+    world->ctx.scene.specimen.packed = world->ctx.given.specimen.packed;
+    world->ctx.scene.specimen.packed_count = world->ctx.given.specimen.packed_count;
+    world->ctx.scene.specimen.packed_volume = world->ctx.given.specimen.packed_volume;
+    world->ctx.given.specimen.packed = NULL;
+    world->ctx.given.specimen.packed_count = 0;
     return GNEISS_OK;
 }
 
@@ -142,8 +142,8 @@ static gneiss_status read_specimen(gn_scene *scene, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    gn_scene *s = &w->ctx.given;
+gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error) {
+    gn_scene *s = &world->ctx.given;
     *mesh = (gn_mesh){0};
     GN_TRY(read_specimen(s, error));
     if (s->has_elements && s->elements.mesh[0]) GN_TRY(read_elements(s, mesh, error));
@@ -151,7 +151,7 @@ gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     if (s->specimen.file[0] || s->specimen.from[0])
         take_off(s, s->specimen.packed, s->specimen.packed_count, 4);
     take_off(s, mesh->node, mesh->node_count, 3);
-    return gn_origin_shift(w, error);
+    return gn_origin_shift(world, error);
 }
 
 /* --- what is lost even so --- */
@@ -166,11 +166,11 @@ static double largest(const double x[3]) {
 }
 
 /* The largest coordinates of a record of particles or nodes at the start. */
-static void reach_of(const gn_particles *q, double reach[3]) {
+static void reach_of(const gn_particles *particles, double reach[3]) {
     for (size_t a = 0; a < 3; a++) {
         reach[a] = 0.0;
-        for (size_t p = 0; p < q->soa.count; p++)
-            reach[a] = fmax(reach[a], fabs(q->start[4 * p + a]));
+        for (size_t p = 0; p < particles->soa.count; p++)
+            reach[a] = fmax(reach[a], fabs(particles->start[4 * p + a]));
     }
 }
 

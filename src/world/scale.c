@@ -52,7 +52,7 @@ static double specimen_size(const gn_step_context *ctx, const gn_dem *dem) {
     return longest_side(q->pos, q->soa.count, true, (int)ctx->scene.dimension);
 }
 
-static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_size *f) {
+static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_size *file) {
     const gn_specimen *s = &ctx->scene.specimen;
     const char *key = s->file[0]                           ? "specimen.file"
                       : s->pack.shape == GN_SHAPE_SURFACE  ? "specimen.surface"
@@ -60,7 +60,7 @@ static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_si
                       : gn_scene_from_packing(&ctx->scene) ? "specimen.from"
                                                            : NULL;
     if (!ctx->scene.has_specimen || s->scale_given || !key) return false;
-    *f = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
+    *file = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
     return true;
 }
 
@@ -148,19 +148,19 @@ static bool is_in_kilograms(const gn_scene *scene) {
     return true;
 }
 
-static bool tell(const gn_step_context *ctx, const file_size *f, const char *why, char *text,
+static bool tell(const gn_step_context *ctx, const file_size *file, const char *why, char *text,
                  size_t size) {
     char part[64] = "";
-    if (f->part > 0.0)
+    if (file->part > 0.0)
         snprintf(part, sizeof part,
-                 f->key[0] == 'e' ? ", elements down to %.3g m high"
-                                  : ", particles from %.3g m in diameter on",
-                 2.0 * f->part);
+                 file->key[0] == 'e' ? ", elements down to %.3g m high"
+                                     : ", particles from %.3g m in diameter on",
+                 2.0 * file->part);
     snprintf(text, size,
              "%s: %.4g m long%s, without a scale, which takes the file's lengths for metres, and "
              "%s; %sscale: 0.001 if they are millimetres, scale: 1 if they are metres",
-             gn_scene_at(&ctx->scene, f->where, f->key).text, f->longest, part, why,
-             strcmp(f->key, "specimen.from") == 0 ? "pack it with " : "");
+             gn_scene_at(&ctx->scene, file->where, file->key).text, file->longest, part, why,
+             strcmp(file->key, "specimen.from") == 0 ? "pack it with " : "");
     return true;
 }
 
