@@ -175,7 +175,7 @@ stages:
 
 @fact
 def allocations_of_the_readings_of_stages_may_fail(folder):
-    # Among the last of all, in pairs.
+    # Some of the last calls, in pairs.
     scene = write_scene(folder, STAGED)
     out_of_memory(folder, ("run", scene), lambda count: range(count - 80, count + 1, 2))
 
@@ -219,8 +219,8 @@ def allocations_of_the_reading_of_stages_may_fail(folder):
 
 @fact
 def a_library_that_reads_the_scene_or_units_may_lack_memory(folder):
-    # A lack for good, so that what the libraries do with half of their data cannot look like an answer. Some allocate some
-    # thousand times for the units; a crash within them is theirs.
+    # Memory fails permanently, so that libraries that continue with half of their data cannot give a valid result.
+    # Some allocate thousands of times for the units; a crash within them is theirs.
     count = os.path.join(folder, "count")
     expect(faulty("check", LATTICE, all=1, count=count), 0)
     codes = {}

@@ -231,7 +231,7 @@ typedef struct gn_specimen {
     /* Results of another run, or a packing, as written and resolved. */
     char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE];
     gn_scene_place from_where;
-    bool from_velocities, from_bonds; /* quantities that are taken over besides */
+    bool from_velocities, from_bonds; /* additional quantities to take over */
     double scale; /* lengths in a file, surface or mesh times this give metres */
     bool scale_given;
     gn_lattice lattice;
