@@ -14,7 +14,7 @@ packages_build=(
     python3 python3-numpy python3-h5py python3-matplotlib
 )
 packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone
-packages_test=(locales "${packages_calibrate[@]}") # a locale with a decimal comma is made from it
+packages_test=(locales python3-jsonschema "${packages_calibrate[@]}") # a locale with a decimal comma is made from it
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_bench=(libbenchmark-dev)
