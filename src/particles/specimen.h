@@ -29,6 +29,9 @@ void gn_extent_add(gn_extent *extent, const double point[3], double radius);
 /* About where the specimen will be. Nothing is added for a geometry that gmsh has to mesh first,
  * nor for a file that cannot be read: packing it will tell why. */
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent);
+/* Has the preparation of the scene change the particles that were just created, and checks what it
+ * leaves. GNEISS_ERROR_INPUT: particle, value. */
+gneiss_status gn_specimen_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* specimen.c: whether the radii of a packing came out narrower than they were asked for; `text`
  * then says so. Without sources and sinks, so that it is said of the specimen. */
 bool gn_specimen_is_narrow(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
