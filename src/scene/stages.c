@@ -434,7 +434,7 @@ static void point_at(const gn_section *section, const char *from, char *to, gn_s
     }
 }
 
-/* Sets the places for messages during the run to that of the stage. */
+/* Sets the places for messages during the run to those of the stage. */
 static void point_at_stage(gn_scene *scene, gn_scene_place where) {
     scene->time_where = where;
     for (size_t k = 0; k < scene->wall_count; k++) scene->walls[k].where = where;
@@ -540,7 +540,7 @@ gneiss_status gn_stages_add_membrane(const gn_reader *reader, gn_tree *tree) {
     if (!base) return no_memory(reader);
     for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) {
         const gn_node *said = gn_node_child(first, kept[k]);
-        if (!said) continue; /* the check asks for the missing pressure */
+        if (!said) continue; /* the check reports the missing pressure */
         gn_node *own = gn_tree_add(tree, base, said);
         if (!own) return no_memory(reader);
         if (k > 0) continue;
