@@ -154,9 +154,9 @@ def keys_are_found_by_a_text_anywhere_in_their_names_and_descriptions(folder):
 
 
 @fact
-def keys_markdown_is_the_document(folder):
-    with open(os.path.join(SCENES, "../../docs/keys.md")) as file:
-        assert expect(gneiss("keys", "--markdown"), 0).stdout == file.read()
+def pages_of_keys_are_up_to_date(folder):
+    done = subprocess.run([os.path.join(SCENES, "../../tools/keys_pages.py"), PROGRAM, "--check"], capture_output=True, text=True, env=ENVIRONMENT)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @fact
