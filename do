@@ -43,7 +43,7 @@ usage: ./do COMMAND [...]
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
   accuracy [--quick] [--only CASE] [--out DIR]
-                               what accuracy costs in time; writes docs/accuracy.md
+                               what accuracy costs in time; writes docs/evidence/accuracy.md
   package [DIR]                Debian packages of the last commit in DIR (build-package), and what lintian says of them
   install WHAT                 the packages of build, calibrate, python, test, check, aarch64, package, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
