@@ -20,7 +20,7 @@ packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy)
 packages_test=(locales python3-jsonschema "${packages_calibrate[@]}" "${packages_python[@]}" "${packages_python_more[@]}")
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
-packages_package=(debhelper dh-python lintian) # only for `package`
+packages_package=(debhelper dh-python lintian mmdebstrap) # only for `package`; the last one for its --try
 packages_bench=(libbenchmark-dev)
 packages_effects=(valgrind) # only for bench --effects
 packages_validate=(yade python3-scipy) # the second for some of validate/*_study.py
@@ -44,7 +44,8 @@ usage: ./do COMMAND [...]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
   accuracy [--quick] [--only CASE] [--out DIR]
                                what accuracy costs in time; writes docs/evidence/accuracy.md
-  package [DIR]                Debian packages of the last commit in DIR (build-package), and what lintian says of them
+  package [--try]              Debian packages of the last commit in build-package, and what lintian says of them; --try: installs
+                               them in a bare Debian 12 and runs a scene and its report there
   install WHAT                 the packages of build, calibrate, python, test, check, aarch64, package, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
@@ -298,17 +299,29 @@ command_install() {
 }
 
 command_package() {
-    local out=$root/build-package version
-    (($# == 0)) || out=$(realpath -m "$1")
+    local out=$root/build-package version commit
     need "${packages_build[@]}" "${packages_package[@]}"
     check_release || die "package: the versions differ"
     version=$(sed -n "s/^  version: '\(.*\)',$/\1/p" "$root/meson.build")
     rm -rf "$out/gneiss-$version"
     mkdir -p "$out/gneiss-$version"
     git -C "$root" archive HEAD | tar -x -C "$out/gneiss-$version"
+    commit=$(git -C "$root" describe --always --abbrev=8 --exclude='*')
+    sed -i "s/@commit@/$commit/" "$out/gneiss-$version/src/cli/commit.c.in"
     mv "$out/gneiss-$version/packaging/debian" "$out/gneiss-$version/debian"
     (cd "$out/gneiss-$version" && dpkg-buildpackage --build=binary --no-sign) || die "package: the build failed"
-    lintian --fail-on error,warning "$out"/gneiss_"$version"_*.changes
+    lintian --fail-on error,warning "$out"/gneiss_"$version"_*.changes || die "package: lintian found errors or warnings"
+    [[ ${1:-} != --try ]] || try_packages "$out"
+}
+
+# Installs the packages in a bare Debian 12 and says how many seconds it takes from there to a report.
+try_packages() { # FOLDER
+    local packages=("$1"/gneiss_*.deb "$1"/libgneiss*.deb) package copies=()
+    for package in "${packages[@]}" "$1"/python3-gneiss_*.deb; do
+        [[ ! -f $package || $package == *dbgsym* ]] || copies+=(--customize-hook="copy-in $package /tmp")
+    done
+    mmdebstrap --variant=apt "${copies[@]}" --customize-hook="copy-in $root/packaging/try.sh /tmp" \
+        --customize-hook='chroot "$1" sh /tmp/try.sh' bookworm /dev/null
 }
 
 command_keys() {
