@@ -1,4 +1,5 @@
-"""gneiss calibrate: parameters recovered from readings that known parameters gave, interruptions, budgets, bad targets. Speaks TAP."""
+"""gneiss calibrate: parameters recovered from readings that known parameters gave, interruptions, budgets, bad
+targets. Speaks TAP."""
 import re
 import signal
 import subprocess
