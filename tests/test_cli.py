@@ -105,7 +105,7 @@ def no_number_of_threads_is_all_cores(folder):
         out = os.path.join(folder, f"threads_{number}")
         run(LATTICE, out, "--threads", number)
         assert summary(out)["threads"] == cores(), summary(out)["threads"]
-    expect(gneiss("run", LATTICE, "--threads", -1), 2, r"--set run.threads: .*\[0, 1024\]")
+    expect(gneiss("run", LATTICE, "--threads", -1), 2, r"error: --threads: .*\[0, 1024\]")
 
 
 def cores():
@@ -591,10 +591,12 @@ def wrong_calls_are_refused(folder):
         ("run", LATTICE, "--out"): "--out",
         ("run", LATTICE, "--out", ""): "--out: expected a folder",
         ("run", LATTICE, "--log", "xml"): "expected json or text, found 'xml'",
-        ("run", LATTICE, "--threads", "many"): "run.threads",
-        ("run", LATTICE, "--threads", "-1"): "run.threads",
-        ("run", LATTICE, "--isa", "mmx"): "run.isa.*mmx",
-        ("run", LATTICE, "--precision", "half"): "run.precision.*half",
+        ("run", LATTICE, "--threads", "many"): "error: --threads: .*many",
+        ("run", LATTICE, "--seed", "x", "--threads", "-1"): r"--seed: expected a whole number[^\n]*\n--threads: ",
+        ("run", LATTICE, "--set", "run.threads=many"): "error: --set run.threads: .*many",
+        ("run", LATTICE, "--isa", "mmx"): "error: --isa: .*mmx",
+        ("run", LATTICE, "--precision", "half"): "error: --precision: .*half",
+        **{(name, LATTICE, "--out", "x"): f"gneiss {name}: --out is for gneiss run, pack" for name in ("check", "plan", "stiffness", "report")},
         ("run", LATTICE, "--set", "time.end"): "KEY=VALUE",
         ("run", LATTICE, "--set", "=1"): "KEY=VALUE",
         ("run", LATTICE, "--set", "time.ende=1"): "--set time.ende",

@@ -76,7 +76,7 @@ def first_of(scene):
     return float(found.group(1)) if found else None, said
 
 
-@fact
+@plain_fact
 def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     stages = "time: {end: 50 ms}\nstages: [{name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}, end: {%s}}, {name: pull, elements: {motions: {drawn: {motion: {vx: 0.5 mm/s}}}}, end: {time: 15 ms}}]\n"
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms"))
@@ -102,7 +102,7 @@ def plan_does_not_look_behind_the_end_of_the_last_stage(folder):
     assert re.search(r"\nstages .*\n  pull +\d+ steps, .*; until", said), said
 
 
-@fact
+@plain_fact
 def plan_and_run_convert_at_the_same_time_and_with_the_same_step(folder):
     """The first conversion, the step after it, and the step after many more, of free and of slaved spins."""
     scene, out = os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), os.path.join(folder, "out")

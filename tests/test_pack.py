@@ -188,7 +188,7 @@ def a_folder_with_checkpoints_takes_no_packing(folder):
     out = os.path.join(folder, "out")
     os.mkdir(out)
     open(os.path.join(out, "checkpoint_0000000048.h5"), "w").close()
-    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "found the checkpoints of a run")
+    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "found a run in it")
 
 
 @fact
@@ -439,7 +439,7 @@ def a_folder_with_results_of_a_run_is_refused(folder):
     run(LATTICE, out, "--set", "time.end=0.1 ms")
     before = {name: os.path.getmtime(os.path.join(out, name)) for name in os.listdir(out)}
     done = gneiss("pack", request(folder), "--out", out, **cached(folder))
-    expect(done, 2, re.escape(out) + ": expected a folder for the packing, found the results of a run")
+    expect(done, 2, re.escape(out) + ": expected a folder for a packing, found a run in it")
     assert {name: os.path.getmtime(os.path.join(out, name)) for name in os.listdir(out)} == before
     assert not os.path.exists(os.path.join(folder, "cache")), "packed before it was refused"
 

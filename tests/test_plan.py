@@ -1,7 +1,7 @@
 """`gneiss plan --error`: proposals, refusals, written files; the error budget of runs. Speaks TAP."""
 import csv
 import glob
-
+import math
 import shlex
 
 from program import *  # noqa: F403
@@ -79,6 +79,7 @@ def an_error_is_a_share_or_per_cent(folder):
     assert reported(scene, "--error", "0.09")["wanted"] == reported(scene, "--error", "9 %")["wanted"] == 0.09
     for wrong in ("0", "five", "200%", "-1%", "5%%"):
         expect(gneiss("plan", scene, "--error", wrong), 2, "--error: expected a share")
+        expect(gneiss("run", "none.yaml", "--error", wrong), 2, "--error: expected a share")  # before anything is read or packed
 
 
 @fact
@@ -349,6 +350,10 @@ def a_run_with_an_error_is_that_of_the_planned_scene(folder):
     run(fast, os.path.join(folder, "by-hand"))
     done = expect(gneiss("run", scene, "--threads", 1, *given, "--out", out), 0)
     assert "proposed for the strength" in done.stdout and "peak stress" in done.stdout, done.stdout
+    read = summary(out)
+    within = 100 * read["error_budget"]["peak_stress"]["error"] / read["readings"]["peak_stress"]
+    name, said = re.search(r"\nerror of 20 % asked for: (.*): peak_stress within ([\d.]+) %\n$", done.stdout).groups()
+    assert abs(float(said) / within - 1) < 0.06 and name == ("reached" if within <= 20 else "not reached"), (within, done.stdout)
     assert state_hash(out) == state_hash(os.path.join(folder, "by-hand"))
     with open(fast) as one, open(out + ".yaml") as other:
         assert one.read() == other.read()
@@ -381,11 +386,16 @@ def a_planned_run_makes_as_many_packings_as_the_plan(folder):
     assert wanted > 1, wanted
     done = expect(gneiss("run", scene, *given, "--threads", 1, "--jobs", 1, "--out", out), 0)
     assert f"{wanted} runs" in done.stdout, done.stdout
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        mean, interval, rest = (file[f"statistics/young_modulus/{name}"][0] for name in ("mean", "interval", "rest"))
+    name, said = re.search(r"\nerror of 4 % asked for: (.*): young_modulus within ([\d.]+) %\n$", done.stdout).groups()
+    within = 100 * math.hypot(interval, rest) / mean
+    assert abs(float(said) / within - 1) < 0.06 and name == ("reached" if within <= 4 else "not reached"), (within, done.stdout)
     assert len(glob.glob(os.path.join(out, "*", "results.h5"))) == wanted
     before = open(out + ".yaml").read()
     given = ("--error", "40%", *given[2:])
     assert proposed(scene, *given)["packings"] == 1
-    expect(gneiss("run", scene, *given, "--out", out), 2, "out: expected a folder for one run, found a sweep in it: choose another with --out")
+    expect(gneiss("run", scene, *given, "--out", out), 2, "out: expected a folder for one run, found several runs in it: choose another with --out")
     assert open(out + ".yaml").read() == before
 
 

@@ -559,10 +559,10 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
     double until = gn_now() + seconds;
     if (!run->finished && run->world.ctx.time >= run->world.ctx.scene.end - 0.5 * run->world.ctx.dt)
         gn_run_out_of_time(run);
-    for (int64_t k = 1; !run->finished; k++) {
+    while (!run->finished) {
         GN_TRY(one_step(run, error));
         if (interrupt && *interrupt) return GNEISS_OK;
-        if (k % CLOCK_INTERVAL) continue;
+        if (run->world.ctx.step % CLOCK_INTERVAL) continue;
         double now = gn_now();
         if (now >= run->next_checkpoint) GN_TRY(gn_run_checkpoint(run, error));
         if (now >= until) return GNEISS_OK;
@@ -570,13 +570,20 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
-    for (int64_t k = 1; k <= steps; k++) {
+gneiss_status gn_run_some_steps(gn_run *run, int64_t *steps, const volatile sig_atomic_t *interrupt,
+                                gneiss_error *error) {
+    while (*steps > 0) {
         GN_TRY(one_step(run, error));
-        if (k % CLOCK_INTERVAL == 0 && gn_now() >= run->next_checkpoint)
+        --*steps;
+        if (run->world.ctx.step % CLOCK_INTERVAL == 0 && gn_now() >= run->next_checkpoint)
             GN_TRY(gn_run_checkpoint(run, error));
+        if (interrupt && *interrupt) return GNEISS_OK;
     }
     return GNEISS_OK;
+}
+
+gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
+    return gn_run_some_steps(run, &steps, NULL, error);
 }
 
 /* Returns the time (s) at which the strain limit is reached at the mean strain rate so far;

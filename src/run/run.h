@@ -119,6 +119,10 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
  * written; errors as with gn_run_advance. */
 gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error);
 
+/* As gn_run_steps; *interrupt != 0 stops it between steps, and *steps is what is left. */
+gneiss_status gn_run_some_steps(gn_run *run, int64_t *steps, const volatile sig_atomic_t *interrupt,
+                                gneiss_error *error);
+
 /* Runs for about `seconds` of wall time or until the run ends. *interrupt != 0 stops it between
  * steps. Outputs that fall due are written. GNEISS_ERROR_UNSTABLE: the state is kept for
  * gn_run_write_failure. */

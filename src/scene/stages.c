@@ -174,14 +174,13 @@ static bool begins_with(const char *path, const char *pattern) {
     return alike(&path, &pattern) && !*pattern;
 }
 
-static bool allowed(const char *path) {
+bool gn_stage_may_change(const char *path) {
     for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++)
         if (begins_with(path, may_change[k])) return true;
     return false;
 }
 
-/* True if a stage may change anything at a path or below it. */
-static bool holds_allowed(const char *path) {
+bool gn_stage_may_hold(const char *path) {
     for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++) {
         const char *own = path, *pattern = may_change[k];
         if (alike(&own, &pattern)) return true;
@@ -269,7 +268,7 @@ static gneiss_status merge_list(stage_layer *layer, gn_node *base, const gn_node
 static gneiss_status merge_value(stage_layer *layer, gn_node *base, const gn_node *over,
                                  const gn_key *key) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
-    if (key && !allowed(layer->path))
+    if (key && !gn_stage_may_change(layer->path))
         return fail_at_key(layer, over, "expected a key that a stage may change, found '%s': %s",
                            layer->path, reason_of(layer->path));
     bool off = over->kind == GN_NODE_SCALAR && strcmp(over->text, "off") == 0;
@@ -334,7 +333,7 @@ static gneiss_status merge_child(stage_layer *layer, gn_node *base, const gn_nod
     const gn_key *key = gn_scene_key_at(layer->path);
     bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
     const bool empty = key && (map || list) && !child->first && key->type != GN_KEY_TREE;
-    if (empty && !holds_allowed(layer->path)) return merge_value(layer, base, child, key);
+    if (empty && !gn_stage_may_hold(layer->path)) return merge_value(layer, base, child, key);
     if (key && key->type == GN_KEY_LIST && (map || list))
         return merge_list(layer, (gn_node *)gn_node_child(base, child->key), child);
     if (key && key->type == GN_KEY_SECTION && map) return merge_section(layer, base, child);

@@ -49,6 +49,11 @@ const char *gn_stage_never_ends(const gn_scene *scene, size_t stage, char *why, 
 /* Calls `visit` for every table of the scene. */
 void gn_scene_tables(gn_scene *scene, void (*visit)(void *context, gn_table *table), void *context);
 
+/* True if a stage may change the key at a path such as walls.top.motion; a star stands for any
+ * element. gn_stage_may_hold: or a key below it. */
+bool gn_stage_may_change(const char *path);
+bool gn_stage_may_hold(const char *path);
+
 typedef struct gn_stops {
     double peak_drop;    /* relative fall of stress from its peak; 0: no condition */
     double strain;       /* strain reached; 0: no condition */

@@ -219,7 +219,7 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
 
 /* --- what may happen before the lists are made again --- */
 
-static void lower(gn_step_context *ctx, gn_dem *dem, double dt) {
+void gn_timestep_lower(gn_step_context *ctx, gn_dem *dem, double dt) {
     if (ctx->scene.step > 0.0 || ctx->dt <= dt) return;
     if (ctx->step > 0) ctx->dt_lowered++;
     set_step(ctx, dem, dt);
@@ -230,7 +230,7 @@ void gn_timestep_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_bound
     if (ctx->scene.step > 0.0 || !ctx->scene.has_specimen) return;
     gn_bodies_follow(ctx, dem, boundary, &dt);
     gn_walls_follow(ctx, dem, boundary, &dt);
-    lower(ctx, dem, dt);
+    gn_timestep_lower(ctx, dem, dt);
 }
 
 static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
@@ -238,7 +238,7 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
                                     gneiss_error *error) {
     bool shorter;
     GN_TRY(gn_dem_resolve_listed(ctx, dem, boundary, solids, zones, &shorter, error));
-    if (shorter) lower(ctx, dem, ctx->choice.resolution.step);
+    if (shorter) gn_timestep_lower(ctx, dem, ctx->choice.resolution.step);
     return check_advance(ctx, solids, zones, error);
 }
 
@@ -289,8 +289,8 @@ static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *
         speed = fmax(speed, fastest_body(ctx, boundary)) + ctx->choice.gain;
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     double fall = sqrt(gn_dot3(ctx->scene.gravity, ctx->scene.gravity));
-    if (ctx->dt * ctx->dt * fall > most) lower(ctx, dem, sqrt(0.5 * most / fall));
-    if (ctx->dt * speed > most) lower(ctx, dem, 0.5 * most / speed);
+    if (ctx->dt * ctx->dt * fall > most) gn_timestep_lower(ctx, dem, sqrt(0.5 * most / fall));
+    if (ctx->dt * speed > most) gn_timestep_lower(ctx, dem, 0.5 * most / speed);
 }
 
 /* Particles alone do not hold the step with all listed contacts; with elements they may. */
@@ -334,7 +334,7 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
     if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
     /* Two hundredths below the limit, so that the next lists need not lower it again. */
-    if (!*fine) lower(ctx, dem, 0.98 * ctx->choice.listed);
+    if (!*fine) gn_timestep_lower(ctx, dem, 0.98 * ctx->choice.listed);
     return check_advance(ctx, solids, zones, error);
 }
 
@@ -361,7 +361,7 @@ static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *
     GN_TRY(check_lists(ctx, dem, boundary, solids, zones, ledger, true, &fine, error));
     if (!ctx->scene.has_specimen) return GNEISS_OK;
     GN_TRY(gn_dem_resolve_flight(ctx, dem, boundary, &shorter, error));
-    if (shorter) lower(ctx, dem, ctx->choice.resolution.step);
+    if (shorter) gn_timestep_lower(ctx, dem, ctx->choice.resolution.step);
     return GNEISS_OK;
 }
 

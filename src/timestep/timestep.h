@@ -49,6 +49,8 @@ gneiss_status gn_timestep_check_debris(gn_step_context *ctx, gn_dem *dem, gn_bou
 gneiss_status gn_timestep_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                       gneiss_error *error);
+/* Lowers an automatic step to at most `dt`, s; a given one stays. */
+void gn_timestep_lower(gn_step_context *ctx, gn_dem *dem, double dt);
 /* Lowers an automatic step for bodies that move far in it. */
 void gn_timestep_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
 /* Writes the warning about a given step: it does not resolve collisions, or contacts that may form

@@ -44,6 +44,8 @@ static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_err
     if (!ctx->scene.specimen_given) return gn_dem_create(ctx, dem, &packing, error);
     GN_TRY(gn_specimen_make(&ctx->scene, &packing, &ctx->volume, error));
     gneiss_status status = gn_dem_create(ctx, dem, &packing, error);
+    if (status == GNEISS_OK) status = gn_specimen_prepare(ctx, dem, error);
+    ctx->given.preparation = (gn_preparation){0};
     gn_packing_free(&packing);
     gn_free(ctx->scene.specimen.packed); /* used here only */
     ctx->scene.specimen.packed = NULL;
