@@ -813,7 +813,7 @@ run: {threads: 1}
 
 @fact
 def a_region_of_the_body_is_packed_and_may_convert(folder):
-    """The same bits as for a smaller specimen written by hand at its position and with its box. The resolved scene
+    """Equals, to the bit, a smaller specimen written by hand at its position and with its box. The resolved scene
     repeats it."""
     scene = write_scene(folder, REGION)
     done = gneiss("check", scene)

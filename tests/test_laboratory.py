@@ -767,7 +767,7 @@ def a_run_with_a_membrane_has_the_same_bits_on_two_threads_and_after_a_stop(fold
 
 @fact
 def a_membrane_without_pressure_is_none(folder):
-    """The same bits: adding zero to a force does not change it."""
+    """Equal bits: adding zero to a force does not change it."""
     given = triaxial(0)
     del given["test"]["diameter"], given["test"]["length"]
     plain = {**given, "test": {**given["test"], "kind": "compression"}}
