@@ -17,6 +17,7 @@ from calibrate.simulate import Laboratory, kept_runs
 SURE_RATIO = 4.5      # compressive over tensile strength that brittle bonds reach in any packing of spheres
 SCATTER = 0.08        # of one packing's ratio of strengths
 FRESH = 3             # packings of the check
+ERRORS = {1: "internal error", 2: "input error", 3: "file error", 4: "out of memory", 5: "unstable run", 6: "interrupted"}  # by exit code
 OF_A_RUN = ("results.h5", "summary.json")
 
 
@@ -301,13 +302,13 @@ def main(arguments):
     try:
         work(options)
     except Problem as problem:
-        print(f"gneiss: {problem}", file=sys.stderr)
+        print(f"gneiss: {ERRORS[problem.code]}: {problem}", file=sys.stderr)
         return problem.code
     except OutOfBudget as end:
-        print(f"gneiss: budget of {end}: used up before the targets were evaluated", file=sys.stderr)
+        print(f"gneiss: input error: budget of {end}: used up before the targets were evaluated", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("gneiss: interrupted; the same command continues", file=sys.stderr)
+        print("gneiss: interrupted: the same command continues", file=sys.stderr)
         return 6
     except OSError as error:
         print(f"gneiss: file error: {error}", file=sys.stderr)

@@ -58,7 +58,9 @@ def _message(text):
 
 
 def _last_json(output):
-    return json.loads(next(line for line in reversed(output.splitlines()) if line.startswith("{")))
+    """The object of `--json`, or the result among the lines of `--log json`."""
+    found = [json.loads(line) for line in output.splitlines() if line.startswith("{")]
+    return next(one.get("result", one) for one in reversed(found) if one.get("level", "result") == "result")
 
 
 def run(scene, out, *, set=None, folder=None, threads=None, seeds=None, error=None, force=False):
