@@ -90,6 +90,27 @@ static double step_of(const gneiss_world *world) {
     return limits.dt;
 }
 
+/* --- keys --- */
+
+static void keys_are_listed_with_their_values(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gneiss_key key;
+    size_t count = 0, required = 0;
+    bool friction = false, walls = false;
+    while (gneiss_key_at(count, &key, &error) == GNEISS_OK) {
+        assert_true(key.path[0] && key.value[0] && key.text[0] && key.kind[0]);
+        if (strcmp(key.path, "materials[].friction") == 0)
+            friction = strcmp(key.kind, "number") == 0 && strcmp(key.fallback, "0") == 0;
+        if (strcmp(key.path, "walls") == 0) walls = strcmp(key.kind, "list") == 0;
+        required += key.required == 1;
+        count++;
+    }
+    assert_true(count > 200 && required > 20 && friction && walls);
+    refused(gneiss_key_at(count, &key, &error), &error, "index");
+    refused(gneiss_key_at(0, NULL, &error), &error, "key");
+}
+
 /* --- views --- */
 
 static void a_pinned_view_keeps_its_values_when_the_world_is_gone(void **state) {
@@ -438,6 +459,7 @@ static void badly_prepared_particles_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(keys_are_listed_with_their_values),
         cmocka_unit_test(a_pinned_view_keeps_its_values_when_the_world_is_gone),
         cmocka_unit_test(calls_come_between_steps_and_can_stop_the_advance),
         cmocka_unit_test(a_world_that_a_call_saved_goes_on_with_the_same_bits),

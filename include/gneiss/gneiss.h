@@ -84,6 +84,23 @@ GNEISS_API void gneiss_scene_allow_gmsh(gneiss_scene *scene, int allow);
 /* Frees a scene. NULL is allowed. Worlds made from the scene do not need it. */
 GNEISS_API void gneiss_scene_free(gneiss_scene *scene);
 
+/* A key of scene files. */
+typedef struct gneiss_key {
+    char path[128];    /* "materials[].friction"; [] stands for an element of a list */
+    char value[256];   /* what it takes, in words: "number, Pa, in (0, inf)", "on, off" */
+    char fallback[64]; /* default as written in a file; "": none */
+    const char *kind;  /* "number", "integer", "text", "choice", "vector", "spin", "table",
+                          "numbers",  "rows", "names", "tree", "section", "list" */
+    const char *unit;  /* SI unit of numbers; "1": none */
+    const char *word;  /* instead of a value, such as "auto"; "": none */
+    const char *text;  /* meaning, one line */
+    int32_t required;  /* 1: its section is an error without it */
+} gneiss_key;
+
+/* Writes the key at a place in the list of all, sections before the keys in them. The texts are
+ * static. GNEISS_ERROR_INPUT: there are no more. */
+GNEISS_API gneiss_status gneiss_key_at(size_t index, gneiss_key *key, gneiss_error *error);
+
 /* --- worlds ------------------------------------------------------------------------------------
  */
 

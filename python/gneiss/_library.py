@@ -1,12 +1,16 @@
 """The shared library libgneiss, called through its public header alone (cffi in ABI mode)."""
+from __future__ import annotations
+
 import ctypes.util
 import glob
+import importlib
 import os
 import re
 import shutil
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import cffi
 
@@ -27,8 +31,8 @@ def _declarations():
 def _installed():
     """Folders of the library and of the program as installation noted them, or none."""
     try:
-        from . import _places  # written by `meson install`
-        return _places.LIBRARY, _places.PROGRAM
+        places: Any = importlib.import_module("gneiss._places")  # written by `meson install`
+        return places.LIBRARY, places.PROGRAM
     except ImportError:
         return "", ""
 
@@ -43,7 +47,7 @@ def _library_places():
     return files + [name for name in (ctypes.util.find_library("gneiss"), "libgneiss.so") if name]
 
 
-def program():
+def program() -> str:
     """The path of the `gneiss` program: GNEISS_PROGRAM, else beside the library, in the build folder or on PATH."""
     _, own = _installed()
     here = [os.environ.get("GNEISS_PROGRAM"), os.path.join(own, "gneiss") if own else None, os.path.join(sys.prefix, "bin", "gneiss"),
@@ -65,19 +69,19 @@ def _open(interface):
                       + "".join("\n  " + reason for reason in reasons))
 
 
-ffi = cffi.FFI()
+ffi: Any = cffi.FFI()
 ffi.cdef(_declarations())
-lib = _open(ffi)
+lib: Any = _open(ffi)
 
 # HDF5 and UDUNITS-2 are not thread-safe: calls that read or write files do not overlap.
 files = threading.RLock()
 
 
-def text(pointer):
+def text(pointer: Any) -> str:
     """A C string as str; '' for NULL."""
     return ffi.string(pointer).decode("utf-8", "replace") if pointer else ""
 
 
-def encoded(value):
+def encoded(value: str | os.PathLike[str]) -> bytes:
     """A str or path for a C function."""
     return os.fsencode(value)

@@ -284,6 +284,35 @@ const gn_key *gn_scene_key_at(const char *path) {
     return key;
 }
 
+/* ---- keys one by one ---- */
+
+void gn_key_describe(const gn_key *key, char *value, size_t value_size, char *fallback,
+                     size_t fallback_size) {
+    describe(value, value_size, key);
+    snprintf(fallback, fallback_size, "%s", key->fallback ? key->fallback : "");
+}
+
+/* Counts *left down over the keys of a section and of those in it. */
+static const gn_key *count_to(const gn_section *section, size_t *left, char *path, size_t size) {
+    const size_t above = strlen(path);
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        snprintf(path + above, size - above, "%s%s", above ? "." : "", key->name);
+        if ((*left)-- == 0) return key;
+        if (!key->section) continue;
+        if (key->type == GN_KEY_LIST) strncat(path, "[]", size - strlen(path) - 1);
+        const gn_key *found = count_to(key->section, left, path, size);
+        if (found) return found;
+    }
+    path[above] = '\0';
+    return NULL;
+}
+
+const gn_key *gn_scene_key_number(size_t index, char *path, size_t size) {
+    *path = '\0';
+    return count_to(&gn_scene_section, &index, path, size);
+}
+
 /* ---- misspelt keys ---- */
 
 typedef struct key_slip {

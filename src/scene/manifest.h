@@ -120,6 +120,13 @@ bool gn_range_holds(const char *text, double value);
  * vector); NULL: none. Elements of lists need not exist. */
 const gn_key *gn_scene_key_at(const char *path);
 
+/* Returns the key of a scene at a place in the list of all, sections before their keys, and writes
+ * its path, "materials[].friction"; NULL: there are no more. */
+const gn_key *gn_scene_key_number(size_t index, char *path, size_t size);
+/* Writes what a key takes, in words, and its default as in a file; "": none. */
+void gn_key_describe(const gn_key *key, char *value, size_t value_size, char *fallback,
+                     size_t fallback_size);
+
 /* Prints the keys of any table as rows of a Markdown table. */
 void gn_section_print_keys(FILE *out, const gn_section *section);
 
