@@ -171,9 +171,9 @@ GNEISS_API void gneiss_scene_prepare(gneiss_scene *scene, gneiss_prepare *prepar
 typedef int gneiss_call(void *context, gneiss_world *world);
 
 /* Has `call` called after every step whose number (gneiss_world_steps) is a multiple of `every`
- * (0: none), and after the first step that ends at or after each of times[time_count], s, rising
- * (copied). *hook: for gneiss_world_remove_hook. Hooks are not part of the state: a saved world has
- * none. GNEISS_ERROR_INPUT: every < 0, or times that do not rise. */
+ * (0: none), and after the step that ends nearest to each of times[time_count], s, rising (copied);
+ * past times are left out. *hook: for gneiss_world_remove_hook. Hooks are not part of the state: a
+ * saved world has none. GNEISS_ERROR_INPUT: every < 0, or times that do not rise. */
 GNEISS_API gneiss_status gneiss_world_add_call(gneiss_world *world, int64_t every,
                                                const double *times, size_t time_count,
                                                gneiss_call *call, void *context, int64_t *hook,

@@ -5,7 +5,6 @@ import ctypes.util
 import glob
 import importlib
 import os
-import re
 import shutil
 import sys
 import threading
@@ -14,27 +13,27 @@ from typing import Any
 
 import cffi
 
+from ._header import declarations
+
 HERE = Path(__file__).resolve().parent
 TREE = HERE.parent.parent  # where the module lies in the source tree
-HEADERS = next((place for place in (HERE / "include", TREE / "include" / "gneiss") if (place / "gneiss.h").exists()), HERE / "include")
 
 
-def _declarations():
-    """The declarations of the header without comments and preprocessor lines, as cffi reads them."""
-    text = "".join((HEADERS / name).read_text(encoding="utf-8") for name in ("status.h", "gneiss.h"))
-    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
-    text = re.sub(r"^#ifdef __cplusplus.*?#endif", "", text, flags=re.M | re.S)
-    text = re.sub(r"^#.*$", "", text, flags=re.M)
-    return text.replace("GNEISS_API", "")
+def _declarations() -> str:
+    """Of the installed module a file of its own, in the source tree those of the headers."""
+    own = HERE / "declarations.txt"
+    if own.exists():
+        return own.read_text(encoding="utf-8")
+    return declarations(*(str(TREE / "include" / "gneiss" / name) for name in ("status.h", "gneiss.h")))
 
 
-def _installed():
+def _installed() -> tuple[str, str]:
     """Folders of the library and of the program as installation noted them, or none."""
     try:
-        places: Any = importlib.import_module("gneiss._places")  # written by `meson install`
-        return places.LIBRARY, places.PROGRAM
+        places: Any = importlib.import_module("gneiss._places")
     except ImportError:
         return "", ""
+    return os.path.join(HERE, places.LIBRARY), os.path.join(HERE, places.PROGRAM)
 
 
 def _library_places():
@@ -50,8 +49,8 @@ def _library_places():
 def program() -> str:
     """The path of the `gneiss` program: GNEISS_PROGRAM, else beside the library, in the build folder or on PATH."""
     _, own = _installed()
-    here = [os.environ.get("GNEISS_PROGRAM"), os.path.join(own, "gneiss") if own else None, os.path.join(sys.prefix, "bin", "gneiss"),
-            str(HERE.parent / "bin" / "gneiss"), str(TREE / "build" / "gneiss"), shutil.which("gneiss")]
+    here = [os.environ.get("GNEISS_PROGRAM"), os.path.join(own, "gneiss") if own else None, str(HERE.parent / "bin" / "gneiss"),
+            str(TREE / "build" / "gneiss"), os.path.join(sys.prefix, "bin", "gneiss"), shutil.which("gneiss")]
     for path in here:
         if path and os.access(path, os.X_OK) and os.path.isfile(path):
             return path

@@ -39,7 +39,7 @@ def _keep(world: World, hook: Hook, number: Any) -> Hook:
 
 
 def add_call(world: World, function: Callable[[World], Any], every: int = 0, times: Sequence[float] = ()) -> Hook:
-    """Has function(world) called after every `every`th step, and after the first step that ends at or after each of `times`, s."""
+    """Has function(world) called after every `every`th step, and after the step that ends nearest to each of `times`, s."""
     hook = Hook(world, function)
     reference = hook._world
 

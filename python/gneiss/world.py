@@ -283,7 +283,7 @@ class World:
         if callable(until):
             stop = self.every(every, _stop_when(until))
         elif end is not None:
-            if self.time >= end:
+            if self.time >= end - 0.5 * self.dt:
                 return self.progress
             stop = self.at([end], World.stop)
         try:
@@ -316,7 +316,7 @@ class World:
         return self._hooked(hooks.add_call, function, every=n)
 
     def at(self, times: Time | Sequence[Time], function: Callable[[World], Any] | None = None) -> Any:
-        """Has function(world) called after the first step that ends at or after each of `times` (s, or '2 ms'). Also a decorator."""
+        """Has function(world) called after the step that ends nearest to each of `times` (s, or '2 ms'). Also a decorator."""
         times = [times] if isinstance(times, (str, float, int)) else times
         return self._hooked(hooks.add_call, function, times=sorted({seconds_of(time) for time in times}))
 
