@@ -17,7 +17,7 @@ packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone
 packages_python=(python3-cffi python3-numpy) # of the Python module; it uses what there is of the next list
 packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy)
 # A locale with a decimal comma is made from the first.
-packages_test=(locales "${packages_calibrate[@]}" "${packages_python[@]}" "${packages_python_more[@]}")
+packages_test=(locales python3-jsonschema "${packages_calibrate[@]}" "${packages_python[@]}" "${packages_python_more[@]}")
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_bench=(libbenchmark-dev)

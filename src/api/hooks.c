@@ -42,12 +42,12 @@ static gneiss_status make_room(gn_api_hooks *hooks, size_t count, gneiss_error *
 
 GN_HOOK(hold_particles) {
     gn_api_hooks *h = &((gneiss_world *)context)->hooks;
-    const gn_particles *q = &w->dem.particles;
+    const gn_particles *q = &world->dem.particles;
     if (!has_forces(h)) return GNEISS_OK;
     GN_TRY(make_room(h, q->soa.count, error));
     double most = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        GN_TRY(gn_hold_particle(&w->dem.hold, p, error));
+        GN_TRY(gn_hold_particle(&world->dem.hold, p, error));
         most = fmax(most, q->vel[4 * p + 3]);
     }
     h->lightest = 1.0 / most;
@@ -65,8 +65,9 @@ GN_HOOK(limit_step) {
     const gn_api_hooks *h = &((gneiss_world *)context)->hooks;
     const double stiffness = stiffness_of(h);
     if (stiffness > 0.0)
-        gn_world_lower_step(&w->ctx, &w->dem,
-                            w->ctx.scene.safety * limit_with(&w->ctx, stiffness, h->lightest));
+        gn_timestep_lower(&world->ctx, &world->dem,
+                          world->ctx.scene.safety *
+                              limit_with(&world->ctx, stiffness, h->lightest));
     return GNEISS_OK;
 }
 
@@ -116,30 +117,31 @@ static double power_of_all(const gn_api_hooks *h, const gn_particles *q) {
 
 GN_HOOK(act) {
     gn_api_hooks *h = &((gneiss_world *)context)->hooks;
-    const gn_particles *q = &w->dem.particles;
-    const bool space = w->ctx.scene.dimension == 3, turns = w->ctx.effects & GN_FX_ROTATION;
+    const gn_particles *q = &world->dem.particles;
+    const bool space = world->ctx.scene.dimension == 3, turns = world->ctx.effects & GN_FX_ROTATION;
     const int width = gn_row_width(space, turns);
     if (!has_forces(h)) return GNEISS_OK;
     memset(h->load, 0, 6 * q->soa.count * sizeof *h->load);
     for (size_t k = 0; k < h->count; k++)
-        if (h->hook[k].force) GN_TRY(evaluate(h, &h->hook[k], w, error));
+        if (h->hook[k].force) GN_TRY(evaluate(h, &h->hook[k], world, error));
     for (size_t p = 0; p < q->soa.count; p++) {
-        double *row = gn_hold_load(&w->dem.hold, width, p), *load = h->load + 6 * p;
-        keep_to_plane(w, load);
-        for (int a = 0; a < (int)w->ctx.scene.dimension; a++) row[a] += load[a];
+        double *row = gn_hold_load(&world->dem.hold, width, p), *load = h->load + 6 * p;
+        keep_to_plane(world, load);
+        for (int a = 0; a < (int)world->ctx.scene.dimension; a++) row[a] += load[a];
         if (width == 8)
             for (int a = 0; a < 3; a++) row[4 + a] += load[3 + a];
         else if (turns)
             row[2] += load[5];
     }
-    w->ledger.energy.work_user += 0.5 * w->ctx.dt_past * power_of_all(h, q);
+    world->ledger.energy.work_user += 0.5 * world->ctx.dt_past * power_of_all(h, q);
     return GNEISS_OK;
 }
 
 GN_HOOK(book_work) {
     const gn_api_hooks *h = &((gneiss_world *)context)->hooks;
     if (has_forces(h))
-        w->ledger.energy.work_user += 0.5 * w->ctx.dt * power_of_all(h, &w->dem.particles);
+        world->ledger.energy.work_user +=
+            0.5 * world->ctx.dt * power_of_all(h, &world->dem.particles);
     return GNEISS_OK;
 }
 
@@ -155,7 +157,7 @@ static bool is_due(const gn_api_hook *hook, const gn_step_context *ctx) {
 
 GN_HOOK(note_calls) {
     gn_api_hooks *h = &((gneiss_world *)context)->hooks;
-    for (size_t k = 0; k < h->count && !h->due; k++) h->due = is_due(&h->hook[k], &w->ctx);
+    for (size_t k = 0; k < h->count && !h->due; k++) h->due = is_due(&h->hook[k], &world->ctx);
     return GNEISS_OK;
 }
 

@@ -2,7 +2,8 @@
 #include "api/handles.h"
 #include "scene/manifest.h"
 
-#include <string.h>
+#include <stdbool.h>
+#include <stdio.h>
 
 static const char *kind_of(const gn_key *key) {
     switch (key->type) {
@@ -42,19 +43,34 @@ static const char *kind_of(const gn_key *key) {
     return "tree";
 }
 
-gneiss_status gneiss_key_at(size_t index, gneiss_key *out, gneiss_error *error) {
-    GN_TRY(gn_api_require(out, "key", error));
-    char path[sizeof out->path];
-    const gn_key *key = gn_scene_key_number(index, path, sizeof path);
-    if (!key)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "argument index: expected less than the number of keys, found %zu", index);
+/* The key at a place in the list of all. */
+typedef struct sought {
+    size_t left; /* keys before it */
+    bool found;
+    gneiss_key *out;
+} sought;
+
+static void look_at(void *context, const char *path, const gn_key *key) {
+    sought *s = context;
+    if (s->found || s->left-- > 0) return;
+    gneiss_key *out = s->out;
     *out = (gneiss_key){.kind = kind_of(key),
                         .unit = key->unit && key->type != GN_KEY_TREE ? key->unit : "1",
                         .word = key->word ? key->word : "",
                         .text = key->text,
                         .required = key->required};
-    memcpy(out->path, path, sizeof path);
-    gn_key_describe(key, out->value, sizeof out->value, out->fallback, sizeof out->fallback);
-    return GNEISS_OK;
+    snprintf(out->path, sizeof out->path, "%s", path);
+    gn_key_describe(key, out->value, sizeof out->value);
+    snprintf(out->fallback, sizeof out->fallback, "%s", key->fallback ? key->fallback : "");
+    s->found = true;
+}
+
+gneiss_status gneiss_key_at(size_t index, gneiss_key *key, gneiss_error *error) {
+    sought s = {index, false, key};
+    GN_TRY(gn_api_require(key, "key", error));
+    gn_scene_visit_keys(look_at, &s);
+    if (s.found) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "argument index: expected less than %zu, the number of keys, found %zu",
+                   index - s.left, index);
 }

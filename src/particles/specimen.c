@@ -92,7 +92,7 @@ static gneiss_status pack(const gn_scene *scene, gn_packing *packing, double *vo
     return GNEISS_OK;
 }
 
-/* Files, scales, cells and rows can each be sensible and give together what no key may say. */
+/* Files, scales, cells and rows that are each valid may together give a size that no key allows. */
 static gneiss_status check_sizes(const gn_scene *scene, const gn_packing *packing,
                                  gneiss_error *error) {
     for (size_t p = 0; p < packing->count; p++) {

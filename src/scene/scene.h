@@ -11,6 +11,7 @@
 #include "scene/flow_def.h"
 #include "scene/laboratory.h"
 #include "scene/mesh_def.h"
+#include "scene/tool_def.h"
 #include "scene/values.h"
 
 #include <stdio.h>
@@ -231,7 +232,7 @@ typedef struct gn_specimen {
     /* Results of another run, or a packing, as written and resolved. */
     char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE];
     gn_scene_place from_where;
-    bool from_velocities, from_bonds; /* quantities that are taken over besides */
+    bool from_velocities, from_bonds; /* additional quantities to take over */
     double scale; /* lengths in a file, surface or mesh times this give metres */
     bool scale_given;
     gn_lattice lattice;
@@ -310,6 +311,8 @@ typedef struct gn_body_def {
     bool has_box, has_cylinder;
     double box_size[3]; /* m */
     gn_body_cylinder cylinder;
+    bool has_disc_cutter, has_chisel, has_wedge, has_pick;
+    gn_tool_def tool;
     size_t polygon_count, polyline_count;
     double *polygon, *polyline; /* [count][2], m */
     double scale;               /* lengths of the shape times this give metres */
@@ -332,6 +335,14 @@ typedef struct gn_body_def {
     gn_motion motion;
     gn_scene_place where;
 } gn_body_def;
+
+static inline gn_tool_kind gn_body_tool(const gn_body_def *body) {
+    return body->has_disc_cutter ? GN_TOOL_DISC_CUTTER
+           : body->has_chisel    ? GN_TOOL_CHISEL
+           : body->has_wedge     ? GN_TOOL_WEDGE
+           : body->has_pick      ? GN_TOOL_PICK
+                                 : GN_TOOL_NONE;
+}
 
 /* Material of linear finite elements. */
 typedef struct gn_element_material {
