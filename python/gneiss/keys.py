@@ -504,6 +504,10 @@ class Body(TypedDict, total=False):
     cylinder: BodyCylinder  # 3D shape, axis along z; the centre of its lower end is its origin
     polygon: Rows  # list of at least 3 points [x, y], m, in [-1e9, 1e9]: 2D shape: closed line through its corners
     polyline: Rows  # list of at least 2 points [x, y], m, in [-1e9, 1e9]: 2D shape: open line through its points
+    disc_cutter: BodyDiscCutter  # 3D shape: ring of constant cross section, axis along y; its centre is its origin
+    chisel: BodyChisel  # shape: tool that cuts towards x, rock below it (in 3D below z, in 2D below y); the middle of its edge is its origin
+    wedge: BodyWedge  # shape: symmetric tool with its edge along y, rock below it; the middle of its edge is its origin
+    pick: BodyPick  # 3D shape: cone with its axis along z, rock below it; its lowest point is its origin
     scale: Number  # number, in [1e-12, 1e12]: lengths of the shape times this give metres (default 1)
     origin: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: position of the shape's origin (default 0)
     rotation: Number | Vector  # [x, y, z], in 2D a number, rad, in [-1e6, 1e6]: rotation vector (axis times angle) of the shape about its origin, applied before the shift; in 2D one number
@@ -533,6 +537,40 @@ class BodyCylinder(TypedDict, total=False):
     height: Number  # number, m, in [1e-9, 1e9]: length along z
     sides: int | str  # whole number, in [3, 10000]: sides of the polygon that represents the circle (default 32)
     open: Literal['true', 'false'] | bool  # without end faces: a tube or a funnel (default false)
+
+
+class BodyDiscCutter(TypedDict, total=False):
+    diameter: Number  # number, m, in [1e-9, 1e9]: diameter of the tip
+    tip_width: Number  # number, m, in [1e-9, 1e9]: width of the tip along y, between its edges before rounding
+    tip_radius: Number  # number, m, in [0, 1e9]: radius of the rounding of the edges of the tip; 0: sharp (default 0)
+    bevel_angle: Number  # number, rad, in (0, 3.14159265358979324]: angle between the two faces of the tip, which meet in a ridge; 180 deg: a flat tip (default 180 deg)
+    flank_angle: Number  # number, rad, in [0, 1.5]: angle of the flanks with the plane of the ring (default 0)
+    bore: Number  # number, m, in [1e-9, 1e9], or auto: inner diameter of the ring; auto: half of the outer one (default auto)
+    facet: Number  # number, m, in [1e-9, 1e9], or auto: size of the facets at the tip, which grow along the flanks; auto: a sixth of the tip width (default auto)
+
+
+class BodyChisel(TypedDict, total=False):
+    width: Number  # number, m, in [1e-9, 1e9], or none: width along y; needed in 3D, in 2D 1 m (default none)
+    rake_angle: Number  # number, rad, in (-1.5, 1.5): angle by which the front face leans back from the normal of the rock; negative: forward
+    clearance_angle: Number  # number, rad, in [0, 1.5): angle between the lower face and the cut
+    height: Number  # number, m, in [1e-9, 1e9]: height above the edge
+    length: Number  # number, m, in [1e-9, 1e9]: length of the lower face along x
+    tip_radius: Number  # number, m, in [0, 1e9]: radius of the rounding of the edges of the tip; 0: sharp (default 0)
+
+
+class BodyWedge(TypedDict, total=False):
+    width: Number  # number, m, in [1e-9, 1e9], or none: width along y; needed in 3D, in 2D 1 m (default none)
+    angle: Number  # number, rad, in (0, 3.14159265358979324]: angle between the two faces
+    height: Number  # number, m, in [1e-9, 1e9]: height above the edge
+    tip_radius: Number  # number, m, in [0, 1e9]: radius of the rounding of the edges of the tip; 0: sharp (default 0)
+
+
+class BodyPick(TypedDict, total=False):
+    angle: Number  # number, rad, in (0, 3.14159265358979324]: angle of the tip, twice that of the cone with its axis
+    diameter: Number  # number, m, in [1e-9, 1e9]: diameter of the cylinder behind the cone
+    height: Number  # number, m, in [1e-9, 1e9]: height above the tip
+    tip_radius: Number  # number, m, in [0, 1e9]: radius of the rounding of the edges of the tip; 0: sharp (default 0)
+    facet: Number  # number, m, in [1e-9, 1e9], or auto: size of the facets at the tip; auto: a twelfth of the diameter (default auto)
 
 
 class BodyMotion(TypedDict, total=False):
