@@ -400,6 +400,38 @@ static void a_motion_that_is_set_is_part_of_a_saved_world(void **state) {
     gneiss_world_free(loaded);
 }
 
+/* --- stages --- */
+
+static void a_stage_ends_when_a_program_asks_for_it(void **state) {
+    (void)state;
+    char text[2048];
+    gneiss_error error = {0};
+    gneiss_progress progress;
+    snprintf(text, sizeof text, "%s%s", pair,
+             "stages:\n"
+             "  - {name: fall, end: {time: 1 ms}}\n"
+             "  - {name: rise, gravity: [0, 0, 10]}\n");
+    gneiss_world *w = world_of(text, NULL, NULL), *none = world_of(pair, NULL, NULL);
+    must(gneiss_world_step(w, 100, &error), &error);
+    must(gneiss_world_progress(w, &progress, &error), &error);
+    assert_true(progress.stages == 2 && progress.stage == 0);
+    assert_string_equal(progress.stage_name, "fall");
+    const double down = rows_of(w, "vel", NULL)[2];
+    must(gneiss_world_end_stage(w, &error), &error);
+    must(gneiss_world_step(w, 100, &error), &error);
+    must(gneiss_world_progress(w, &progress, &error), &error);
+    assert_string_equal(progress.stage_name, "rise");
+    assert_true(down < 0.0);
+    assert_near(rows_of(w, "vel", NULL)[2], 10.0 * 0.5 * step_of(w), 1e-3 * fabs(down));
+    must(gneiss_world_end_stage(w, &error), &error);
+    must(gneiss_world_progress(w, &progress, &error), &error);
+    assert_int_equal(progress.finished, 1);
+    assert_non_null(strstr(progress.stop_reason, "a program ended it"));
+    refused(gneiss_world_end_stage(none, &error), &error, "stages");
+    gneiss_world_free(w);
+    gneiss_world_free(none);
+}
+
 /* --- specimens --- */
 
 static int double_first(void *context, gneiss_specimen *specimen) {
@@ -473,6 +505,7 @@ int main(void) {
         cmocka_unit_test(a_fast_particle_meets_what_was_not_listed),
         cmocka_unit_test(prescribed_particles_keep_their_velocities),
         cmocka_unit_test(a_motion_that_is_set_is_part_of_a_saved_world),
+        cmocka_unit_test(a_stage_ends_when_a_program_asks_for_it),
         cmocka_unit_test(prepared_particles_have_the_masses_of_their_radii_and_materials),
         cmocka_unit_test(badly_prepared_particles_are_refused),
     };

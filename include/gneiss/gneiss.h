@@ -229,6 +229,11 @@ GNEISS_API gneiss_status gneiss_world_set_velocities(gneiss_world *world, const 
 GNEISS_API gneiss_status gneiss_world_set_motion(gneiss_world *world, const char *name,
                                                  int component, double value, gneiss_error *error);
 
+/* Ends the present stage of a scene with stages, whatever its conditions: the next one begins with
+ * the coming step, and after the last one the run is finished. GNEISS_ERROR_INPUT: the scene has no
+ * stages. */
+GNEISS_API gneiss_status gneiss_world_end_stage(gneiss_world *world, gneiss_error *error);
+
 /* --- saving and resuming -----------------------------------------------------------------------
  */
 

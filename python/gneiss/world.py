@@ -368,6 +368,10 @@ class World:
                 raise InputError(f"expected one of {', '.join(_COMPONENTS)}, found '{component}'")
             checked(lib.gneiss_world_set_motion, self._pointer(), name.encode(), _COMPONENTS[component], value)
 
+    def end_stage(self) -> None:
+        """Ends the present stage of a scene with stages: the next one begins with the coming step; after the last the run is finished."""
+        checked(lib.gneiss_world_end_stage, self._pointer())
+
     # --- state ---
 
     @property

@@ -234,6 +234,20 @@ def a_motion_that_is_set_drives_its_wall(folder):
 
 
 @fact
+def a_call_ends_a_stage(folder):
+    staged = {**PAIR, "gravity": [0, 0, -10], "stages": [{"name": "fall"}, {"name": "rise", "gravity": [0, 0, 10]}]}
+    staged["stages"][0]["end"] = {"time": "5 ms"}
+    with gneiss.World(staged) as world:
+        world.at("1 ms", gneiss.World.end_stage)
+        world.run(until="3 ms")
+        assert world.progress.stage_name == "rise" and world.progress.stages == 2
+        speed = world.velocities[:, 2]
+        assert np.allclose(speed, 10 * 1e-3, atol=30 * world.dt), speed  # 1 ms down, 2 ms up
+    with gneiss.World(PAIR) as world:
+        assert raised(gneiss.InputError, world.end_stage)
+
+
+@fact
 def radii_are_writable_before_the_start_and_read_only_after(folder):
     def grow(specimen):
         specimen.radius[::2] *= 1.01
