@@ -10,7 +10,7 @@ CYLINDER = "cylinder: {diameter: 23 mm, height: 30 mm}"
 
 
 def request(folder, shape=CYLINDER, particles=200, more="", dimension=3, name="body.yaml"):
-    """A file with a specimen alone."""
+    """A file with a specimen only."""
     return write_scene(folder, f"dimension: {dimension}\nspecimen:\n  {shape}\n  particles: {particles}\n{more}", name)
 
 
@@ -50,7 +50,7 @@ def scene_of_specimen(folder, specimen, name="scene.yaml", dimension=3):
 
 
 def check_whole_files(out, particles):
-    """No file that is there is half-written."""
+    """No existing file is incomplete."""
     for name in os.listdir(out):
         path = os.path.join(out, name)
         assert not name.endswith(".tmp"), os.listdir(out)
@@ -670,7 +670,7 @@ def particles_from_a_file_have_the_volume_of_their_hull_and_say_so(folder):
     shutil.copy(os.path.join(made, "packing.txt"), folder)
     checked = expect(gneiss("check", scene_of_specimen(folder, "file: packing.txt")), 0).stdout
     assert "of the convex hull of the particles" in checked, checked
-    # The hull of spheres inside the L: less than its hull, more than half way to it.
+    # The hull of spheres inside the L: less than the hull of the L, more than half way to it.
     assert 0.5 * (L_AREA + L_HULL) < found(r"volume +(\S+) m3", checked) / 20e-3 < L_HULL, checked
 
 

@@ -1,4 +1,4 @@
-"""`gneiss plan --error`: what is proposed, what is refused, what is written; the error budget of runs. Speaks TAP."""
+"""`gneiss plan --error`: proposals, refusals, written files; the error budget of runs. Speaks TAP."""
 import csv
 import glob
 import math
@@ -268,7 +268,7 @@ def a_peak_between_two_rows_has_an_error_of_that(folder):
 
 @fact
 def a_plan_has_rows_enough_for_its_peak(folder):
-    """Ten rows over all of the path, of which the peak takes a part."""
+    """Ten rows over the whole path, of which the peak takes a part."""
     path = os.path.join(folder, "few.yaml")
     expect(gneiss("plan", rock(folder), "--set", "output.history_rows=10", "--error", "10%", "--write", path), 0)
     said = expect(gneiss("plan", path, "--error", "10%", "--log", "json"), 0)
@@ -281,7 +281,7 @@ def a_plan_has_rows_enough_for_its_peak(folder):
 def loading_that_is_too_fast_shows_in_the_budget_of_the_run(folder):
     _, fast = budget(folder)
     speed = fast["speed"]
-    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond what the study measured (0.04), and reported.
+    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond the range of the study (0.04), and reported.
     assert 0.03 < speed < 0.08, speed
     assert any("velocity" in note and "beyond" in note for note in fast["peak_stress"]["notes"]), fast["peak_stress"]["notes"]
 

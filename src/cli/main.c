@@ -3,6 +3,7 @@
 #include "base/printable.h"
 #include "base/threads.h"
 #include "base/timer.h"
+#include "cli/explain.h"
 #include "cli/help.h"
 #include "cli/options.h"
 #include "cli/pack.h"
@@ -10,6 +11,7 @@
 #include "cli/plan_accuracy.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
+#include "cli/schema.h"
 #include "cli/script.h"
 #include "cli/signals.h"
 #include "cli/stiffness.h"
@@ -505,6 +507,8 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
     if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
     if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
+    if (strcmp(options->command, "explain") == 0) return gn_command_explain(options, error);
+    if (strcmp(options->command, "schema") == 0) return gn_command_schema(options, error);
     if (strcmp(options->command, "info") == 0) {
         command_info();
         return GNEISS_OK;

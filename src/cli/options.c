@@ -103,7 +103,8 @@ static bool is_among(const gn_command *command, const char *const *names) {
 
 static gneiss_status check_files(const gn_options *options, const gn_command *command,
                                  gneiss_error *error) {
-    static const char *const no_scene[] = {"calibrate", "report", "keys", "info", NULL},
+    static const char *const no_scene[] = {"calibrate", "report", "keys",    "info", "explain",
+                                           "schema",    "help",   "version", NULL},
                              *const writing[] = {"run", "pack", "sweep", "calibrate", NULL};
     if (options->out && strcmp(command->name, "resume") == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,

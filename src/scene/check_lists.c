@@ -42,7 +42,7 @@ static gneiss_status check_region(const check *section, const gn_scene *scene,
     return GNEISS_OK;
 }
 
-/* m, bounding box of the region. */
+/* Computes the bounding box of the region, m. */
 static void bounds(const gn_flow_region *region, double lower[3], double upper[3]) {
     const bool round = region->has_disc || region->has_cylinder;
     for (size_t a = 0; a < 3; a++) {
@@ -196,17 +196,34 @@ gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root) {
 /* Checks that exactly one of the shapes is given. */
 static gneiss_status check_body_shape(const check *section, const gn_scene *scene,
                                       const gn_body_def *body) {
-    static const char *const names[] = {"surface", "box", "cylinder", "polygon", "polyline"};
-    const bool has[] = {*body->surface != '\0', body->has_box, body->has_cylinder,
-                        body->polygon_count > 0, body->polyline_count > 0};
-    char found[80] = "";
-    for (int k = 0; k < 5; k++) {
+    static const char *const names[] = {"surface",     "box",    "cylinder", "polygon", "polyline",
+                                        "disc_cutter", "chisel", "wedge",    "pick"};
+    const bool has[] = {*body->surface != '\0',
+                        body->has_box,
+                        body->has_cylinder,
+                        body->polygon_count > 0,
+                        body->polyline_count > 0,
+                        body->has_disc_cutter,
+                        body->has_chisel,
+                        body->has_wedge,
+                        body->has_pick};
+    char found[120] = "";
+    for (size_t k = 0; k < sizeof has / sizeof *has; k++) {
         size_t used = strlen(found);
         if (has[k]) snprintf(found + used, sizeof found - used, "%s%s", used ? ", " : "", names[k]);
     }
-    if (*found && !strchr(found, ',')) return GNEISS_OK;
+    if (*found && !strchr(found, ',')) {
+        const gn_tool_kind tool = gn_body_tool(body);
+        if (scene->dimension == 2 || body->tool.width > 0 ||
+            (tool != GN_TOOL_CHISEL && tool != GN_TOOL_WEDGE))
+            return GNEISS_OK;
+        return gn_check_fail(section, tool == GN_TOOL_CHISEL ? "chisel.width" : "wedge.width",
+                             "required in a 3D scene, but not given");
+    }
     return gn_check_fail(section, "", "expected one of %s in it, found %s",
-                         scene->dimension == 2 ? "polygon, polyline" : "surface, box, cylinder",
+                         scene->dimension == 2
+                             ? "polygon, polyline, chisel, wedge"
+                             : "surface, box, cylinder, disc_cutter, chisel, wedge, pick",
                          *found ? found : "none");
 }
 

@@ -20,6 +20,67 @@ static const gn_key cylinder_keys[] = {
 };
 TABLE_OF(cylinder);
 
+#define GN_WIDE_ANGLE    "(0, 3.14159265358979324]" /* rad, of the two faces of a tool */
+#define TOOL_FACET(TEXT) REAL("facet", gn_tool_def, facet, "m", GN_LENGTHS, OR("auto", 0), TEXT)
+#define TOOL_ROUNDING                                                                              \
+    REAL("tip_radius", gn_tool_def, tip_radius, "m", "[0, 1e9]", BY("0"),                          \
+         "radius of the rounding of the edges of the tip; 0: sharp")
+
+static const gn_key disc_cutter_keys[] = {
+    REAL("diameter", gn_tool_def, diameter, "m", GN_LENGTHS, REQUIRED, "diameter of the tip"),
+    REAL("tip_width", gn_tool_def, tip_width, "m", GN_LENGTHS, REQUIRED,
+         "width of the tip along y, between its edges before rounding"),
+    TOOL_ROUNDING,
+    REAL("bevel_angle", gn_tool_def, bevel_angle, "rad", GN_WIDE_ANGLE, BY("180 deg"),
+         "angle between the two faces of the tip, which meet in a ridge; 180 deg: a flat tip"),
+    REAL("flank_angle", gn_tool_def, flank_angle, "rad", "[0, 1.5]", BY("0"),
+         "angle of the flanks with the plane of the ring"),
+    REAL("bore", gn_tool_def, bore, "m", GN_LENGTHS, OR("auto", 0),
+         "inner diameter of the ring; auto: half of the outer one"),
+    TOOL_FACET("size of the facets at the tip, which grow along the flanks; auto: a sixth of the "
+               "tip width"),
+};
+TABLE_OF(disc_cutter);
+
+static const gn_key chisel_keys[] = {
+    REAL("width", gn_tool_def, width, "m", GN_LENGTHS, OR("none", 0),
+         "width along y; needed in 3D, in 2D 1 m"),
+    REAL("rake_angle", gn_tool_def, rake, "rad", "(-1.5, 1.5)", REQUIRED,
+         "angle by which the front face leans back from the normal of the rock; negative: forward"),
+    REAL("clearance_angle", gn_tool_def, clearance, "rad", "[0, 1.5)", REQUIRED,
+         "angle between the lower face and the cut"),
+    REAL("height", gn_tool_def, height, "m", GN_LENGTHS, REQUIRED, "height above the edge"),
+    REAL("length", gn_tool_def, length, "m", GN_LENGTHS, REQUIRED,
+         "length of the lower face along x"),
+    TOOL_ROUNDING,
+};
+TABLE_OF(chisel);
+
+static const gn_key wedge_keys[] = {
+    REAL("width", gn_tool_def, width, "m", GN_LENGTHS, OR("none", 0),
+         "width along y; needed in 3D, in 2D 1 m"),
+    REAL("angle", gn_tool_def, angle, "rad", GN_WIDE_ANGLE, REQUIRED,
+         "angle between the two faces"),
+    REAL("height", gn_tool_def, height, "m", GN_LENGTHS, REQUIRED, "height above the edge"),
+    TOOL_ROUNDING,
+};
+TABLE_OF(wedge);
+
+static const gn_key pick_keys[] = {
+    REAL("angle", gn_tool_def, angle, "rad", GN_WIDE_ANGLE, REQUIRED,
+         "angle of the tip, twice that of the cone with its axis"),
+    REAL("diameter", gn_tool_def, diameter, "m", GN_LENGTHS, REQUIRED,
+         "diameter of the cylinder behind the cone"),
+    REAL("height", gn_tool_def, height, "m", GN_LENGTHS, REQUIRED, "height above the tip"),
+    TOOL_ROUNDING,
+    TOOL_FACET("size of the facets at the tip; auto: a twelfth of the diameter"),
+};
+TABLE_OF(pick);
+
+#define TOOL(KIND, DIMENSION, TEXT)                                                                \
+    SECTION(#KIND, KIND##_section, .offset = offsetof(gn_body_def, tool),                          \
+            PRESENT(BOOL, gn_body_def, has_##KIND), .shape_dimension = (DIMENSION), .text = TEXT)
+
 static const gn_key motion_keys[] = {
     CHANNEL(gn_motion, "vx", velocity[0], "m/s", GN_SPEEDS, "free",
             "velocity of the reference point along x"),
@@ -50,6 +111,16 @@ static const gn_key body_keys[] = {
     ARRAY("polyline", POINTS, gn_body_def, polyline, polyline_count, .unit = "m",
           .range = GN_PLACES, .number = 2, PRESENT(COUNT, gn_body_def, polyline_count),
           .shape_dimension = 2, .text = "2D shape: open line through its points"),
+    TOOL(disc_cutter, 3,
+         "3D shape: ring of constant cross section, axis along y; its centre is its origin"),
+    TOOL(chisel, 0,
+         "shape: tool that cuts towards x, rock below it (in 3D below z, in 2D below y); the "
+         "middle of its edge is its origin"),
+    TOOL(wedge, 0,
+         "shape: symmetric tool with its edge along y, rock below it; the middle of its edge is "
+         "its origin"),
+    TOOL(pick, 3,
+         "3D shape: cone with its axis along z, rock below it; its lowest point is its origin"),
     REAL("scale", gn_body_def, scale, "1", GN_SCALES, BY("1"),
          "lengths of the shape times this give metres", PRESENT(BOOL, gn_body_def, scale_given)),
     VECTOR("origin", gn_body_def, origin, "m", GN_PLACES, BY("0"),

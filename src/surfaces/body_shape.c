@@ -1,8 +1,10 @@
 #include "surfaces/body_shape.h"
 
 #include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "mesh/mesh.h"
+#include "surfaces/tool_shape.h"
 
 #include <float.h>
 #include <math.h>
@@ -88,6 +90,8 @@ static gneiss_status make_mesh(const gn_scene *scene, size_t index, gn_mesh *mes
         status = make_box(def->box_size, mesh, error);
     else if (def->has_cylinder)
         status = make_cylinder(&def->cylinder, mesh, error);
+    else if (gn_body_tool(def))
+        status = gn_tool_mesh(gn_body_tool(def), &def->tool, mesh, error);
     else
         status = gn_mesh_read_stl(def->surface_path, 1.0, mesh, error);
     double volume;
@@ -162,9 +166,13 @@ static gneiss_status from_mesh(const gn_body_def *def, const gn_mesh *mesh, gn_b
 }
 
 static gneiss_status from_line(const gn_body_def *def, gn_body_shape *shape, gneiss_error *error) {
-    bool closed = def->polygon_count > 0;
-    size_t n = closed ? def->polygon_count : def->polyline_count;
-    const double *point = closed ? def->polygon : def->polyline;
+    const gn_tool_kind tool = gn_body_tool(def);
+    bool closed = def->polygon_count > 0 || tool;
+    size_t n = def->polygon_count ? def->polygon_count : def->polyline_count;
+    const double *point = def->polygon_count ? def->polygon : def->polyline;
+    GN_FREED double *outline = NULL;
+    if (tool) GN_TRY(gn_tool_outline(tool, &def->tool, &outline, &n, error));
+    if (tool) point = outline;
     shape->vertices = n;
     shape->facets = closed ? n : n - 1;
     shape->vertex = gn_alloc_array(n, 4 * sizeof *shape->vertex);
