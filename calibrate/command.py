@@ -192,7 +192,7 @@ def reasons(search, result, name):
         return [f"{name}: no envelope that rises ever more slowly meets the wanted strengths within their tolerances: found {shown(mean, target)}, "
                 f"wanted {shown(target.value, target)}"]
     parameters, law = result.evaluation.parameters, laws.label(search.material.law)
-    chi = parameters["chi"]
+    chi = parameters.get("chi", 1.0)
     low, high = strength.BOUNDS["chi"]
     if name in ("tensile_strength", "brazilian_strength", "compressive_strength") and wanted_ratio(search.targets) and "chi" in search.free and not low * 1.02 < chi < high / 1.02:
         ratio = (result.evaluation.mean("compressive_strength") or mean) / (result.evaluation.mean("tensile_strength") or result.evaluation.mean("brazilian_strength") or mean)
@@ -230,7 +230,8 @@ def examine(request, result, progress):
     search, evaluation, seeds = result.search, result.evaluation, request.seeds
     result.slopes = search.slopes
     try:
-        result.slopes = uncertainty.measured_slopes(search, evaluation, seeds[:strength.SCOUTS])
+        if not search.by_key:  # else the search has measured them
+            result.slopes = uncertainty.measured_slopes(search, evaluation, seeds[:strength.SCOUTS])
         fresh = [max(seeds) + 1 + k for k in range(min(FRESH, len(seeds)))]
         progress(f"check on {len(fresh)} fresh packings")
         result.fresh = result.material.evaluate(evaluation.parameters, fresh)

@@ -199,6 +199,25 @@ def scenes_pages_and_examples_are_installed_and_run(place):
 
 
 @fact
+def the_python_module_finds_its_library_and_its_program(place):
+    if SANITIZERS != "none":
+        raise Skip("the library is instrumented, Python cannot load it")
+    module = os.path.dirname(place.find("keys.py"))
+    for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), "python", "gneiss")):
+        if name.endswith(".py"):
+            assert os.path.exists(os.path.join(module, name)), f"python/gneiss/{name} is not installed"
+    script = ("import gneiss, sys\n"
+              "with gneiss.World(sys.argv[1]) as world: world.run(); print(world.readings['young_modulus'])\n"
+              "print(gneiss.__file__, gneiss._library.program())\n")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("GNEISS_")}
+    text = run("/usr/bin/python3", "-c", script, os.path.join(EXAMPLES, "two_spheres.yaml"), cwd=place.root,
+               env={**environment, "PYTHONPATH": os.path.dirname(module)})
+    modulus, places = text.splitlines()
+    assert abs(float(modulus) - 0.5e9) < 1e-5 * 0.5e9
+    assert all(os.path.realpath(path).startswith(os.path.realpath(place.root)) for path in places.split()), places
+
+
+@fact
 def nothing_of_the_inside_is_installed(place):
     headers = [name for _, _, files in os.walk(place.root) for name in files if name.endswith(".h")]
     assert sorted(headers) == ["gneiss.h", "status.h"], headers

@@ -685,8 +685,8 @@ def sized(folder, packing, name):
 
 
 def check_law(radii, law):
-    """Radii that may change by a tenth of themselves have the quantiles of the law, in some unit, to a tenth; 1200 draws are within 5 %
-    of the range of theirs."""
+    """Radii that may change by a tenth of themselves have the quantiles of the law, in some unit, to a tenth; the
+    quantiles of 1200 draws are within 5 % of their range."""
     unit = np.median(radii / law)
     assert np.all(np.abs(radii / unit - law) < 0.1 * law + 0.05 * (law.max() - law.min())), np.abs(radii / unit / law - 1).max()
 

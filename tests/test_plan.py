@@ -256,7 +256,7 @@ def the_causes_in_the_error_budget_of_a_finished_run_add_up(folder):
 
 @fact
 def a_peak_between_two_rows_has_an_error_of_that(folder):
-    """As much as the stress rose to the row of the largest from the one before."""
+    """The rise of stress to the row of the largest one from the row before."""
     out, b = budget(folder, "--set", "output.history_rows=60")
     with results(out) as file:
         stress = file["history/stress"][()]

@@ -297,7 +297,7 @@ static int outside(const char *range, bool whole, char values[2][32]) {
     return count;
 }
 
-/* Keys of sources and sinks that a 2D scene alone has, or that are looked at in one. */
+/* Keys of sources and sinks that only a 2D scene has, or that are tested in one. */
 static bool is_flat(const char *path) {
     return strstr(path, ".rectangle") || strstr(path, ".disc") || strstr(path, ".polygon") ||
            strstr(path, ".sieve");

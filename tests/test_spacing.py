@@ -1,4 +1,5 @@
-"""Rows of the history, snapshots and the time left follow the end of a test, which time.end only bounds. Speaks TAP."""
+"""Rows of the history, snapshots and the remaining time follow the end of a test, which time.end only bounds. Speaks
+TAP."""
 import signal
 
 from run_reference import *  # noqa: F403
@@ -40,7 +41,7 @@ def a_test_that_ends_early_has_as_many_rows_as_are_wanted(folder):
 
 @plain_fact
 def rows_between_looks_do_not_change_the_step_of_the_end(folder):
-    """A run whose rows are as far apart as time.end asks for, which one is that resume gave the same number of rows."""
+    """A run whose rows have the spacing of time.end, because a resume with the same number of rows sets it."""
     wide, close = os.path.join(folder, "wide"), os.path.join(folder, "close")
     early(close)
     run(UCS, wide, "--threads", 1, *LATE, "--set", "time.stop=none", "--set", "time.end=1 us")

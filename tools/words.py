@@ -163,7 +163,7 @@ def pieces_of_hash(text, strings):
 
 
 def finds_of_words(line, text, rules):
-    """Finds as (line, word, what to do), also where a line breaks between two words."""
+    """Returns findings (line, word, advice), also for words that are separated by a line break."""
     for pattern, instead in rules:
         for match in pattern.finditer(text):
             yield line + text.count("\n", 0, match.start()), " ".join(match.group(1).split()), instead

@@ -31,7 +31,8 @@ ROUNDS, LONGER = option("--rounds", 4), option("--step", 1.75)
 
 
 def ways():
-    """Name, program, scene, settings. Added mass: by the bound, for a step so many times the sharp one."""
+    """Name, program, scene, settings. Added mass: chosen by the bound, for a step that is this multiple of the sharp
+    one."""
     dt, proposed = planned()
     start, mixed = {"time.start": "first_break"}, {"run.precision": "mixed"}
     heavier = {"time.estimate": "bound", "time.mass_scaling.step": f"{LONGER * dt:.4g}"}
@@ -44,7 +45,7 @@ def ways():
 
 
 def planned():
-    """s that the scene takes as it is, at the start; the scene that is proposed for 4 %."""
+    """s: time of the unchanged scene at the start; the scene proposed for 4 %."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     scene = FOLDER / "proposed.yaml"
     kept = FOLDER / "plan.json"
@@ -59,7 +60,7 @@ def planned():
 
 
 def specimen(change):
-    """As first_break_study.py has them."""
+    """The readings of first_break_study.py."""
     path = FOLDER / f"rock-a-{change}.txt"
     if not path.exists():
         FOLDER.mkdir(parents=True, exist_ok=True)

@@ -327,7 +327,7 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
 }
 
 /* The saved steps must resemble the earlier ones, and rates must be possible with the saved step:
- * values far from these would make a run without end. */
+ * with values far from these a run would never end. */
 static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_error *error) {
     const double far = 1e5, steps = (double)(world->ctx.step - world->ctx.first_step);
     const double least = steps > 0.0 ? world->ctx.time / steps / far : 0.0,
@@ -354,7 +354,7 @@ static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_
     return GNEISS_OK;
 }
 
-/* The rows at which stages begin must rise, and the cause that ended a stage must be a known
+/* The rows at which stages begin must increase, and the cause that ended a stage must be a known
  * one. */
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
@@ -362,7 +362,7 @@ static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_er
     for (size_t k = 0; k < w->ctx.given.stage_count && k <= w->stages.now; k++) {
         const gn_stage_state *s = &w->stages.state[k];
         bool good = s->row >= least && s->row <= (int64_t)run->history.row_count && s->step >= 0 &&
-                    s->step <= w->ctx.step && s->ended >= 0 && s->ended <= GN_STAGE_PRESSED;
+                    s->step <= w->ctx.step && s->ended >= 0 && s->ended <= GN_STAGE_ASKED;
         least = s->row;
         if (!good)
             return gn_fail(error, GNEISS_ERROR_INPUT,
