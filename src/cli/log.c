@@ -263,8 +263,7 @@ const char *gn_exit_code_text(int code) {
         "the input cannot be used, or a named scene, folder or file does not exist",
         "a file could not be read or written",
         "out of memory",
-        "the run became unstable: not a number, a lost particle, a step above its limit, an energy "
-        "balance that does not close",
+        "unstable run: not a number, a lost particle, a step too long, an open energy balance",
         "interrupted; a checkpoint was written if the run had begun",
     };
     return code >= 0 && code < (int)(sizeof texts / sizeof *texts) ? texts[code] : NULL;
