@@ -109,6 +109,7 @@ static char *page(void) {
                   {"Events", &gn_event_outputs},
                   {"Bursts", &gn_burst_outputs},
                   {"Fragments", &gn_fragment_outputs},
+                  {"Rim", &gn_rim_outputs},
                   {"Nodes", &gn_node_outputs},
                   {"Elements", &gn_element_outputs},
                   {"Bodies", &gn_body_outputs},

@@ -17,6 +17,11 @@ typedef struct gn_fragments {
 gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem);
 
+/* Volume of the particles, m3 (2D: m2 x 1 m), in pieces that are anchored: a particle of theirs has
+ * a prescribed velocity, or elements have a share of it. If there is none, that of the largest
+ * piece. Dormant particles count as anchored. 0: no bonds. */
+double gn_world_anchored_volume(const gn_step_context *ctx, const gn_dem *dem);
+
 /* A piece, one particle or more. */
 typedef struct gn_fragment {
     double volume;      /* m3, in 2D m2 x 1 m, of its particles */

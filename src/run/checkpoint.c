@@ -26,7 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 22 };
+enum { FORMAT = 23 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -51,6 +51,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.box),
     DOUBLES(world.ctx.machine),
     DOUBLES(world.approach),
+    DOUBLES(world.cutting),
     DOUBLES(world.section),
     DOUBLES(world.ctx.volume),
     DOUBLES(world.ctx.lower),

@@ -2,6 +2,7 @@
 
 #include "conversion/conversion.h"
 #include "inflow/sources.h"
+#include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
@@ -161,8 +162,9 @@ static double hydrostatic_strain(const gn_world *w) {
 }
 
 READ(test_strain,
-     gn_scene_test(&w->ctx.scene)->isotropic
-         ? hydrostatic_strain(w)
+     gn_scene_test(&w->ctx.scene)->isotropic ? hydrostatic_strain(w)
+     : gn_scene_test(&w->ctx.scene)->tool
+         ? gn_cutting_path(&w->ctx, &w->boundary, &w->cutting) / w->ctx.test_length
          : gn_ends_shortening(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach) /
                w->ctx.test_length)
 
@@ -183,8 +185,14 @@ static double end_stress(const gn_world *w, bool upper_end) {
 }
 READ(test_lower, end_stress(w, false))
 READ(test_upper, end_stress(w, true))
-READ(test_stress, gn_scene_test(&w->ctx.scene)->isotropic
-                      ? mean_pressure(w)
+static double cut_stress(const gn_world *w) {
+    double force[GN_CUT_AXES];
+    gn_cutting_force(&w->ctx, &w->boundary, &w->cutting, force);
+    return force[GN_CUT_ROLLING] / w->ctx.test_area;
+}
+READ(test_stress, gn_scene_test(&w->ctx.scene)->isotropic ? mean_pressure(w)
+                  : gn_scene_test(&w->ctx.scene)->tool
+                      ? cut_stress(w)
                       : 0.5 * (end_stress(w, false) + end_stress(w, true)))
 READ(membrane_pressure, gn_membrane_pressure(&w->membrane))
 READ(membrane_area, gn_membrane_area(&w->dem))
@@ -524,6 +532,7 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"set", set_count, set_name, of_sets, COUNT(of_sets), NULL, false},
     {"source", source_count, source_name, of_sources, COUNT(of_sources), NULL, false},
     {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks), NULL, false},
+    {NULL, one, NULL, gn_cut_quantities, GN_CUT_QUANTITIES, NULL, false},
     {NULL, one, NULL, of_elements, COUNT(of_elements), NULL, false},
     {"motion", motion_count, motion_name, of_motions, COUNT(of_motions), "motions", false}};
 

@@ -1,5 +1,6 @@
 /* Readings of a run: of its whole history, or of the rows of one stage. */
 #include "accuracy/accuracy.h"
+#include "laboratory/cutting.h"
 #include "laboratory/laboratory.h"
 #include "particles/bursts.h"
 #include "particles/fragments.h"
@@ -88,6 +89,7 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
         .conversion_halted = !over && w->outcome.halt[0],
         .fragments = pieces.count,
         .largest_fragment = pieces.largest,
+        .cut = gn_cutting_describe(&w->ctx, &w->dem, &w->cutting),
         .zones = w->ctx.scene.couple.zone_count > 0,
         .returned_energy = returned(w, rows, over),
         .section = gn_scene_tested(&w->ctx.scene)

@@ -457,7 +457,8 @@ static void warn_of_section(const gn_run *run, const gn_readings *r, gn_warnings
  * rows of the run are checked. */
 static bool measured(const gn_run *run, const gn_readings *r) {
     const double *stress = gn_history_column(&run->history, "stress");
-    if (!gn_run_staged(run)) return !isnan(r->largest_stress);
+    if (!gn_run_staged(run) && !gn_scene_test(&run->world.ctx.scene)->tool)
+        return !isnan(r->largest_stress);
     if (run->world.stages.now + 1 < run->world.ctx.scene.stage_count)
         return true; /* the last stage was not reached */
     for (size_t k = 0; stress && k < run->history.row_count; k++)
@@ -470,8 +471,9 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings
     if (!gn_scene_tested(s) || !run->finished || run->history.row_count < 2) return;
     if (measured(run, r)) return;
     gn_warn(list, "nothing_measured", "the test has no strength and no modulus: %s%s",
-            gn_run_staged(run) ? "the stress never had the sense of the test"
-                               : r->reason[GN_READING_largest_stress],
+            gn_run_staged(run) || gn_scene_test(s)->tool
+                ? "the stress never had the sense of the test"
+                : r->reason[GN_READING_largest_stress],
             gn_scene_test(s)->ends
                 ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
                 : "");

@@ -318,6 +318,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     w->section = gn_section_of(&w->ctx, &w->dem, &w->boundary, &w->solids);
     GN_TRY(gn_geometry_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_sides_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_cutting_begin(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->cutting, error));
     GN_TRY(gn_stages_check_first(&w->ctx, &w->dem, &w->solids, &w->stages, error));
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
