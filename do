@@ -14,7 +14,10 @@ packages_build=(
     python3 python3-numpy python3-h5py python3-matplotlib
 )
 packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone
-packages_test=(locales "${packages_calibrate[@]}") # a locale with a decimal comma is made from it
+packages_python=(python3-cffi python3-numpy) # of the Python module; it uses what there is of the next list
+packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy)
+# A locale with a decimal comma is made from the first.
+packages_test=(locales python3-jsonschema "${packages_calibrate[@]}" "${packages_python[@]}" "${packages_python_more[@]}")
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_bench=(libbenchmark-dev)
@@ -40,7 +43,7 @@ usage: ./do COMMAND [...]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
   accuracy [--quick] [--only CASE] [--out DIR]
                                what accuracy costs in time; writes docs/accuracy.md
-  install WHAT                 the packages of build, calibrate, test, check, aarch64, bench, validate, effects or peers
+  install WHAT                 the packages of build, calibrate, python, test, check, aarch64, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text

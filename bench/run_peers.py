@@ -41,7 +41,7 @@ ELEMENTS = {"t4-40k": ("C3D4", 20), "t3-40k": ("CPE3", 141)}  # as in bench_step
 
 
 class Failed(Exception):
-    """A program ended badly or did not print what was expected."""
+    """A program failed or did not print the expected values."""
 
 
 def call(command, extra=None, timeout=900):
@@ -77,7 +77,7 @@ def kind_of_bench(unit):
 
 
 def gneiss_models(bench, scene):
-    """The models of the bench harness that stand for the scene, by precision (or form): those that it has."""
+    """Models of the bench harness that represent the scene, by precision (or form)."""
     names = call([bench, "--large", "--benchmark_list_tests"]).split()
     kind = kind_of_bench(SCENES[scene][0])
     present = {name.split("/")[1] for name in names if name.startswith(kind + "/")}
@@ -127,7 +127,7 @@ def gneiss_run(program):
 
 
 def gneiss_to_failure(program):
-    """The scene as it stands, until it stops by itself; set-up and output included."""
+    """Runs the scene unchanged to its end; set-up and output are included."""
     summary = gneiss_summary(program)
     return {TO_FAILURE: {"seconds": summary["seconds"]["total"], "steps": summary["steps"], "time": summary["time"],
                          "dt": summary["dt"], "stop_reason": summary["stop_reason"]}}
@@ -253,7 +253,7 @@ def summarise(scene, runs):
     middle = {label: statistics.median(s) for label, s in speeds.items()}
 
     def times(label, reference):
-        """Median of the ratios within the turns: what slows the machine for minutes slows both."""
+        """Median of the ratios within the turns: a slow phase of the machine affects both programs."""
         pairs = zip(runs[label], runs[reference])
         return statistics.median(own["speed"] / other["speed"] for own, other in pairs)
 

@@ -209,7 +209,7 @@ def write_tables(source, target, rows=None):
 
 
 def rank(entry, sets):
-    """Threads, instruction set, cached before all: in turns they come in any order."""
+    """Sort by threads, instruction set, and cached before all: in turns they occur in any order."""
     words = entry["run_name"].split("/")
     threads = next((int(w[8:]) for w in words if w.startswith("threads:")), 0)
     return threads, next((sets.index(w) for w in words if w in sets), -1), "all" in words

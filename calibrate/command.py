@@ -1,13 +1,14 @@
 """The command `gneiss calibrate`: reads targets, tries laws, finds parameters, and writes what it found."""
 import argparse
 import fcntl
+import json
 import os
 import re
 import sys
 import time
 from dataclasses import dataclass, field
 
-from calibrate import elastic, laws, output, strength, targets, uncertainty
+from calibrate import elastic, laws, output, schema, strength, targets, uncertainty
 from calibrate.material import Material
 from calibrate.problem import OutOfBudget, Problem
 from calibrate.readings import BRAZILIAN, COMPRESSION, TENSION, tests_for
@@ -293,6 +294,9 @@ def work(options):
 
 
 def main(arguments):
+    if arguments == ["--schema"]:
+        print(json.dumps(schema.schema(), indent=1))
+        return 0
     options = options_of(arguments)
     try:
         work(options)

@@ -51,11 +51,11 @@ def kept_runs(folder):
 
 
 def program_version(program):
-    """Number of the version, as in the first line of `gneiss version`."""
+    """Version and commit, as in the first line of `gneiss version`."""
     done = subprocess.run([program, "version"], capture_output=True, text=True, check=False)
     if done.returncode:
         raise Problem(f"{program} could not be started: {done.stderr.strip()}", 3)
-    return done.stdout.split("(")[0].strip()
+    return done.stdout.splitlines()[0].strip()
 
 
 @dataclass

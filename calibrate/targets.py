@@ -25,6 +25,7 @@ READINGS = {
 ABSOLUTE = {"poisson_ratio", "friction_angle"}  # their tolerances are differences in the unit of the reading
 KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "targets", "seeds", "budget")
 SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
+SOURCES = ("file", "from", "lattice", "disc", "polygon", "surface", "mesh")  # of a specimen that is not a shape to be packed, and of other shapes
 LENGTHS = {"cylinder": ("diameter", "height"), "box": ("size",), "rectangle": ("width", "height")}
 MATERIAL = {"density": ("kg/m3", 1.0, 1e5), "contact_modulus": ("Pa", 1.0, 1e15), "young": ("Pa", 1.0, 1e15), "normal_stiffness": ("N/m", 1e-3, 1e15),
             "kratio": ("1", 0.0, 1e6), "alpha": ("1", 1e-6, 1e6), "beta": ("1", 0.0, 1e6), "poisson": ("1", -0.99, 0.5), "bond_friction": ("1", 0.0, 100.0)}
@@ -98,8 +99,8 @@ class File:
             if depth > DEEPEST:
                 self.fail(event, "nested too deeply")
 
-    def fail(self, node, message):
-        raise Problem(f"{self.path}:{node.start_mark.line + 1}:{node.start_mark.column + 1}: {message}")
+    def fail(self, node, message, code=2):
+        raise Problem(f"{self.path}:{node.start_mark.line + 1}:{node.start_mark.column + 1}: {message}", code)
 
     def entries(self, node, name):
         """[(key, key's node, value's node)] of a section; a key that stands twice is refused."""
@@ -273,7 +274,12 @@ def seeds_of(text):
 def _base_scene(file, node):
     """The sections of another scene that do not belong to its own test, as nodes and as data; paths become absolute."""
     folder = os.path.dirname(os.path.abspath(file.path))
-    base = File(os.path.join(folder, file.text(node, "scene")))
+    path = os.path.join(folder, file.text(node, "scene"))
+    try:
+        open(path, "rb").close()
+    except OSError as error:
+        file.fail(node, f"scene: {node.value} cannot be read: {error.strerror}", 3)
+    base = File(path)
     nodes = base.section(base.root, "scene")
     for key in ("specimen", "materials", "law"):
         if key not in nodes:
@@ -341,6 +347,9 @@ def _shape(file, node, dimension):
     shapes = [shape for shape in SHAPES if shape in keys]
     if len(shapes) != 1 or SHAPES[shapes[0]] != dimension:
         file.fail(node, "specimen: expected a cylinder or a box (dimension 3) or a rectangle (dimension 2), which is tested along its height")
+    for key in SOURCES:
+        if key in keys:
+            file.fail(keys[key], f"specimen.{key}: expected a shape alone, which can be packed with any seed, found {key} beside {shapes[0]}")
     shape = file.section(keys[shapes[0]], f"specimen.{shapes[0]}")
     for key in LENGTHS[shapes[0]]:
         name = f"specimen.{shapes[0]}.{key}"

@@ -127,11 +127,20 @@ static inline void find_indices(const gn_particles *p) {
     for (size_t k = 0; k < p->soa.count; k++) index_of_id[p->id[k]] = (int32_t)k;
 }
 
+/* Makes a gauge of the particles that count initially. */
+static inline gneiss_status create_gauge(const gn_particles *p, int dimension,
+                                         gn_strain_gauge *gauge, gneiss_error *error) {
+    uint8_t *counts = calloc(p->soa.count + 1, sizeof *counts);
+    gn_strain_gauge_select(p, dimension, counts);
+    gneiss_status status = gn_strain_gauge_of(p, counts, dimension, gauge, error);
+    free(counts);
+    return status;
+}
+
 static inline gn_strain_gauge gauge_of(const gn_particles *p, int dimension) {
     gn_strain_gauge gauge;
     gneiss_error error = {0};
-    if (gn_strain_gauge_create(p, dimension, &gauge, &error) != GNEISS_OK)
-        fail_msg("%s", error.message);
+    if (create_gauge(p, dimension, &gauge, &error) != GNEISS_OK) fail_msg("%s", error.message);
     return gauge;
 }
 

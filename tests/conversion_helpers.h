@@ -13,12 +13,12 @@
 typedef struct block {
     int cells[3]; /* of elements */
     bool space;
-    const char *convert; /* keys of it besides box and width */
+    const char *convert; /* further keys of it */
     const char *box;     /* NULL: all */
     const char *elements, *rest;
     const char *couple, *time; /* further keys of these */
     double distortion;         /* of the mesh */
-    int finer;                 /* so many elements for one of 2 mm along each axis; 0: one */
+    int finer;                 /* number of elements per 2 mm along each axis; 0: one */
     double thin;               /* m, of a zone; 0: `width` */
 } block;
 

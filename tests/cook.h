@@ -72,8 +72,8 @@ static inline double cook_deflection(const gn_fem_solid *body, const cook *c) {
     return (body->nodes.pos[tip] - body->nodes.start[tip]) / cook_scale;
 }
 
-/* At rest under its load: the corner moves by less than 1e-6 of its way in four times 5 s, which is
- * about a quarter of the first period each. */
+/* Lets the body come to rest under its load: the corner moves by less than 1e-6 of its displacement
+ * in four intervals of 5 s, about a quarter of the first period each. */
 static inline gn_fem_solid *cook_at_rest(const cook *c) {
     gn_fem_solid *body = cook_body(c);
     const double dt = 0.95 * fem_limits(body).sharp;

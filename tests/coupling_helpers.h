@@ -13,7 +13,7 @@ typedef struct strip {
     double length, zone, side; /* m */
     int rows;                  /* of particles; a multiple of the side in mm */
     bool mirrored;             /* particles before elements */
-    bool space;                /* as deep as it is high */
+    bool space;                /* three-dimensional, as deep as high */
     const char *more;          /* keys of couple */
     const char *time;          /* keys of time */
     const char *rest;          /* further sections */

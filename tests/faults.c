@@ -27,7 +27,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#pragma GCC visibility push(default) /* these take the place of the C library's */
+#pragma GCC visibility push(default) /* these replace the functions of the C library */
 
 /* The allocator of glibc under its own names: dlsym would allocate. */
 extern void *__libc_malloc(size_t);

@@ -156,4 +156,12 @@ static inline void stir(gn_fem_solid *solid, double speed) {
             solid->nodes.vel[4 * n + (size_t)k] = speed * uniform(&at, -1.0, 1.0);
 }
 
+/* Returns the stored energy minus its initial value and the work done, plus the dissipation, of a
+ * reading, J. */
+static inline double energy_residual(const gn_fem_energy *energy) {
+    return energy->kinetic + energy->elastic - energy->stored_at_start -
+           (energy->work_prescribed + energy->work_applied + energy->work_gravity) +
+           energy->damping;
+}
+
 #endif

@@ -97,7 +97,7 @@ static inline gn_fem_solid *deformed_kind(int kind, double f[3][3]) {
     return solid;
 }
 
-/* Drives the boundary nodes to F X in so many steps. */
+/* Moves the boundary nodes to F X in the given number of steps. */
 static inline void drive_boundary(gn_fem_solid *solid, double f[3][3], double dt, int steps) {
     gn_fem_set set = {.node = calloc(solid->nodes.soa.count, sizeof(int32_t))};
     const double rest[3] = {0.0};

@@ -7,7 +7,7 @@
 
 enum { FIT_MOST = 48 };
 
-/* A fit of few particles with what it borrows. */
+/* A fit of few particles and the data that it borrows. */
 typedef struct sample {
     gn_domain *domain;
     gn_fit *fit;

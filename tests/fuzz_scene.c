@@ -1,6 +1,5 @@
-/* Mutates valid scenes byte- and token-wise, always the same way, and reads them: whatever comes
- * in, a scene is refused with a message or holds finite numbers only and comes back from its own
- * echo. */
+/* Mutates valid scenes by bytes and tokens, reproducibly, and reads them: every input is refused
+ * with a message, or gives a scene with finite numbers that equals its own echo. */
 #include "test.h"
 
 #include "scene/read.h"
@@ -134,7 +133,7 @@ static void splice(char *text, size_t at, size_t cut, const char *insert, size_t
     memcpy(text + at, insert, length);
 }
 
-/* The word at or behind a place. */
+/* Finds the word at or after a position. */
 static size_t word_at(const char *text, size_t *at) {
     while (text[*at] && !isalnum((unsigned char)text[*at])) ++*at;
     size_t length = 0;

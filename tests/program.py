@@ -43,8 +43,8 @@ def fact(function):
 
 
 def plain_fact(function):
-    """Registers a fact that sanitizers leave out: it takes many steps through code in C that another fact runs in less time, or what
-    it tests is in Python."""
+    """Registers a fact that is skipped with sanitizers: it takes many steps through C code that another fact covers
+    in less time, or it tests Python code."""
     return function if SANITIZED else fact(function)
 
 
@@ -162,7 +162,7 @@ def check_same(folder, reference):
 
 
 def write_scene(folder, scene, name="scene.yaml"):
-    """YAML takes JSON as it is."""
+    """JSON is valid YAML."""
     path = os.path.join(folder, name)
     with open(path, "w") as file:
         file.write(scene if isinstance(scene, str) else json.dumps(scene))

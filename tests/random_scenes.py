@@ -26,7 +26,7 @@ ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive",
                "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
 KINDS = ("lattice", "gas", "periodic", "sizes", "bodies", "elements", "bonds")
 AXES = "xyz"
-# Seeds that go bad, and why {seed: reason}: left open (docs/evidence/collisions.md).
+# Seeds that fail, {seed: reason}: still open (docs/evidence/collisions.md).
 OPEN = {}
 
 
@@ -129,7 +129,7 @@ class Maker:
 
     def __init__(self, seed):
         self.d = d = Draw(f"gneiss {seed}")
-        self.beams = Draw(f"beams {seed}")  # of its own, so that what else is drawn stays
+        self.beams = Draw(f"beams {seed}")  # a generator of its own, so that other draws keep their values
         self.kind = KINDS[seed % len(KINDS)]
         self.dim = d.choice((2, 3, 3))
         self.r = d.log(1e-4, 1e-1)
@@ -234,8 +234,8 @@ class Maker:
         self.scene.setdefault("sets", []).append({"name": "other", "select": self.some(), "material": "b"})
 
     def by_area(self, d):
-        """A law by area instead of the drawn one, drawn bonds, contacts of their own: with draws apart, so that the other
-        scenes stay what they are."""
+        """A law by area in place of the drawn one, drawn bonds, contacts of their own: with a separate generator, so
+        that the other scenes keep their values."""
         materials, law = self.scene["materials"], self.scene["law"]
         if not self.uniform and d.chance(0.3):
             law["stiffness"] = d.choice(("dempack", "polyhedron"))
@@ -264,7 +264,8 @@ class Maker:
             self.scene["output"]["fields"] = ["fragment", "fragment_size"]
 
     def bond_laws(self, d):
-        """Friction of bonds, couplings, softening and yield, with draws apart; where bonds have moments what goes with those."""
+        """Friction of bonds, couplings, softening and yield, with a separate generator; with the keys that bonds with
+        moments require."""
         materials, law, beams = self.scene["materials"], self.scene["law"], "radius_multiplier" in self.scene.get("bonds", {})
         if not self.bonded or not d.chance(0.6) or not all(m.get("kratio") or m.get("beta") for m in materials):
             return
@@ -414,7 +415,7 @@ class Maker:
         return part
 
     def walls(self):
-        """None, a floor, or a box that stands, closes, shears or is pressed."""
+        """None, a floor, or a box that is at rest, closes, shears or is loaded."""
         d, dim = self.d, self.dim
         if self.kind == "periodic":
             if self.lattice:
@@ -438,7 +439,8 @@ class Maker:
         self.scene["walls"] = [self.wall(axis, side, style, law) for axis, side in sides]
 
     def open_box(self, d):
-        """Two in five periodic boxes have no sides along one axis, most of them plates that stand there, close, shear or press."""
+        """Two in five periodic boxes are open along one axis, most of them with plates there that are at rest, close,
+        shear or press."""
         if self.kind != "periodic" or not d.chance(0.4):
             return
         axis = d.choice(range(self.dim))
@@ -618,7 +620,7 @@ def exact(scene):
 
 
 def make(seed):
-    """The scene, what it reads {name: text}, and its kind."""
+    """The scene, the files it reads {name: text}, and its kind."""
     maker = Maker(seed)
     return exact(maker.scene), maker.files, maker.kind
 

@@ -21,14 +21,14 @@ import tempfile
 from random_scenes import AXES, ENVIRONMENT, Draw, rounded, run_all
 
 KINDS = ("zones", "conversion")
-# Seeds that go bad, and why {seed: reason}: left open.
+# Seeds that fail, {seed: reason}: still open.
 OPEN = {6449: "what wakes on a wall opens and closes there undamped, half of 90 steps: 1.5e-3, 9e-5 and 1e-6 with 0.9, 0.45 and 0.2 of the limit, 1e-9 without "
               "the wall"}
 # Largest residual over all energy: where nothing breaks, converts or slides; with conversions; with breakage, undamped in most scenes (as of
 # particles alone, random_scenes.py).
 SMOOTH, CONVERTS, BREAKS = 1e-5, 1e-3, 1e-1
-# A step sees what turns and stretches in it to second order, (w dt/2)^2 <= 0.81 of the shortest waves: of these, which short pulses and loads at once
-# make, the ledger misses no more than the strain, with elements alone as well.
+# A step resolves rotation and stretch to second order, (w dt/2)^2 <= 0.81 of the shortest waves: of these, which
+# short pulses and sudden loads excite, the ledger misses no more than the strain, also with elements alone.
 OF_STRAIN = 1.0
 MOMENTUM_MOST = {"double": 1e-12, "mixed": 1e-6}  # of the sum of sizes; forces in single precision are not in balance to the bit
 
@@ -145,7 +145,7 @@ class Maker:
         self.scene["time"] = {"end": self.end}
 
     def ramp(self, size):
-        """To a speed, at once or slowly."""
+        """Acceleration to a speed, suddenly or slowly."""
         return size if self.d.chance(0.3) else [[0, 0], [self.end * self.d.uniform(0.1, 0.9), size]]
 
     def end_moves(self, group, axis, speed):

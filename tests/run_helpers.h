@@ -68,8 +68,8 @@ static inline gn_energy end_alike(gn_run *one, gn_run *two, int64_t before, int6
     return e;
 }
 
-/* Takes a run that was never stopped `after` steps beyond where another one of the same scene is,
- * and what comes back of that one as far: the same bits, energies too. Frees the runs. */
+/* Compares an uninterrupted run, `after` steps beyond the time of another run of the same scene,
+ * with the other run resumed up to there: the same bits, energies included. Frees the runs. */
 static inline void end_resumed_alike(gn_run *straight, gn_run *stopped, int64_t after) {
     gn_run *resumed = resumed_of(stopped);
     run_steps(&straight->world, stopped->world.ctx.step + after);

@@ -1,4 +1,5 @@
-"""The small UCS once without interruption, and what other runs of it are held against it: for test_run.py and test_run_bits.py."""
+"""The small UCS test without interruption, and comparisons of other runs with it: for test_run.py and
+test_run_bits.py."""
 import atexit
 
 from program import *  # noqa: F403

@@ -1,4 +1,4 @@
-/* Parallel regions that get fewer threads than they ask for, as under OMP_THREAD_LIMIT. */
+/* Parallel regions that get fewer threads than requested, as under OMP_THREAD_LIMIT. */
 #ifndef GN_TESTS_SMALLER_TEAM_H
 #define GN_TESTS_SMALLER_TEAM_H
 

@@ -1,4 +1,4 @@
-/* One bond that softens, on given ways (src/kernels/law_softening.h). */
+/* One bond that softens, on prescribed paths (src/kernels/law_softening.h). */
 #ifndef SOFTENING_BOND_H
 #define SOFTENING_BOND_H
 
@@ -104,7 +104,7 @@ static void set_again(bond *t, gn_softening softening) {
     gn_law_of(t->k.soa.effects)->set(&model, &pair, &t->k, 0);
 }
 
-/* One bond by the function alone: a kernel turns the normal with what moves across. */
+/* One bond by the law's function alone: in a kernel tangential motion also rotates the normal. */
 typedef struct pure {
     gn_softening_bond b;
     gn_cause cause;

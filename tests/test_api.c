@@ -1,5 +1,5 @@
-/* The public API, seen as its users see it: this program knows the public headers and the shared
- * library, nothing else of gneiss. */
+/* The public API as users see it: this program uses the public headers and the shared library only.
+ * */
 #include "test.h"
 
 #include <gneiss/gneiss.h>
@@ -167,7 +167,8 @@ static void scene_errors_say_where(void **state) {
     assert_message(&error, GNEISS_ERROR_INPUT, "/nowhere/at/all.yaml");
 }
 
-/* The geometry is no geometry: were gmsh asked, its own message or its absence would be said. */
+/* The geometry is invalid: if gmsh were called, its own message or its absence would be reported.
+ * */
 static void geometries_are_not_given_to_gmsh_unless_that_is_allowed(void **state) {
     (void)state;
     static const char text[] =
@@ -612,7 +613,7 @@ static void elements_that_convert_are_counted(void **state) {
     remove_place(&p);
 }
 
-/* With a zone: both are there, and what it returns is a reading. */
+/* A scene with a zone has particles and elements, and the returned energy is a reading. */
 static void zones_have_elements_and_a_reading(void **state) {
     (void)state;
     static const char strip[] =
@@ -738,7 +739,7 @@ static void counts_follow_the_views(void **state) {
 
 static void the_history_has_a_row_every_interval(void **state) {
     (void)state;
-    /* Slowly, so that the block stays whole and the step what it was. */
+    /* Loaded slowly, so that the block does not break and the step does not change. */
     gneiss_world *w = world_of(block, "walls.top.motion.vz=-0.3", NULL);
     gneiss_error error = {0};
     must(gneiss_world_run(w, &error), &error);
@@ -801,7 +802,7 @@ static void readings_without_a_test_are_nan(void **state) {
 static void energies_balance(void **state) {
     (void)state;
     gneiss_world *w = world_of(block, NULL, NULL);
-    assert_true(isnan(energy(w, "kinetic"))); /* nothing was read yet */
+    assert_true(isnan(energy(w, "kinetic"))); /* no reading was taken yet */
     gneiss_error error = {0};
     must(gneiss_world_run(w, &error), &error);
     gneiss_quantity q;
@@ -872,7 +873,7 @@ static void step_takes_exactly_as_many_also_past_the_end(void **state) {
     gneiss_world_free(w);
 }
 
-/* Asks for things by index and name, there or not; nothing of it may change a world. */
+/* Queries objects by index and name, existing or not; no query may change a world. */
 static void ask(const gneiss_world *w, unsigned pick) {
     static const char *const names[] = {"position",      "force", "time", "kinetic",
                                         "young_modulus", "",      "x",    "%s%n"};
@@ -902,7 +903,7 @@ static void ask(const gneiss_world *w, unsigned pick) {
     (void)gneiss_world_counts(w, &counts, NULL);
 }
 
-/* One call that must be refused or must come to nothing. */
+/* A call that must be refused or must have no effect. */
 static void misuse(gneiss_world *w, const place *p, unsigned pick) {
     switch (pick % 8) {
     case 0:

@@ -1,5 +1,5 @@
-/* Laws by area: sections of bonds, what stiffness and strength follow, and what a body of them is.
- */
+/* Laws by area: sections of bonds, the stiffness and strength that follow, and the behaviour of a
+ * body of such bonds. */
 #include "particles/bond_sections.h"
 #include "particles/polyhedron.h"
 

@@ -1,5 +1,5 @@
-"""Laws by area and what is drawn for bonds, as runs: the same bits whatever the threads and interruptions, an energy ledger that
-closes, what is written. Speaks TAP."""
+"""Laws by area and random properties of bonds in runs: the same bits on any number of threads and after
+interruptions, a closed energy ledger, output files. Speaks TAP."""
 from program import *  # noqa: F403
 
 # Everything beside it: two materials, a pair of their own, scatter, dashpots, background damping, walls, friction, gravity.

@@ -1,4 +1,4 @@
-"""Average strain of a specimen that loses particles: it is that of what is left. Speaks TAP."""
+"""The average strain of a specimen that loses particles is that of the remaining particles. Speaks TAP."""
 from program import *  # noqa: F403
 
 ROCK = {"name": "a", "density": 2600, "contact_modulus": "20 GPa", "kratio": 2.5, "friction": 0.5, "tensile_strength": "10 MPa",
@@ -31,8 +31,8 @@ CORNER = {"ids": [0, 1, 2]}
 
 @fact
 def detached_particles_do_not_count_as_strain_of_the_rest(folder):
-    """Three discs of a corner, which fly off or leave the model: nothing loads the rest. (Was 20 % where they fly on, 8 % where they were
-    taken out: the strain that their last place made.)"""
+    """Three discs of a corner, which fly off or leave the model: the rest is not loaded. (The error was 20 % if they
+    fly on and 8 % if they were removed: the strain due to their last position.)"""
     for name, more in (("flies", {}), ("goes", {"domain": BEYOND})):
         found = strains(run_scene(folder, block(CORNER, **more), name=name))
         assert max(abs(e[-1]) for e in found.values()) < 1e-6, (name, [e[-1] for e in found.values()])

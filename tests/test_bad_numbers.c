@@ -1,5 +1,5 @@
-/* Numbers that are not finite never become a result: whatever writes them refuses, names them and
- * ends the run as one that went bad. */
+/* Numbers that are not finite never become a result: every writer refuses them, names them, and
+ * ends the run as failed. */
 #include "io_helpers.h"
 #include "world_helpers.h"
 

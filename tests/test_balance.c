@@ -86,7 +86,7 @@ static void a_falling_body_is_no_balance(void **state) {
     free(t);
 }
 
-/* Without weight and without touch nothing carries. */
+/* Without weight and contacts nothing carries load. */
 static void grains_that_nothing_touches_are_not_in_balance(void **state) {
     (void)state;
     bool balanced;

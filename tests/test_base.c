@@ -69,18 +69,18 @@ static void threads_that_hinder_are_left_alone(void **state) {
     assert_int_equal(rounds_alone(&pace, 1000, 3.0, 1.0, 0.1), 0);
 }
 
-/* A trial of one that meets with bad luck keeps all threads no longer than a few such trials. */
+/* After a slow trial all threads are used for no longer than a few such trials. */
 static void an_unlucky_trial_is_repeated_soon(void **state) {
     (void)state;
     gn_pace pace = gn_pace_start(4, 4, 32, 1 << 20);
-    for (int unlucky = 0; unlucky < 6; unlucky++) { /* nothing tells the two ways apart */
+    for (int unlucky = 0; unlucky < 6; unlucky++) { /* both choices cost the same */
         while (gn_pace_threads(&pace) == 4) gn_pace_note(&pace, 1.0, 1.0, 0.8);
         while (gn_pace_threads(&pace) == 1) gn_pace_note(&pace, 2.0, 1.0, 0.0);
     }
     assert_in_range(10000 - rounds_alone(&pace, 10000, 0.01, 1.0, 0.8), 32, 300);
 }
 
-/* One round of all threads may take as long as a hundred of one. */
+/* One round on all threads may take as long as a hundred rounds on one. */
 static void a_trial_of_all_threads_ends_when_it_is_lost(void **state) {
     (void)state;
     gn_pace pace = gn_pace_start(4, 32, 128, 32768);

@@ -177,7 +177,7 @@ static void cells_grow_slowly_from_the_notch_up_to_the_wanted_size(void **state)
     gn_structured_beam plane = flat();
     gn_mesh m = beam_of(&plane);
     double last = 0.0, before = 0.0, most = 0.0;
-    /* Along the upper face. */
+    /* Positions along the upper face. */
     double x[512];
     size_t count = 0;
     for (size_t n = 0; n < m.node_count; n++)
@@ -242,7 +242,7 @@ static void shares_of_facets_are_their_area_and_those_of_nodes_one(void **state)
     double all = 0.0;
     for (size_t k = 0; k < load[1].count; k++) all += load[1].share[k];
     assert_true(fabs(all - 1.0) < 1e-15);
-    /* Both at once, then another value: nothing of the first is left. */
+    /* Both values at first, then another one: the first has no effect any more. */
     const double first[2][3] = {{1e6, 0.0, 0.0}, {0.0, 5.0, 0.0}}, then[2][3] = {{2e6}, {0.0}};
     gn_fem_set_loads(body, load, first, 2);
     gn_fem_set_loads(body, load, then, 2);

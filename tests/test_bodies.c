@@ -1,4 +1,4 @@
-/* Rigid bodies: what they weigh, how they move, what particles do to them. */
+/* Rigid bodies: mass, motion, and contact with particles. */
 #include "surface_helpers.h"
 
 #include "boundary/overlap.h"
@@ -312,7 +312,7 @@ static void particles_and_a_body_keep_momentum(void **state) {
         assert_near(after.angular[a], before.angular[a], allowed * before.angular_size);
     }
     e = measured_step(w);
-    assert_true(e.friction > 0.005 * kinetic); /* they did meet */
+    assert_true(e.friction > 0.005 * kinetic); /* the bodies were in contact */
     assert_true(e.contact_damping > 0.05 * kinetic);
     world_end(w);
 }
@@ -339,8 +339,8 @@ static void the_ledger_of_particles_and_a_body_closes(void **state) {
     assert_true(residual[1] < 0.35 * residual[0]);
 }
 
-/* The dashpot knows how a body gives way: central and off-centre hits rebound with the restitution
- * coefficient, relative at the contact. */
+/* The dashpot uses the effective mass of a body: central and off-centre impacts rebound with the
+ * restitution coefficient, relative to the contact. */
 static void a_sphere_rebounds_from_a_free_body(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {
@@ -389,7 +389,8 @@ static double fastest(const gn_world *w) {
     return most;
 }
 
-/* At the automatic step nothing grows; at what would do for the spheres alone it does. */
+/* At the automatic step the energy does not grow; at the step that is stable for the spheres alone
+ * it does. */
 static void the_limit_includes_free_bodies(void **state) {
     (void)state;
     const char *const damping[] = {"", "damping: {contact: {fraction: 0.3}}\n"};
@@ -425,7 +426,8 @@ static uint64_t swarm_hash(int threads, int64_t steps) {
     snprintf(more, sizeof more,
              "damping: {contact: {restitution: 0.6}}\ntime: {step: 5e-7, end: 1}");
     gn_world *w = swarm(more);
-    assert_int_equal(gn_world_use_threads(&w->ctx, &w->dem, threads, NULL), GNEISS_OK);
+    w->ctx.threads = threads;
+    assert_int_equal(gn_dem_use_threads(&w->ctx, &w->dem, NULL), GNEISS_OK);
     run_steps(w, steps);
     uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     world_end(w);
@@ -546,7 +548,8 @@ static void add_box(soup *s, const double low[3], const double high[3]) {
     }
 }
 
-/* A cube of 1 m and a block that stands half a metre in it fill 1.32 m3, not 1.64. */
+/* A cube of 1 m and a block that penetrates it by half a metre have a volume of 1.32 m3, not 1.64.
+ * */
 static void a_free_surface_that_cuts_itself_is_refused(void **state) {
     (void)state;
     static const double corners[4][3] = {{0, 0, 0}, {1, 1, 1}, {0.5, 0.1, 0.1}, {1.5, 0.9, 0.9}};

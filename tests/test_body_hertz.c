@@ -5,7 +5,7 @@
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 
-/* As head3, by Hertz's law. */
+/* The head of head3, with Hertz's law. */
 static const char head[] =
     "dimension: 3\nspecimen: {particles: [[0, 50, 0.05, 0.02]], material: m, group: 0}\n"
     "materials: [{name: m, density: 2500, young: 1e7, poisson: 0.2, friction: 0.5}, {name: s, "
@@ -78,7 +78,7 @@ static void bodies_move_as_by_the_linear_law(void **state) {
 
 /* --- restitution and friction: of the materials, of the pair, of the scene --- */
 
-/* A cube of 2 kg flies at 1 m/s at a wall, or at a body that stands, both without a stiffness. */
+/* A cube of 2 kg hits a wall, or a body at rest, at 1 m/s; neither has a stiffness. */
 static double rebound(const char *damping, const char *mine, const char *other, bool plate) {
     gn_world *w = world_of(
         "%s%swalls: [{name: f, point: [0, 0, %s], normal: [0, 0, 1]%s}]\nbodies:\n"
@@ -237,7 +237,7 @@ static gn_run *grains_run(int threads) {
 static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
     gn_run *straight = grains_run(3), *stopped = grains_run(1);
-    double held = 0.0; /* what there is to carry over */
+    double held = 0.0; /* energy to carry over */
     while (held == 0.0 && stopped->world.ctx.step < 90000) {
         run_steps(&stopped->world, 7);
         const gn_body_pairs *q = &stopped->world.boundary.pairs;

@@ -359,9 +359,9 @@ static bool warns(const gn_run *run, const char *name) {
     return false;
 }
 
-/* A cube of 0.02 kg flies at 1 m/s or 30 m/s against a held plate of 1 mm, on half of 1e6 N/m: as
- * deep as v sqrt(m/k), 0.2 mm, or through it. One that begins in it is pushed with k h. What was
- * found is kept over a checkpoint. */
+/* A cube of 0.02 kg hits a held plate of 1 mm thickness at 1 m/s or 30 m/s, on half of 1e6 N/m: it
+ * penetrates by v sqrt(m/k), 0.2 mm, or passes through. A cube that starts inside is pushed with k
+ * h. The result is kept over a checkpoint. */
 static void bodies_too_deep_in_each_other_are_warned_of(void **state) {
     (void)state;
     const char *const saved = "/tmp/gneiss-body-depth.h5";
@@ -447,7 +447,7 @@ static gn_run *pile_run(int threads) {
 static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
     gn_run *straight = pile_run(3), *stopped = pile_run(1);
-    double held = 0.0; /* what there is to carry over */
+    double held = 0.0; /* energy to carry over */
     while (held == 0.0 && stopped->world.ctx.step < 9000) {
         run_steps(&stopped->world, 7);
         const gn_body_pairs *q = &stopped->world.boundary.pairs;

@@ -36,8 +36,8 @@ static void farthest(gn_world *w, double *path, double *turn) {
     }
 }
 
-/* Falling, flying, spinning; driven, also all at once, and back in between; by Hertz's law; hit by
- * a heavy one; that of what is small, which turns far before it goes far. */
+/* Bodies that fall, fly or spin; driven, also suddenly, and back in between; under Hertz's law; hit
+ * by a heavy body; small ones, which rotate far before they move far. */
 static const char *const moving[] = {
     GRAINS(HELD) "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",
     GRAINS("") "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",
@@ -136,7 +136,7 @@ static void a_resumed_run_lowers_its_step_alike(void **state) {
 
 /* --- bodies alone --- */
 
-/* One grain that is held, where nothing else asks for a step. */
+/* One held grain, where only the body limits the step. */
 static void a_body_alone_has_a_step(void **state) {
     (void)state;
     const char *const motions[] = {
@@ -194,8 +194,8 @@ static double apart(const gn_rigid *a, const gn_rigid *b, double *spin) {
     return 2.0 * sqrt(fmax(0.0, 1.0 - sum * sum));
 }
 
-/* Ten turns in steps that the scene gives by itself, in which the body turns by `turn`, beside ones
- * of `part` rad or a little less. */
+/* Compares ten rotations in steps set by the scene, in which the body rotates by `turn`, with those
+ * in steps of `part` rad or a little less. */
 static void turns(const double size[3], const double spin[3], const char *more, double turn,
                   double part, double *angle_off, double *spin_off) {
     gn_world *w = spinning(size, spin, more, 0.0);
@@ -219,8 +219,8 @@ static void turns(const double size[3], const double spin[3], const char *more, 
     world_end(fine);
 }
 
-/* Fourth order in steps of 0.02 rad is as good as exact, as far as one of 1e-3 by the second tells.
- */
+/* Fourth order in steps of 0.02 rad is practically exact, as far as steps of 1e-3 rad of second
+ * order can show. */
 static void ten_turns_are_right_at_any_step(void **state) {
     (void)state;
     const double size[][3] = {

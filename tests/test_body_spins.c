@@ -31,7 +31,7 @@ static void a_weight_may_be_given(void **state) {
     world_end(w);
 }
 
-/* With its centre as well nothing is asked of the surface. */
+/* If its centre is given as well, nothing is computed from the surface. */
 static void an_open_body_may_be_free(void **state) {
     (void)state;
     gn_world *w = world_of("%sgravity: [0, 0, -10]\nbodies: [{name: b, cylinder: {diameter: 1, "
@@ -48,8 +48,8 @@ static void an_open_body_may_be_free(void **state) {
 
 /* --- one axis: a door --- */
 
-/* A sphere hits a box that can only turn about z. What it rebounds with knows of that axis alone:
- * J = (1 + e) v/(1/m + x^2/I_z), spin x J/I_z. */
+/* A sphere hits a box that can only rotate about z. Its rebound depends on that axis alone: J = (1
+ * + e) v/(1/m + x^2/I_z), spin x J/I_z. */
 static void a_door_is_hit(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {
@@ -120,10 +120,10 @@ static gn_world *driven(const char *body, double dt) {
                     head, body, dt);
 }
 
-/* A top of moments A, A, C leans by th from the z axis about which it is driven with p. Where x and
- * y of its angular momentum are nothing its spin about the horizontal that it leans to is -(C - A)
- * p sin cos/(A cos2 + C sin2), with cos2 on the other's place; it keeps leaning, goes round with p
- * C/(A cos2 + C sin2), and bearings do no work. */
+/* A top of moments A, A, C leans by th from the z axis, about which it is driven with p. If the x
+ * and y components of its angular momentum are zero, its spin about the horizontal axis in the
+ * plane of the lean is -(C - A) p sin cos/(A cos2 + C sin2), with cos2 of the lean; it keeps its
+ * lean, precesses with p C/(A cos2 + C sin2), and bearings do no work. */
 static void a_driven_top_precesses(void **state) {
     (void)state;
     const double height[2] = {0.3, 2.0}, lean = 0.6, p = 3.0, dt = 1e-3;
@@ -151,9 +151,9 @@ static void a_driven_top_precesses(void **state) {
     }
 }
 
-/* A bar and a brick, driven about z with x and y free: nothing has a moment about these, so their
- * angular momentum stays to the bit, and the energy changes by the work of the bearing, which with
- * a constant spin is that times what the momentum about z gains. */
+/* A bar and a brick, driven about z with x and y free: no moment acts about x and y, so that their
+ * angular momentum is constant to the bit, and the energy changes by the work of the bearing, which
+ * at a constant spin is the spin times the gain of the momentum about z. */
 static double driven_residual(const char *size, double dt, double *change) {
     char text_of[256];
     snprintf(text_of, sizeof text_of,
@@ -219,8 +219,8 @@ static void a_wheel_is_spun_up(void **state) {
     assert_true(worst < 1e-5);
 }
 
-/* From hardly to a radian in ten steps, for a hundred thousand steps: what is missed does not grow.
- */
+/* From a very small angle to a radian in ten steps, for a hundred thousand steps: the error does
+ * not grow. */
 static void a_driven_body_turns_for_long(void **state) {
     (void)state;
     const double spin[] = {1e-6, 1.0, 100.0};

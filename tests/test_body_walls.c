@@ -8,7 +8,7 @@ static gn_rigid *body(gn_world *w) {
     return &w->boundary.bodies[0];
 }
 
-/* The largest residual over so many steps. */
+/* Returns the largest residual over a number of steps. */
 static double worst_residual(gn_world *w, int64_t steps) {
     double worst = 0.0;
     for (int64_t k = 0; k < steps; k++) {
@@ -130,8 +130,8 @@ static void the_ledger_closes_while_a_block_tumbles(void **state) {
     assert_true(rough < 1e-3 && damped < 1e-3);
 }
 
-/* A block that stands on an edge rocks to and fro. Its energy is off by what the corners that meet
- * the floor in a step leave. */
+/* A block on an edge rocks to and fro. The error of its energy comes from corners that touch the
+ * floor within a step. */
 static void a_rocking_block_keeps_its_energy(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -249,7 +249,7 @@ static void the_work_of_a_moving_wall_is_in_the_ledger(void **state) {
 
 /* --- the automatic step --- */
 
-/* From springs that give way by meters to such as hardly do, and a body of a thousand vertices. */
+/* From springs that yield by metres to almost rigid ones, and a body of a thousand vertices. */
 static void the_automatic_step_follows_any_stiffness(void **state) {
     (void)state;
     for (int power = 3; power <= 12; power += 3) {

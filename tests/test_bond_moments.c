@@ -1,5 +1,5 @@
 /* Bonds that carry moments: closed forms of bent and twisted chains, strength of the extreme fibre,
- * bodies that turn and keep what they have, the stable step. */
+ * conservation in rotating bodies, the stable step. */
 #include "kernels/law.h"
 #include "run/run.h"
 #include "world_helpers.h"
@@ -17,8 +17,8 @@ static double twist_stiffness(void) {
     return kt * multiplier * multiplier * r * r / 2.0;
 }
 
-/* A chain of touching particles along x, `bonds` of them bonds, the first held, the last with
- * `tip`; `more` sections. */
+/* A chain of touching particles along x, the first `bonds` contacts bonded, the first particle
+ * held, the last one with the motion `tip`; `more`: further sections. */
 static gn_world *chain(int dimension, int bonds, const char *tip, const char *more) {
     text t = {0};
     add(&t, "dimension: %d\nspecimen: {particles: [", dimension);
@@ -67,7 +67,7 @@ static void bends_as_a_cantilever(int dimension, int axis, double force) {
     gn_world *w = chain(dimension, BONDS, tip, more);
     run_steps(w, 8000);
     double kb = bend_stiffness(dimension), d = 2.0 * r, turn = 0.0, deflection = 0.0;
-    double sign = axis == 1 ? 1.0 : -1.0; /* z goes down where y turns up */
+    double sign = axis == 1 ? 1.0 : -1.0; /* z decreases where y rotates upwards */
     int turned = axis == 1 ? 2 : 1;
     for (size_t c = 0; c < BONDS; c++) {
         double m[3];
@@ -240,7 +240,7 @@ static void twist_and_bending_add_to_their_own_stress_only(void **state) {
     reached(steps_to_break(w, &e), moment * 2.0 * share / (multiplier * r * limit_t));
 }
 
-/* Slides across as well: the normal turns by 1e-4, which tilts what is added. */
+/* It slides across the normal as well: the normal rotates by 1e-4, which tilts the increment. */
 static void shear_and_twist_add_up(void **state) {
     (void)state;
     gn_energy e;
@@ -513,7 +513,7 @@ static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
 
 /* --- with everything else --- */
 
-/* A block hits a floor with all options of contacts. Its bonds break in every way and some of its
+/* A block hits a floor with all options of contacts. Its bonds break in every mode, and some of its
  * particles leave the domain. */
 static const char *const thrown =
     "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s, jitter: 0.02}}\n"
@@ -562,8 +562,8 @@ static void bits_are_the_same_for_any_number_of_threads(void **state) {
     coupling = "none";
 }
 
-/* In short steps: what is left is of normals that turn within a step and of contacts that close or
- * break, and goes with its square; without moments it is as much. */
+/* In short steps the residual comes from normals that rotate within a step and from contacts that
+ * close or break, and is of second order; without moments it is as large. */
 static void the_ledger_closes_while_bonds_break(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)
@@ -590,9 +590,9 @@ static void the_ledger_closes_while_bonds_break(void **state) {
     coupling = "none";
 }
 
-/* Three spheres fly out of the domain one after the other, bent and twisted: what their bonds hold
- * goes with them, and the work of the last half step. Left are normals that turn by 1e-4 in a step.
- */
+/* Three spheres leave the domain one after another with bent and twisted bonds: the energy of their
+ * bonds leaves with them, and the work of the last half step. The residual comes from normals that
+ * rotate by 1e-4 in a step. */
 static void the_energy_of_bent_bonds_leaves_with_their_particles(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {

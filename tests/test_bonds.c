@@ -116,7 +116,8 @@ static gn_world *driven_pair(int dimension, double distance, const char *v, cons
         space ? "vz: 0, wx: 0, wy: 0, " : "", dt);
 }
 
-/* Force of the only bond on particle 0, which is held: what its support does not supply. */
+/* Returns the force of the only bond on particle 0, which is held: minus the reaction of its
+ * support. */
 static void bond_force(const gn_world *w, double f[3]) {
     for (int a = 0; a < 3; a++) f[a] = -w->dem.set_reaction[a];
 }

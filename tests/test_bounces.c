@@ -29,7 +29,7 @@ static const char *const head =
 static double energy_in_flight(gn_world *w) {
     for (int k = 0; k < 10000; k++) {
         gn_energy e = measured_step(w);
-        bool pressed = e.elastic_wall != 0.0; /* what is taken back at an opening counts too */
+        bool pressed = e.elastic_wall != 0.0; /* energy removed at an opening counts too */
         if (!w->dem.bonds.contacts.soa.count) pressed = pressed || e.elastic_normal != 0.0;
         if (!pressed) return e.kinetic + e.elastic_normal - e.work_gravity;
     }
@@ -73,8 +73,8 @@ static void a_ball_that_bounces_on_a_floor_keeps_its_energy(void **state) {
     }
 }
 
-/* Pairs take the weight in to first order: what is left is of the order of (g dt/v)^2 = (0.03)^2 of
- * what a crossing is worth, y^2/8 = 0.012, and of the series in y^2, 6e-6. */
+/* Pairs include the weight to first order: the error is of the order of (g dt/v)^2 = (0.03)^2 of
+ * the effect of a crossing, y^2/8 = 0.012, and of the series in y^2, 6e-6. */
 static void a_ball_that_bounces_on_a_held_one_keeps_its_energy_nearly(void **state) {
     (void)state;
     char scene[1024];
@@ -134,9 +134,9 @@ static double column_gain(int count, double wall) {
     return end / start - 1.0;
 }
 
-/* The bonds take part in the crossing: their forces of the instant are known, so that the works
- * close exactly, unless the particle turns back within the step, for which one force cannot make
- * up. Without the bonds' part none of these kept its energy to a percent. */
+/* Bonds are included in the crossing: their forces of the instant are known, so that the works
+ * close exactly, unless the particle reverses within the step, which one force cannot represent.
+ * Without the bonds none of these conserved energy to a percent. */
 static void a_bonded_column_between_walls_keeps_its_energy(void **state) {
     (void)state;
     static const double walls[] = {0.3, 0.7, 1.0, 2.0};
@@ -191,9 +191,10 @@ static void a_change_of_the_step_is_in_the_ledger(void **state) {
     world_end(w);
 }
 
-/* Platens laid on a column and pressed slowly, so much stiffer than the bonds that the stability
- * limit alone would give their contacts 1.8 steps; the upper one touches late. Mean force of
- * springs in a row: the balls go on to chatter at the platens with what the touch gave them. */
+/* Platens rest on a column and are loaded slowly; they are so much stiffer than the bonds that the
+ * stability limit alone would resolve their contacts in 1.8 steps; the upper one touches late.
+ * Compared with the mean force of springs in series: after the impact the balls continue to bounce
+ * at the platens. */
 static void a_stiff_platen_that_touches_late_presses_gently(void **state) {
     (void)state;
     static const double stiff[] = {10.0, 100.0, 1000.0};
@@ -221,13 +222,14 @@ static void a_stiff_platen_that_touches_late_presses_gently(void **state) {
             gn_energy e = measured_step(w);
             assert_near(found / wanted, 1.0, 0.01);
             assert_near(gn_energy_residual(&e), 0.0,
-                        0.01); /* what a run warns of; in two steps 0.2 to 0.5 */
+                        0.01); /* limit of the warning of a run; in two steps 0.2 to 0.5 */
             world_end(w);
         }
 }
 
-/* The largest residual of the ledger of a damped ball that comes to a target at several places in a
- * step, at the default step, once it has come off. `others`: particles and sets beside it. */
+/* Returns the largest residual of the ledger of a damped ball that hits a target at several
+ * instants within a step, at the default step, after the rebound. `others`: particles and sets
+ * beside it. */
 static double damped_residual(const char *target, const char *others, const char *sets,
                               double restitution) {
     enum { PHASES = 8 };
@@ -284,8 +286,8 @@ static double wedge_gain(double angle) {
     return end / start - 1.0;
 }
 
-/* Each wall takes part in what crosses the other, as it stands at the end of the step. Without that
- * the changes were up to ten percent and more, of either sign. */
+/* The force of each wall is included in the crossing at the other, with its value at the end of the
+ * step. Without that the errors were ten percent and more, of either sign. */
 static void a_ball_in_a_wedge_keeps_its_energy(void **state) {
     (void)state;
     for (int k = 1; k < 8; k++) {

@@ -66,7 +66,8 @@ static void there_is_no_seam(void **state) {
     world_end(b);
 }
 
-/* c L is kept by what flies freely, whatever the box does; the work is what that takes. */
+/* c L is conserved for a free particle under any motion of the box; the work is the change of its
+ * energy. */
 static void a_free_particle_keeps_its_speed_in_units_of_the_box(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -220,8 +221,8 @@ static void a_box_is_compacted_bonded_and_loaded(void **state) {
     run_end(run);
 }
 
-/* Runs a scene; over the last tenth of the rows the mean stress along x is what was wanted, to 2 %
- * of what lags behind and rings. */
+/* Runs a scene and checks that over the last tenth of the rows the mean stress along x has the
+ * target value to 2 % of the lag and the oscillation. */
 static void stress_held_to_the_end(const char *scene, double wanted) {
     gneiss_error error = {0};
     gn_run *run = run_of("%s", scene);
@@ -274,7 +275,7 @@ static uint64_t hash_after(const char *scene, int64_t count) {
     steps(run, count);
     uint64_t hash = gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
                                   &run->world.solids, &run->world.box);
-    assert_int_equal(run->world.stages.now, 2); /* all of them were gone through */
+    assert_int_equal(run->world.stages.now, 2); /* all stages were run */
     run_end(run);
     return hash;
 }
@@ -314,8 +315,8 @@ static void a_resumed_box_has_the_same_bits(void **state) {
 
 /* --- an axis without sides --- */
 
-/* Two discs near what would be opposite sides, both pressed through the one that is left out and,
- * as the same two the other way round, through the one that is there. */
+/* Two discs near opposite sides, both pressed through the open side and, with the two exchanged,
+ * through the other one. */
 static void along_an_open_axis_there_are_no_images(void **state) {
     (void)state;
     static const char *const open[] = {"none", "y"}, *const precision[] = {"double", "mixed"};

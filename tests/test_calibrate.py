@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import output, readings, targets, uncertainty  # noqa: E402
+from calibrate import output, readings, simulate, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -137,6 +137,18 @@ def the_calibrated_scene_gives_the_readings_that_are_stated(folder):
 
 
 @plain_fact
+def runs_of_another_commit_are_not_taken(folder):
+    keys = []
+    for number, commit in enumerate(("commit 0123abcd", "commit 0123abce", "commit 0123abcd")):
+        stand_in = os.path.join(folder, "stand-in")
+        with open(stand_in, "w") as file:
+            file.write(f"#!/bin/sh\necho 'gneiss 0.1.0 ({commit}, gcc)'\n")
+        os.chmod(stand_in, 0o755)
+        keys.append(simulate.Laboratory(stand_in, os.path.join(folder, str(number)), 1, 9, 9.0).key({"scene": 1}, 0.0))
+    assert keys[0] == keys[2] != keys[1], keys
+
+
+@plain_fact
 def the_calibrated_scene_is_the_compression_test_or_that_of_the_first_target(_):
     for names, kind in (("brazilian_strength young_modulus", "compression"), ("tensile_strength compressive_strength", "compression"),
                         ("brazilian_strength tensile_strength", "brazilian"), ("tensile_strength brazilian_strength", "tension")):
@@ -243,11 +255,14 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
                                 ("materials", [{"name": "rock"}], r"base\.yaml:.*materials\.density: expected a density, found none"),
                                 ("materials", [{}, {}], r"base\.yaml:.*materials: expected a list with one material, found a list"),
                                 ("law", [], r"base\.yaml:.*law: expected a section, found a list"),
+                                ("specimen", {**SPECIMEN, "file": "rock.txt"}, r"base\.yaml:\d+:\d+: specimen\.file: expected a shape alone.*found file beside cylinder"),
                                 ("bonds", None, r"bad\.yaml:1:8: scene: expected a scene with the section bonds")):
         write_scene(folder, {name: part for name, part in {**scene, key: value}.items() if part is not None}, "base.yaml")
         _, done = calibrated(folder, "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n", "bad", code=2)
         assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
     expect(gneiss("calibrate", os.path.join(folder, "none.yaml")), 3, "cannot be read")
+    calibrated(folder, "targets: {young_modulus: 20 GPa}\nscene: none.yaml\n", "gone", code=3)
+    expect(gneiss("calibrate", os.path.join(folder, "gone.yaml")), 3, r"gone\.yaml:2:8: scene: none\.yaml cannot be read: No such file")
     expect(gneiss("calibrate", os.path.join(folder, "bad.yaml"), "--set", "time.end=1"), 2, "file of targets")
     good = write_scene(folder, TARGETS, "good.yaml")
     for option, values, expected in (("--seeds", ("-x", "1001"), "a number of seeds in"), ("--seeds", ("1,1",), "different"),

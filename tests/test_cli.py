@@ -1,4 +1,4 @@
-"""Commands, options, messages and what is written. Speaks TAP."""
+"""Commands, options, messages and output files. Speaks TAP."""
 import math
 import random
 from concurrent.futures import ThreadPoolExecutor
@@ -105,7 +105,7 @@ def no_number_of_threads_is_all_cores(folder):
         out = os.path.join(folder, f"threads_{number}")
         run(LATTICE, out, "--threads", number)
         assert summary(out)["threads"] == cores(), summary(out)["threads"]
-    expect(gneiss("run", LATTICE, "--threads", -1), 2, r"--set run.threads: .*\[0, 1024\]")
+    expect(gneiss("run", LATTICE, "--threads", -1), 2, r"error: --threads: .*\[0, 1024\]")
 
 
 def cores():
@@ -285,7 +285,7 @@ BOX = "periodic: {min: [-1, -1, 0], max: [1, 1, SIZE]}\n"
 
 @fact
 def errors_of_the_set_up_name_file_line_and_column(folder):
-    # LOOSE begins with an empty line: specimen stands in line 3, law in 5, time in 6, what is added in 8.
+    # LOOSE begins with an empty line: specimen is in line 3, law in 5, time in 6, the addition in 8.
     loose = LOOSE.replace("STEP", "auto")
     held = "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
     wall = "walls: [{name: w, point: [1e9, 0, 1], normal: [0.6, 0, -0.8], stiffness: 1, motion: {vx: 1e-9}}]\norigin: [0, 0, 0]\n"
@@ -419,7 +419,7 @@ def check_accepts_every_scene_that_comes_with_the_program(folder):
     assert len(whole) > 25 and all({"scene", "targets"} & keys[path] or "pack" in path for path in set(scenes) - set(whole))
     with ThreadPoolExecutor(2) as pool:
         for path, call in zip(whole, pool.map(lambda path: gneiss("check", path), whole)):
-            said = [line for line in call.stderr.splitlines() if line.startswith("gneiss:")]  # others tell of progress
+            said = [line for line in call.stderr.splitlines() if line.startswith("gneiss:")]  # other lines report progress
             assert call.returncode == 0 and not said, f"{path}: {call.stderr}"
 
 
@@ -591,10 +591,12 @@ def wrong_calls_are_refused(folder):
         ("run", LATTICE, "--out"): "--out",
         ("run", LATTICE, "--out", ""): "--out: expected a folder",
         ("run", LATTICE, "--log", "xml"): "expected json or text, found 'xml'",
-        ("run", LATTICE, "--threads", "many"): "run.threads",
-        ("run", LATTICE, "--threads", "-1"): "run.threads",
-        ("run", LATTICE, "--isa", "mmx"): "run.isa.*mmx",
-        ("run", LATTICE, "--precision", "half"): "run.precision.*half",
+        ("run", LATTICE, "--threads", "many"): "error: --threads: .*many",
+        ("run", LATTICE, "--seed", "x", "--threads", "-1"): r"--seed: expected a whole number[^\n]*\n--threads: ",
+        ("run", LATTICE, "--set", "run.threads=many"): "error: --set run.threads: .*many",
+        ("run", LATTICE, "--isa", "mmx"): "error: --isa: .*mmx",
+        ("run", LATTICE, "--precision", "half"): "error: --precision: .*half",
+        **{(name, LATTICE, "--out", "x"): f"gneiss {name}: --out is for gneiss run, pack" for name in ("check", "plan", "stiffness", "report")},
         ("run", LATTICE, "--set", "time.end"): "KEY=VALUE",
         ("run", LATTICE, "--set", "=1"): "KEY=VALUE",
         ("run", LATTICE, "--set", "time.ende=1"): "--set time.ende",
@@ -1042,7 +1044,7 @@ ASKED = {"spin": 3, "group": 1, "material": 1, "total_force": 3, "total_moment":
 
 @fact
 def fields_are_in_snapshots_and_results_where_they_are_asked_for(folder):
-    """With viscous damping of a v m at mid-step; what is not asked for is not there, and changes no bit."""
+    """With viscous damping of a v m at mid-step; unrequested fields are absent, and requesting them changes no bit."""
     states = []
     for asked in ((), ASKED):
         out = os.path.join(folder, str(len(asked)))
@@ -1090,8 +1092,9 @@ def fields_that_there_are_not_are_refused_with_their_place(folder):
 
 @fact
 def orientations_are_written_where_they_are_asked_for(folder):
-    # Spin w about a fixed axis: the turn is cos(w t/2), axis sin(w t/2). Each step is first order in the angle and wrong
-    # by (w dt/2)^2/3 of it, 7.5e-9 here. After 4 rad the shorter way round is back.
+    # Spin w about a fixed axis: the rotation is cos(w t/2), axis sin(w t/2). Each step is of first order in the angle
+    # with an error of (w dt/2)^2/3 of it, 7.5e-9 here. After 4 rad the quaternion of the shorter rotation is
+    # expected.
     spin = np.array([100.0, 200.0, 200.0])
     scene = LOOSE.replace("STEP", "1e-6").replace("end: 1e-4", "end: 4/300 s".replace("4/300", repr(4 / 300)))
     scene += "sets: [{name: turned, select: {ids: [1]}, motion: {wx: 100, wy: 200, wz: 200}}]\n"

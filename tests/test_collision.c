@@ -6,7 +6,7 @@
 typedef struct momentum {
     double linear[3], angular[3];
     double linear_size,
-        angular_size; /* sums of the sizes of the terms: what round-off is measured by */
+        angular_size; /* sums of the magnitudes of the terms, the scale of round-off */
 } momentum;
 
 /* x and v may be a step apart: x(n+1) x v(n+1/2) = x(n) x v(n+1/2). */
@@ -79,7 +79,7 @@ static void collisions_keep_momentum(int dimension) {
         assert_near(after.angular[a], before.angular[a], allowed * before.angular_size);
     }
     e = measured_step(w);
-    assert_true(e.friction > 0.005 * kinetic); /* they did meet */
+    assert_true(e.friction > 0.005 * kinetic); /* they were in contact */
     assert_true(e.contact_damping > 0.05 * kinetic);
     /* A contact that opens or closes within a step leaves 1/2 k (v dt)^2 unbooked. */
     double v = 10.0, events = 100.0; /* no more than that */
@@ -143,9 +143,9 @@ static double worst_rebound(double fine) {
     return worst;
 }
 
-/* The parts of the first and the last step count as they are, with errors of second order: the
- * dashpot sees the velocity of half a step before, which its coefficient knows of in the mean only.
- * Measured: 0.03 to 0.04 of (w dt)^2 here. */
+/* Contact in a part of the first and the last step has errors of second order: the dashpot uses the
+ * velocity of half a step before, which its coefficient corrects in the mean only. Measured: 0.03
+ * to 0.04 of (w dt)^2 here. */
 static void restitution_error_is_of_second_order_in_the_step(void **state) {
     (void)state;
     for (double fine = 0.256; fine > 2e-4; fine /= 4.0)
@@ -166,7 +166,8 @@ static void a_sphere_rebounds_from_a_wall_with_the_restitution_coefficient(void 
                      restitutions[k], fine / omega);
         run_steps(w, (int64_t)(6.0 / fine));
         assert_near(vel_of(w, 0)[2], restitutions[k], 1e-3);
-        assert_near(vel_of(w, 0)[0], 0.2, 1e-15); /* a smooth wall leaves the rest alone */
+        assert_near(vel_of(w, 0)[0], 0.2,
+                    1e-15); /* a smooth wall does not change the other components */
         world_end(w);
     }
 }

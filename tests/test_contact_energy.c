@@ -120,7 +120,7 @@ static void nonviscous_damping_books_what_an_oscillator_loses(void **state) {
             assert_true(gn_energy_stored(&e) <= before * (1.0 + 1e-6));
             before = gn_energy_stored(&e);
         }
-        /* The pair drifts on with half the momentum; what swings is gone. */
+        /* The pair drifts on with half the momentum; the oscillation is damped. */
         assert_true(e.background_damping > 0.3 * start);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-6);
         world_end(w);
@@ -174,8 +174,8 @@ static void an_applied_force_is_shared_by_mass(void **state) {
     world_end(w);
 }
 
-/* One end held, the other pulled at a constant velocity: the reactions are the spring force, the
- * work that came in is what the spring holds. */
+/* One end is held, the other pulled at a constant velocity: the reactions are the spring force, and
+ * the work equals the stored energy. */
 static void reactions_of_prescribed_motion_are_the_spring_force(void **state) {
     (void)state;
     gn_world *w = bonded_pair(
@@ -267,7 +267,7 @@ static void a_wall_follows_its_velocity_table(void **state) {
     world_end(w);
 }
 
-/* A moving wall presses a held sphere: the work of the wall is what its spring holds. */
+/* A moving wall presses a held sphere: the work of the wall equals the energy of its spring. */
 static void the_work_of_a_wall_is_booked(void **state) {
     (void)state;
     gn_world *w =
@@ -324,7 +324,8 @@ static void a_passive_wall_is_free_of_force_at_the_start(void **state) {
     run_steps(w, 1);
     assert_true(w->boundary.walls[0].force[2] == 0.0);
     run_steps(w, 500);
-    /* 50 um in: the overlapping sphere feels all of it, the one 100 um above nothing yet. */
+    /* At 50 um of travel the overlapping sphere carries the whole force, the one 100 um above none.
+     * */
     assert_close(w->boundary.walls[0].force[2], -3e6 * 50e-6, 1e-9);
     run_steps(w, 1000);
     assert_close(w->boundary.walls[0].force[2], -3e6 * (150e-6 + 50e-6), 1e-9);

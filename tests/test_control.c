@@ -1,5 +1,5 @@
-/* Ends of a test that follow a reading: it grows at its rate where the ends alone would let it run,
- * and whatever it does the motion stays within what was asked for. */
+/* Ends of a test that follow a reading: it grows at the prescribed rate where the ends alone would
+ * let it run away, and the motion always stays within its prescribed bounds. */
 #include "run_helpers.h"
 
 /* Eleven spheres in a row, drawn apart by the outer ones; the bond between the sixth and seventh is
@@ -71,8 +71,8 @@ static void an_opening_grows_at_its_rate(void **state) {
     run_end(run);
 }
 
-/* A brittle bond gives back all at once what no end can take back in time: the ends go back as fast
- * as they may and no faster. */
+/* A brittle bond releases more than the ends can take back in time: they move back at their largest
+ * speed and no faster. */
 static void the_motion_is_bounded_when_the_reading_runs_away(void **state) {
     (void)state;
     gn_run *run = run_of("%s", chain("", "", control, "threads: 1"));
@@ -89,7 +89,7 @@ static void the_motion_is_bounded_when_the_reading_runs_away(void **state) {
     assert_int_equal(run->world.dem.broken_tension, 1);
     assert_near(least, -0.5, 0.0);
     assert_near(most, 1.0, 0.0);
-    assert_true(back > 0.3 * furthest); /* until the opening is what it should be by then */
+    assert_true(back > 0.3 * furthest); /* until the opening has its value for that time */
     assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 0.01);
     run_end(run);
 }
@@ -108,8 +108,8 @@ static void a_scene_without_control_is_not_touched(void **state) {
     run_end(run);
 }
 
-/* The machine at a quarter, backwards, between two looks: what is prescribed for an end along the
- * axis, and nothing else, is. */
+/* The machine at a factor of a quarter, backwards, between two readings: the prescribed motion of
+ * the ends along the axis is scaled, and nothing else. */
 static gn_world *machine_at(const char *scene_text, int64_t step, double factor) {
     gn_world *w = world_of("%s", scene_text);
     run_steps(w, step);
@@ -191,7 +191,7 @@ static void threads_and_a_break_do_not_matter(void **state) {
         assert_true(hash == hash_after(chain(softens, ratio, control, two), 3000));
         gn_run *run = run_of("%s", chain(softens, ratio, control, one));
         for (int k = 0; k < 3; k++) {
-            /* Not at a look. */
+            /* Interrupted between readings of the control. */
             if (gn_run_steps(run, k < 2 ? 997 : 3000 - 2 * 997, &error) != GNEISS_OK)
                 fail_msg("%s", error.message);
             if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);

@@ -1,4 +1,4 @@
-/* Finite elements that turn into particles while the run goes on. */
+/* Finite elements that convert to particles during a run. */
 #include "base/memory.h"
 #include "conversion_helpers.h"
 #include "limit/springs.h"
@@ -152,8 +152,8 @@ static void assert_strained(const gn_world *w, const double gradient[9], double 
     assert_true(free > 0);
 }
 
-/* As elements take it along; what is out of balance then, as at sides that nothing pulls, is
- * another matter (test_relaxation.c). */
+/* Particles move with their elements, without relaxation; the imbalance that then remains, as at
+ * free sides, is tested in test_relaxation.c. */
 static block unrelaxed(const block *s) {
     block as_it_is = *s;
     as_it_is.convert = "stress: 1e30, relax: none";
@@ -233,7 +233,7 @@ static void bounds_of(const gn_fem_solid *b, size_t e, double low[3], double hig
     }
 }
 
-/* About the element nearest to a place of those in which no particle starts. */
+/* Finds the element nearest to a point among those in which no particle starts. */
 static void find_empty(const gn_world *w, const double near[3], double low[3], double high[3]) {
     const gn_fem_solid *b = &w->solids.elements[0]->solid;
     double least = INFINITY;
@@ -341,8 +341,8 @@ static void convert_small(const block *s, field *motion, const double near[3]) {
     world_end(w);
 }
 
-/* Elements smaller than a particle, with which nothing becomes free, in the middle, at an edge and
- * at a corner; near nodes that are driven, which go on as they are. */
+/* Elements smaller than a particle, which release none, in the middle, at an edge and at a corner;
+ * beside driven nodes, which keep their motion. */
 static void small_elements_keep_mass_and_momentum(void **state) {
     (void)state;
     static const double places[3][3] = {{15e-3, 8e-3, 7e-3}, {15e-3, 0, 0}, {0, 0, 0}};
@@ -361,7 +361,7 @@ static void small_elements_keep_mass_and_momentum(void **state) {
                 double near[3];
                 memcpy(near, places[p], sizeof near);
                 if (k == 2) near[1] = 11e-3;
-                if (k == 2 && (m < 2 || p == 1)) continue; /* moves as what is driven */
+                if (k == 2 && (m < 2 || p == 1)) continue; /* moves with the driven nodes */
                 if (k == 3 && p < 2 && m != 1) continue;   /* large */
                 convert_small(&small[k], motions[m], near);
             }
@@ -382,7 +382,7 @@ static bool any_element_between(const gn_world *w, double from, double to) {
     return found;
 }
 
-/* Twice the width of a zone is too little between two of them: what is there goes too. */
+/* Two zones need more than twice the width of one between them: the elements there convert too. */
 static void two_converting_places_that_join_leave_no_element_between_them(void **state) {
     (void)state;
     gn_world *w = block_of(&plate);
@@ -452,7 +452,7 @@ static void the_limit_of_active_particles_is_that_of_the_full_operator(void **st
     }
 }
 
-/* At the end of the block what is thinner than a zone goes too. */
+/* A remainder at the end of the block that is thinner than a zone converts too. */
 static void a_remnant_thinner_than_a_zone_converts_too(void **state) {
     (void)state;
     gn_world *w = block_of(&plate);
@@ -544,14 +544,14 @@ static void limits_are_those_of_principal_stress_and_of_coulomb(void **state) {
     gn_convert_def def = {.stress = 2e6};
     const double weak[6] = {1e6, 0, -1e6, 0, 0, 0}, pull[6] = {1e6, -5e6, 0, 0, 0, 0},
                  shear[6] = {0, 0, 0, 3e6, 0, 0}, press[6] = {-1e6, -9e6, -1e6, 0, 0, 0};
-    assert_near(gn_front_excess(&def, weak), 0.0, 0.0);
-    assert_near(gn_front_excess(&def, pull), 0.5, 1e-12);
-    assert_near(gn_front_excess(&def, shear), 1.5, 1e-12);
-    assert_near(gn_front_excess(&def, press), -0.5, 1e-12);
+    assert_near(gn_front_excess(&def, weak, 1.0), 0.0, 0.0);
+    assert_near(gn_front_excess(&def, pull, 1.0), 0.5, 1e-12);
+    assert_near(gn_front_excess(&def, shear, 1.0), 1.5, 1e-12);
+    assert_near(gn_front_excess(&def, press, 1.0), -0.5, 1e-12);
     /* tan(phi) = 3/4: sin = 0.6, cos = 0.8. Half the difference 4, the mean -5 MPa. */
     def = (gn_convert_def){.has_mohr = true, .cohesion = 1e6, .friction = 0.75};
-    assert_near(gn_front_excess(&def, press), (4.0 - 5.0 * 0.6) / 0.8, 1e-12);
-    assert_near(gn_front_excess(&def, shear), 3.0 / 0.8, 1e-12);
+    assert_near(gn_front_excess(&def, press, 1.0), (4.0 - 5.0 * 0.6) / 0.8, 1e-12);
+    assert_near(gn_front_excess(&def, shear, 1.0), 3.0 / 0.8, 1e-12);
 }
 
 static void friction_of_a_limit_may_be_an_angle(void **state) {
@@ -585,7 +585,7 @@ static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
 
 /* --- stops --- */
 
-/* Nothing has changed, and the model goes on as it was. */
+/* Nothing has changed, and the model continues as before. */
 static void assert_halted(gn_world *w, const double low[3], const double high[3],
                           const char *words) {
     gneiss_error error = {0};
@@ -730,7 +730,7 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
 
 /* --- warnings --- */
 
-/* A block that flies and turns, of which a corner converts. */
+/* A translating and rotating block, of which a corner converts. */
 static gn_run *turned_run(const block *s) {
     gn_run *run = calloc(1, sizeof *run);
     gneiss_error error = {0};

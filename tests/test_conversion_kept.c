@@ -19,7 +19,7 @@ static gn_world *spun(const char *time) {
     return w;
 }
 
-/* The energy after so many steps over that at the start; INFINITY when the run has gone bad. */
+/* Returns the energy after a number of steps over that at the start; INFINITY if the run failed. */
 static double energy_after(gn_world *w, int steps) {
     gneiss_error error = {0};
     gn_energy e = measured_step(w);
@@ -32,7 +32,7 @@ static double energy_after(gn_world *w, int steps) {
     return grown;
 }
 
-/* They bring springs without inertia: with what particles and elements hold each by itself the
+/* Slaved spins add springs without inertia: with the separate limits of particles and elements the
  * model is unstable. */
 static void slaved_spins_of_new_zones_are_in_the_step(void **state) {
     (void)state;
@@ -117,7 +117,7 @@ static void conversions_keep_both_momenta(void **state) {
         for (int m = 0; m < 4; m++)
             for (int b = 0; b < 3; b++) {
                 if (m == 3 && !blocks[k].space) continue;
-                if (k == 3 && (m != 1 || b != 0)) continue; /* moves as what is driven */
+                if (k == 3 && (m != 1 || b != 0)) continue; /* moves with the driven nodes */
                 assert_kept(&blocks[k], motions[m], boxes[b][0], boxes[b][1],
                             k != 2 && b < (blocks[k].space ? 1 : 2));
             }
@@ -147,7 +147,7 @@ static own own_of(const gn_world *w) {
     return o;
 }
 
-/* In the plane, m v r of what is left of the velocities without the motion as a whole. */
+/* In 2D, m v r of the velocities minus the rigid motion. */
 static double vibration_of(const gn_world *w) {
     const whole s = whole_of(w);
     const own o = own_of(w);
@@ -160,8 +160,8 @@ static const double corners[3][2][3] = {{{0.0, 0.0, 0.0}, {2e-3, 2e-3, 2e-3}},
                                         {{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 4e-3}},
                                         {{26e-3, 0.0, 0.0}, {30e-3, 2e-3, 2e-3}}};
 
-/* Converts at corners and amid, and sums up what that does to the body as a whole; [2] N m s: the
- * largest change of angular momentum; the largest that it had, or of its vibration. */
+/* Converts at corners and in the middle, and adds up the changes of the whole body; [2] N m s: the
+ * largest change of angular momentum; the largest angular momentum, or that of its vibration. */
 static gn_world *convert_and_sum(const block *s, field *motion, const void *of, own *sum,
                                  double size[2]) {
     gn_world *w = block_of(s);
@@ -216,8 +216,8 @@ static void changes_of_the_whole_body_by_conversions_are_summed(void **state) {
         }
 }
 
-/* A body that flies and turns goes on as it does: what its angular momentum about its centre
- * changes by is what its inertia does, however fast it flies. */
+/* A translating and rotating body keeps its motion: its angular momentum about its centre changes
+ * by the same fraction as its inertia, at any speed. */
 static void a_rigidly_moving_body_keeps_its_spin(void **state) {
     (void)state;
     const block s = {.cells = {15, 8, 0}};
@@ -326,7 +326,7 @@ static void springs_of_another_stiffness_are_reported_with_their_ratio(void **st
                  {1.5, 1.0, {1e-6}, 1.5},
                  {0.7, 3.0, {1e-6, 0.0, 0.0, 0.0, 2e-6}, 0.7},
                  {1.0, 4.0, {0.0, 1e-6, 0.0, 1e-6}, 0.25},
-                 {1.2, 2.0, {0.0, 2e-6}, 0.6}}; /* a turn besides */
+                 {1.2, 2.0, {0.0, 2e-6}, 0.6}}; /* with a rotation in addition */
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         gn_world *w = lattice_of(cases[k].stiffer, cases[k].kratio, "");
         set_elements(w, strain, cases[k].gradient);
@@ -388,7 +388,8 @@ static void parts_of_the_booked_energy_add_up(void **state) {
 
 /* --- elements without particles --- */
 
-/* A quarter of the spacing: between four particles, of which none is in it nor in a thin zone. */
+/* At a quarter of the spacing: between four particles, none of which is in the element or in a thin
+ * zone. */
 static const double between[2][3] = {{2e-3, 2e-3, 0.0}, {2.25e-3, 2.25e-3, 1.0}};
 
 static void neighbours_convert_as_well_and_the_invariants_of_the_body_are_kept(void **state) {
@@ -456,9 +457,10 @@ static double least_held(const gn_world *w) {
     return least;
 }
 
-/* Beside a node at (5, 8) mm that is driven, or that carries a load: elements that are small beside
- * particles, of which none is left at the node next to it, which would hang on one or two of them;
- * elements that are as large as particles, which have theirs. A node keeps r/width at least. */
+/* Beside a node at (5, 8) mm that is driven or loaded: elements that are small relative to
+ * particles, none of which remains at the next node, which would be supported by one or two of
+ * them; elements as large as particles, which contain their own. A node keeps at least r/width of
+ * its mass. */
 static void assert_held(bool fine, const char *elements, const char *couple, bool space) {
     gneiss_error error = {0};
     const block s = {.cells = {space ? 5 : 6, 4, space ? 2 : 0},

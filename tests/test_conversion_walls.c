@@ -52,7 +52,7 @@ static void a_particle_activated_inside_a_wall_feels_added_loads_only(void **sta
     }
 }
 
-/* The momentum of a body that falls on its particles is what the wall gives it. */
+/* The momentum of a body that falls on its particles changes by the impulse of the wall. */
 static void a_body_rebounds_on_its_particles(void **state) {
     (void)state;
     const double how[2] = {0.0, 0.05};
@@ -72,7 +72,7 @@ static void a_body_rebounds_on_its_particles(void **state) {
         impulse -= w->ctx.dt * w->boundary.walls[0].force[1];
     }
     assert_near(whole_of(w).momentum[1] - before, impulse, 1e-9 * fabs(before));
-    assert_true(impulse > 1.2 * fabs(before)); /* it goes up again, and swings */
+    assert_true(impulse > 1.2 * fabs(before)); /* it rebounds, and oscillates */
     gn_energy e = measured_step(w);
     assert_true(fabs(gn_energy_residual(&e)) < 1e-4);
     world_end(w);
@@ -80,7 +80,7 @@ static void a_body_rebounds_on_its_particles(void **state) {
 
 /* --- walls that elements pass --- */
 
-/* A bar drawn at its right end, of which only the middle may convert; E = M, nu = 0. */
+/* A bar pulled at its right end, of which only the middle may convert; E = M, nu = 0. */
 static block bar(const char *rest) {
     return (block){.cells = {30, 8, 0},
                    .box = "{min: [15 mm, -1], max: [45 mm, 1]}",
@@ -124,7 +124,7 @@ static void walls_that_driven_elements_pass_are_predicted(void **state) {
     assert_int_equal(ahead.touching, 0);
     assert_int_equal(far.behind + far.touching, 0);
     assert_near(coming.time, 4.0 / 4.5, 1e-3);
-    assert_int_equal(floor.behind, 0);    /* nu = 0: nothing presses it */
+    assert_int_equal(floor.behind, 0);    /* nu = 0: nothing presses against it */
     assert_int_equal(floor.touching, 29); /* those at the ends are held */
     assert_int_equal(inside.behind, 31);
     assert_near(inside.time, 0.0, 0.0);

@@ -46,7 +46,7 @@ static shape *box(double x, double y, double z) {
     return box_cut(x, y, z, 0);
 }
 
-/* A polygon of so many corners on a circle, in turn `sense` +-1. */
+/* A polygon with a number of corners on a circle, oriented by `sense` +-1. */
 static shape *disc(int corners, double radius, int sense) {
     shape *s = calloc(1, sizeof *s);
     for (int k = 0; k < corners; k++) {
@@ -112,8 +112,8 @@ static void planes_are_found_whatever_the_sense_of_facets(void **state) {
     }
 }
 
-/* A cube of half size 0.01 whose sides have so many facets each way, turned, as a file of six
- * digits (0) or in single precision says it, there `off` from its origin. */
+/* A rotated cube of half size 0.01 with a number of facets along each edge, with coordinates of six
+ * digits (0) or in single precision as in a file, whose origin is `off` from the cube. */
 static shape *from_file(int parts, double off) {
     static const double r[3] = {0.3, -0.7, 0.5};
     shape *s = calloc(1, sizeof *s);
@@ -343,10 +343,10 @@ static void derivatives_are_those_of_the_depth(void **state) {
     }
     print_message("# %d pairs: %.3g from differences; second derivatives up to %.3g and %.3g\n",
                   met, worst, bend, turned);
-    assert_true(bend < 2.0 && turned < 2.0); /* what src/boundary/body_pairs.c takes */
+    assert_true(bend < 2.0 && turned < 2.0); /* limits of src/boundary/body_pairs.c */
 }
 
-/* Friction that turns goes by the spread, and has to be the same for the same bodies. */
+/* Rotational friction depends on the spread, which must be the same for the same bodies. */
 static void the_spread_does_not_depend_on_how_faces_are_cut(void **state) {
     (void)state;
     shape *floor = box(1.0, 1.0, 0.5),

@@ -32,10 +32,10 @@ static double largest_force(gn_world *w, double low, double high, bool columns) 
     return most;
 }
 
-/* Nodes get the load of the particles around them, not the integral of it over their elements, so
- * that triangles which lean one way leave forces between the nodes of a column; together they are
- * in equilibrium. What is left are the square of the strain, which elements have and bonds have
- * not, and the rounding of places over the displacement of a spacing. */
+/* Nodes get the load of the particles around them, not its integral over their elements, so that
+ * triangles leaning one way leave forces between the nodes of a column; together these are in
+ * equilibrium. The remaining error is the square of the strain, which elements have and bonds do
+ * not, and the rounding of positions over the displacement of one spacing. */
 static void a_patch_of_a_lattice_is_in_equilibrium_to_rounding(void **state) {
     (void)state;
     const double strain = 1e-7;
@@ -166,7 +166,7 @@ static void momentum_of(const gn_world *w, double sum[6], double *size) {
     add_momentum(w, true, sum, size);
 }
 
-/* Over what has gone through. */
+/* Relative to the energy throughput. */
 static double worst_residual(gn_world *w, int steps) {
     double worst = 0.0;
     for (int k = 0; k < steps; k++) {
@@ -303,8 +303,8 @@ static void a_pulse_is_under_way_at_the_start(void **state) {
                    "expected one that starts outside of zones");
 }
 
-/* Nodes of elements that reach into a zone may be in a pulse that no particle of it is in: these
- * follow, or what their bonds hold would come from nowhere. */
+/* Nodes of elements that reach into a zone may be inside a pulse that contains no particle of the
+ * zone: the particles follow them, or the energy of their bonds would have no source. */
 static void a_pulse_beside_a_zone_takes_its_particles_along(void **state) {
     (void)state;
     static const char *const more[] = {"constraint: lumped", "constraint: consistent",

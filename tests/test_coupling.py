@@ -47,7 +47,7 @@ def plan_says_when_elements_convert_first_and_what_the_step_is_then(folder):
     # Bonds that soften open and close undamped: a run of this scene took 8.03e-8 s.
     mixed = gneiss("plan", os.path.join(ROOT, "scenes", "bending-mixed.yaml"), "--set", "run.threads=1").stdout
     assert 0.8 < float(re.search(r"(\S+) s after further conversions, set by the collisions", mixed).group(1)) / 8.03e-8 < 1.2, mixed
-    # A zone that comes to the sides of what is packed.
+    # A zone that reaches the sides of the packed region.
     small = gneiss("plan", adaptive, "--set", "couple.convert.box={min: [120 mm, -1 mm], max: [228 mm, 101 mm]}", "--set", "run.threads=1")
     assert "the first would end the run: conversion would have to go on to element" in small.stdout, small.stdout + small.stderr
 
@@ -76,7 +76,7 @@ def first_of(scene):
     return float(found.group(1)) if found else None, said
 
 
-@fact
+@plain_fact
 def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     stages = "time: {end: 50 ms}\nstages: [{name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}, end: {%s}}, {name: pull, elements: {motions: {drawn: {motion: {vx: 0.5 mm/s}}}}, end: {time: 15 ms}}]\n"
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms"))
@@ -102,7 +102,7 @@ def plan_does_not_look_behind_the_end_of_the_last_stage(folder):
     assert re.search(r"\nstages .*\n  pull +\d+ steps, .*; until", said), said
 
 
-@fact
+@plain_fact
 def plan_and_run_convert_at_the_same_time_and_with_the_same_step(folder):
     """The first conversion, the step after it, and the step after many more, of free and of slaved spins."""
     scene, out = os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), os.path.join(folder, "out")
@@ -138,13 +138,13 @@ def plan_converts_what_is_loaded_most_where_no_limit_is_reached(folder):
     assert "the first would end the run" in said or int(re.search(r"once (\d+) of them are left", said).group(1)) < 960, said
 
 
-# Waves at 1754 m/s go along it in 68 us; at 0.2 m/s the first of them brings 2.7 MPa.
+# Waves at 1754 m/s travel along it in 68 us; at 0.2 m/s the first of them causes 2.7 MPa.
 @fact
 def plan_says_where_waves_come_first(folder):
     for speed, first_time in (("0.5 mm/s", 10e-3), ("0.2 m/s", 0.0126e-3)):
         first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", speed) + "time: {end: 15 ms}\n"))
         assert abs(first - first_time) < 0.02 * first_time, said
-    # A pulse so short that nothing would come of it in equilibrium.
+    # A pulse so short that it would have no effect in equilibrium.
     pulse = "[[0, 0.2], [2 us, 0.2], [2.1 us, 0]]"
     first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", pulse) + "time: {end: 1 ms}\n"))
     assert first < 0.1e-3, said
@@ -172,7 +172,7 @@ def check_warns_of_walls_that_elements_go_through(folder):
     for time, warned in (("1 s", False), ("2.5 s", True)):
         said = expect(gneiss("check", write_scene(folder, DRAWN + stages % time + wall % "121 mm")), 0, r"").stdout
         assert ("'stop' goes through elements from t = 2" in said) == warned, said
-    # In a fixed zone the end of the elements stands on the wall, particles do not.
+    # In a fixed zone the end of the elements rests on the wall, and particles do not.
     zone = BAR + "walls: [{name: base, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e9}]\n"
     said = expect(gneiss("check", write_scene(folder, zone)), 0, r"").stdout
     assert "wall 'base' touches 20 nodes of elements: elements have no contact with walls" in said, said
@@ -361,7 +361,8 @@ def a_zone_given_twice_is_refused(folder):
 
 @fact
 def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_name(folder):
-    """A mesh of a quarter of the spacing: what goes first holds no particle, and a thin zone none either. Pulled at both ends the limit is met in the middle."""
+    """A mesh of a quarter of the spacing: the first converting elements contain no particle, and neither does a thin
+    zone. With both ends pulled the limit is reached in the middle."""
     assert "neighbouring elements convert as well" not in gneiss("check", write_scene(folder, PULLED)).stdout
     both = PULLED.replace("{vx: 0}", "{vx: -0.05}").replace("{vx: 0.1}", "{vx: 0.05}").replace("cells: [15, 4]", "cells: [120, 32]")
     scene, out = write_scene(folder, both), os.path.join(folder, "out")
@@ -518,7 +519,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert summary["time"] < 0.9e-4
     said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
     with h5py.File(os.path.join(out, "results.h5")) as file:
-        assert file["history/step"][-1] == summary["steps"] - 1  # the last row is how far it came
+        assert file["history/step"][-1] == summary["steps"] - 1  # the last row is at the time that the run reached
     assert re.search(r"the run ended at \S+ s of 0\.0001 s, and the further behaviour is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
                      r"couple\.convert\.box and the packing in it must extend beyond the converted elements on that side by the width of the zone, 0\.006 m", said), said
     page = gneiss("report", out)
@@ -545,8 +546,8 @@ def pulse(stress):
 
 @fact
 def the_ledger_closes_when_a_run_ends_before_its_second_row(folder):
-    """The step is lowered while elements vibrate, and conversion has to leave its box before the ledger is read again: what that takes is
-    not set against what was read at the start."""
+    """The step is lowered while elements vibrate, and conversion has to leave its box before the ledger is read
+    again: that residual is not compared with the energy read at the start."""
     scene = {"dimension": 2, "materials": [{"name": "c", "density": 2400, "contact_modulus": 22.4e9, "kratio": 3, "friction": 0.5, "tensile_strength": 4e8,
                                             "shear_strength": 1.2e9}],
              "specimen": {"group": 1, "rectangle": {"width": 0.08, "height": 0.02}, "mean_radius": 8e-4, "density_basis": "bulk",
@@ -656,7 +657,7 @@ def a_run_that_converts_nothing_says_how_near_it_came(folder):
     scene = write_scene(folder, MEETING)
     run(scene, os.path.join(folder, "few"), "--set", "couple.convert.stress=50 MPa")
     share, x, t = (float(v) for v in re.search(r"was (\S+) % of a limit in element \d+ at \((\S+), .* t = (\S+) s; lower limits", warnings_of(os.path.join(folder, "few"))["nothing_converted"]).groups())
-    assert 9.5 < share < 11 and abs(x - 0.06) < 0.01 and 40e-6 < t < 50e-6, (share, x, t)  # 5 MPa and what waves overshoot by
+    assert 9.5 < share < 11 and abs(x - 0.06) < 0.01 and 40e-6 < t < 50e-6, (share, x, t)  # 5 MPa and the overshoot of waves
     done = gneiss("check", scene, "--set", "couple.convert.every=100000")
     assert re.search(r"every \(100000 steps\) is at least the \d+ steps of the run: nothing will be converted", done.stdout), done.stdout
     assert "is no less than" not in gneiss("check", scene).stdout
@@ -772,8 +773,9 @@ def energy_returned_by_a_zone_is_a_reading(folder):
 
 @fact
 def elements_under_compression_convert_by_shear(folder):
-    """By Coulomb's limit, under the pulses with their signs turned: where they meet 5 MPa and what waves overshoot by, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is held against the
-    cohesion; 3 MPa alone are 0.78 of it. Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
+    """By Coulomb's limit, under the pulses with opposite sign: where they superpose there are 5 MPa and the overshoot
+    of waves, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is compared with the cohesion; 3 MPa alone are 0.78 of it.
+    Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
     turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")
     mohr = turned.replace("stress: 4 MPa", "mohr_coulomb: {cohesion: 1 MPa, friction: 0.7}")
     out = os.path.join(folder, "out")
@@ -811,7 +813,8 @@ run: {threads: 1}
 
 @fact
 def a_region_of_the_body_is_packed_and_may_convert(folder):
-    """As a smaller specimen by hand, at its place, with its box: the same bits. The resolved scene says it again."""
+    """The same bits as for a smaller specimen written by hand at its position and with its box. The resolved scene
+    repeats it."""
     scene = write_scene(folder, REGION)
     done = gneiss("check", scene)
     assert re.search(r"volume +0\.000384 m3 \(1 m thick\), of the shape", done.stdout), done.stdout + done.stderr

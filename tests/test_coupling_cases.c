@@ -288,8 +288,8 @@ static void fly_on(gn_world *w, size_t wanted, int most) {
     assert_int_equal(gn_coupled_removed_count(&w->ctx, &w->zones), wanted);
 }
 
-/* Nodes give up the mass that they carried: what is left at last is their own, and the books are
- * even on the way. */
+/* Nodes give up the mass that they carried: in the end they have their own mass, and the ledger
+ * closes on the way. */
 static void a_zone_may_lose_all_its_particles(void **state) {
     (void)state;
     const char *couple[] = {NULL, "constraint: consistent", "constraint: penalty", "spins: slaved"};
@@ -381,8 +381,8 @@ static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     free(run);
 }
 
-/* Length and section that a test takes when nothing is said are those of the body, whatever of it
- * is packed; those of a beam are held against it. */
+/* The default length and section of a test are those of the whole body, whatever part of it is
+ * packed; those of a beam are checked against it. */
 static void a_test_takes_its_sizes_from_all_of_the_body(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {

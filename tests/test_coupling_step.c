@@ -96,10 +96,10 @@ static unknowns *unknowns_of(gn_world *w) {
     return u;
 }
 
-/* Column j of M^-1 K: what a step takes off the velocities after one in which only j moved. Small
- * steps and paths, of which nothing but the linear part is left: strains of 1e-6. */
+/* Column j of M^-1 K: the decrease of velocities in a step after one in which only j moved. Steps
+ * and paths are small, so that only the linear part remains: strains of 1e-6. */
 static void column_of(const model *m, const char *time, size_t j, double *column, size_t count) {
-    const double speed = 1.0; /* m/s, or rad/s of what turns */
+    const double speed = 1.0; /* m/s, or rad/s for rotations */
     gn_world *w = made(m, time, NULL);
     unknowns *u = unknowns_of(w);
     double *before = calloc(count, sizeof *before);
@@ -198,8 +198,8 @@ static void springs_of_a_zone_do_not_depend_on_how_the_step_is_given(void **stat
 
 /* --- what it is worth --- */
 
-/* The energy after so many steps of a part of the sharp limit, over that at the start; INFINITY
- * when the run has gone bad. */
+/* Returns the energy after a number of steps at a fraction of the sharp limit, over that at the
+ * start; INFINITY if the run failed. */
 static double energy_at(const model *m, double part, int steps) {
     char time[96];
     gneiss_error error = {0};
@@ -405,9 +405,9 @@ static double asked_by_softening(const char *couple) {
     return step;
 }
 
-/* Where bonds soften all of them last five steps: by the masses that particles have at a zone's
- * edge, where they meet others with parts of contacts, they would not, but these move as nodes do.
- */
+/* If bonds soften, all of them must last five steps: with the masses that particles have at the
+ * edge of a zone, where they meet others with weighted contacts, they would not, but these
+ * particles move with nodes. */
 static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void **state) {
     (void)state;
     static const char *const with[] = {"", ", constraint: consistent", ", spins: slaved"};

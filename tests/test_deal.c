@@ -200,7 +200,7 @@ static void others_help_a_thread_that_stands_still(void **state) {
     free(m);
 }
 
-/* Whoever was slow gets less. */
+/* A slow thread gets a smaller share. */
 static void shares_follow_the_pace(void **state) {
     (void)state;
     uint64_t seed = 3;
@@ -213,8 +213,8 @@ static void shares_follow_the_pace(void **state) {
     for (int round = 0; round < 200; round++) {
         gn_deal_begin(&deal);
         assert_int_equal(deal.team, 2);
-        /* The first thread takes three times as long for a block: it comes to 10 of 40, whatever
-         * its share is. */
+        /* The first thread takes three times as long per block: it does 10 of 40, whatever its
+         * share is. */
         deal.mark[0].worked = 10;
         deal.mark[1].worked = 30;
         deal.mark[0].seconds = deal.mark[1].seconds = 4e-5; /* neither waits */

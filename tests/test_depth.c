@@ -1,4 +1,4 @@
-/* Contacts of particles that are pressed beyond what laws of contacts are for. */
+/* Contacts of particles whose overlap exceeds the range of validity of contact laws. */
 #include "surface_helpers.h"
 
 #include "run/run.h"
@@ -79,7 +79,8 @@ static void deep_overlaps_are_warned_of(void **state) {
         }
 }
 
-/* By Hertz's law; it sinks through most of a radius on its way. At steps without readings too. */
+/* With Hertz's law; it penetrates by almost a radius. The overlap is seen at steps without readings
+ * too. */
 static void soft_grains_are_warned_of(void **state) {
     (void)state;
     gn_run run;

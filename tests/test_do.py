@@ -9,7 +9,7 @@ LAYERS = os.path.join(ROOT, "tools", "layers.py")
 LINKS = os.path.join(ROOT, "tools", "links.py")
 WORDS = os.path.join(ROOT, "tools", "words.py")
 
-# As meson's, but for what is compiled: nothing.
+# Like meson's file, but it compiles nothing.
 NINJA = """
 rule make
   command = {command} && touch $out
@@ -103,7 +103,7 @@ def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
 
 @fact
 def tests_install_what_locales_are_made_from(folder):
-    """Where the package is missing: with stubs for what asks and installs."""
+    """The package is missing: stubs stand in for the commands that query and install."""
     make_root(folder)
     bin = os.path.join(folder, "bin")
     os.makedirs(bin)

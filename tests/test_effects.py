@@ -20,7 +20,7 @@ PLAIN = {"MATERIAL": ", kratio: 2", "ROTATION": "on", "DAMPING": "", "SETS": "",
 FRICTION = ", kratio: 2, friction: 0.5"
 UNUSED = ", kratio: 2}, {name: u, density: 1, normal_stiffness: 1e6, kratio: 2, friction: 0.5"
 HELD = "sets: [{name: s, select: {all: true}, motion: {wx: 0, wy: 0, wz: 0}}]\n"
-# Name, what carries it, what does without.
+# Name, keys with the effect, keys without it.
 CASES = (("rotation", {}, {"ROTATION": "off"}),
          ("friction", {"MATERIAL": UNUSED}, {}),
          ("contact_damping", {"DAMPING": "damping: {contact: {restitution: 1}}\n"}, {}),

@@ -71,8 +71,8 @@ static momentum momentum_of(const gn_world *w) {
     return m;
 }
 
-/* Particles and nodes exchange equal forces at one point; what elements do among themselves keeps
- * both sums too. */
+/* Particles and nodes exchange equal forces at one point; internal forces of elements preserve both
+ * sums too. */
 static void keeps_momentum(int dimension) {
     gn_world *w = shower(dimension, "damping: {contact: {restitution: 0.7}}\ntime: {end: 1}\n");
     momentum before = momentum_of(w);
@@ -161,7 +161,7 @@ static void the_limit_includes_contacts_with_nodes(void **state) {
     for (int n = 0; n < 2000 && gn_world_step(w, false, &error) == GNEISS_OK; n++)
         for (size_t v = 0; v < w->solids.elements[0]->solid.nodes.soa.count; v++)
             speed = fmax(speed, fabs(w->solids.elements[0]->solid.nodes.vel[4 * v + 2]));
-    /* Free fall over the whole time would come to far less. */
+    /* Free fall over the whole time would give a much smaller speed. */
     assert_true(speed > 10.0 * 1e3 * 2000 * alone);
     world_end(w);
 }
@@ -212,7 +212,7 @@ static double rebound(int dimension, double r, int hold, double young, bool plat
     return e;
 }
 
-/* The dashpot goes by the mass of the block, not by those of the nodes that are hit. */
+/* The dashpot uses the mass of the block, not that of the touched nodes. */
 static void restitution_does_not_depend_on_the_mesh(void **state) {
     (void)state;
     const double radius[] = {0.5e-3, 2e-3, 6e-3};
@@ -266,7 +266,7 @@ static const char *const held_base[] = {
     "motions: [{name: b, group: y_lower, motion: {vx: 0, vy: 0}}],",
     "motions: [{name: b, group: z_lower, motion: {vx: 0, vy: 0, vz: 0}}],"};
 
-/* The most that is unexplained on the way, over what has gone through up to a time. */
+/* Returns the largest residual up to a time, over the energy throughput. */
 static double worst_residual(gn_world *w, double end) {
     double worst = 0.0, pressed = 0.0, scale = 0.0;
     while (w->ctx.time < end) {
@@ -414,7 +414,8 @@ static void compare_bits(gn_world *make(void), int64_t steps, int64_t rebuilds) 
     char saved[64];
     snprintf(saved, sizeof saved, "/tmp/gneiss-contact-%d.h5", (int)getpid());
     gn_world *one = make(), *two = make();
-    assert_int_equal(gn_world_use_threads(&two->ctx, &two->dem, 2, NULL), GNEISS_OK);
+    two->ctx.threads = 2;
+    assert_int_equal(gn_dem_use_threads(&two->ctx, &two->dem, NULL), GNEISS_OK);
     run_steps(one, steps);
     run_steps(two, steps);
     assert_true(gn_world_hash(&one->ctx, &one->dem, &one->boundary, &one->solids, &one->box) ==
@@ -462,7 +463,7 @@ static void too_many_facets_at_once_are_refused(void **state) {
     if (!strstr(error.message, "512 facets")) fail_msg("%s", error.message);
 }
 
-/* The overlap from which on there is no room is known before the run. */
+/* The overlap beyond which there is no room is known before the run. */
 static void too_many_facets_are_announced(void **state) {
     (void)state;
     const double radius[] = {5e-3, 20e-3};

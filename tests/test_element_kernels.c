@@ -95,7 +95,7 @@ static void free_bench(bench *b) {
     free(b->growth_row);
 }
 
-/* Positions are those of make_bench, wherever the struct has gone. */
+/* Positions are those of make_bench, even after the struct was copied. */
 static gn_element_sums run(bench *b, gn_element_kernel *kernel) {
     gn_element_sums sums = GN_ELEMENT_SUMS_ZERO;
     b->args.elements = &b->elements;
@@ -257,7 +257,7 @@ static double row_sum(const bench *b, const double *row, size_t width, int32_t n
     return sum;
 }
 
-/* Slopes are where forces leave room, the rest in rows of its own. */
+/* Slopes are stored where forces leave room, the rest in rows of its own. */
 static double slope_sum(const bench *b, int32_t node, size_t k) {
     if (b->dimension == 2) return row_sum(b, b->sums.row, 4, node, 2 + k);
     return k ? row_sum(b, b->slope_row, 2, node, k - 1) : row_sum(b, b->sums.row, 4, node, 3);

@@ -38,8 +38,8 @@ def bar(dimension, form="displacement"):
 # --- closed forms --------------------------------------------------------------------------------------
 
 def reads_back(folder, dimension, form):
-    """A bar in uniform tension is represented exactly by linear elements. What is left is the law, whose E falls
-    off as 1 + 3/2 strain (strains are below 6e-4), and what is left of the waves of the start."""
+    """A bar in uniform tension is represented exactly by linear elements. The remaining error comes from the law,
+    whose E falls off as 1 + 3/2 strain (strains are below 6e-4), and from the initial waves."""
     run(write_scene(folder, bar(dimension, form)), os.path.join(folder, "out"), "--threads", 1)
     readings = summary(os.path.join(folder, "out"))["readings"]
     plane = "plane_" if dimension == 2 else ""
@@ -116,7 +116,7 @@ def a_bar_with_a_waist_reads_back_its_modulus(folder):
         assert abs(found["plane_young_modulus"] / YOUNG - 1) < 0.03, (name, found["plane_young_modulus"])
         assert abs(found["young_modulus_average"] / PLANE_YOUNG - 1) < 0.03, (name, found["young_modulus_average"])
         assert abs(found["plane_poisson_ratio"] / POISSON - 1) < 0.03, (name, found["plane_poisson_ratio"])
-        # Stresses are over what they were said to be over.
+        # Stresses refer to the stated areas.
         rows = history(os.path.join(folder, name))
         assert abs(rows["stress"][-1] * (area or mean) / rows["force"][-1] - 1) < 1e-3
 
@@ -599,7 +599,7 @@ def a_load_far_too_large_names_the_element_before_it_runs_away(folder):
         done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, formulation)), 5,
                       r"turned inside out: det F = -", "the state is in")
         ratio = float(re.search(r"det F = (\S+)", done.stderr).group(1))
-        assert -10 < ratio <= 0, ratio  # of the step in which it turned, not of what became of it
+        assert -10 < ratio <= 0, ratio  # the value of the step in which it inverted, not a later one
 
 
 @fact

@@ -1,5 +1,5 @@
-/* The list of events: what is in it, for one bond and for many, and that it costs nothing else. And
- * the warning of energy that a break made, which the same bonds show. */
+/* The list of events: its content for one bond and for many, and that it changes nothing else. Also
+ * the warning of energy created by a break, for the same bonds. */
 #include "io/h5.h"
 #include "run/run.h"
 #include "world_helpers.h"
@@ -51,8 +51,8 @@ static const gn_event *event_of(const gn_world *w, size_t c, int32_t cause, size
     return found;
 }
 
-/* A place is that of the contact when its bond broke: a particle came nowhere near a radius since.
- */
+/* The position is that of the contact when its bond broke: no particle has moved by as much as a
+ * radius since. */
 static void check_break(const gn_world *w, size_t c) {
     size_t count;
     const gn_contacts *b = &w->dem.bonds.contacts;
@@ -248,10 +248,10 @@ static void a_resumed_run_has_the_same_list_and_results_hold_it(void **state) {
 
 /* --- energy that a break makes --- */
 
-/* Two spheres that begin to turn the same way, with energy E. 5/7 of it shears their bond to and
- * fro; leap-frog keeps that as 1/2 k_t A^2 (1 - s^2), s the step over its limit, A the largest
- * shear. A bond that breaks there leaves the velocities of half a step before, with s^2/(1 - s^2)
- * of that energy: 4.3 times as much at s 0.9. */
+/* Two spheres that begin to rotate in the same sense, with energy E. 5/7 of it shears their bond to
+ * and fro; leap-frog conserves that as 1/2 k_t A^2 (1 - s^2), s the step over its limit, A the
+ * largest shear. A bond that breaks at A leaves the velocities of half a step before, with s^2/(1 -
+ * s^2) of that energy: 4.3 times as much at s 0.9. */
 static void swing(gn_run *run, double safety) {
     char words[2048];
     double mass = sphere_mass(2500.0, 1e-3), k = 1e7, energy = 0.4 * mass * 1e-6; /* 1 rad/s each */

@@ -117,7 +117,7 @@ static void grains_in_touch_move_in_mixed_precision_as_in_double(void **state) {
     print_message("# mixed beside double after 3 steps: off by %.2g of the largest speed\n", worst);
 }
 
-/* Two that part from where they touch feel nothing: there is nothing to take back. */
+/* No force acts on two grains that separate from exact contact: there is nothing to take back. */
 static void grains_that_part_from_touch_feel_nothing(void **state) {
     (void)state;
     static const char *const precisions[] = {"double", "mixed"};

@@ -1,14 +1,14 @@
-/* The seam between force and motion: an exchange adds to the loads of what waits for it. */
+/* The seam between force and motion: an exchange adds to the loads of held blocks. */
 #include "world_helpers.h"
 
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "timestep/timestep.h"
 #include "world/features.h"
 
 #include <unistd.h>
 
-/* Points of two parts of the world at the same places move as one: both get the force that makes
- * their next velocities equal. */
+/* Points of two parts of the world at the same positions move together: both get the force that
+ * makes their next velocities equal. */
 typedef struct tie {
     int part[2]; /* -1: particles; else a solid of elements */
     size_t count;
@@ -151,8 +151,8 @@ static two_blocks *stack(int dimension, double step, int threads) {
     s->def.materials = &s->material;
     s->def.origin[dimension - 1] -= 3e-3;
     if (gn_elements_add(&s->w->ctx, &s->w->solids, &s->def, NULL, &error) != GNEISS_OK ||
-        gn_world_check_step(&s->w->ctx, &s->w->dem, &s->w->boundary, &s->w->solids, &s->w->zones,
-                            &s->w->ledger, true, &error) != GNEISS_OK)
+        gn_timestep_check(&s->w->ctx, &s->w->dem, &s->w->boundary, &s->w->solids, &s->w->zones,
+                          &s->w->ledger, true, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     stir(s->w, &s->w->solids.elements[1]->solid.nodes);
     tie_make(&s->upper, s->w, -1, 0);
@@ -201,7 +201,7 @@ static double largest_of(const tie *t, double most) {
     return most;
 }
 
-/* The largest error of the ledger, over what the parts held at the start. */
+/* Returns the largest error of the ledger, over the energy of the parts at the start. */
 static double run_steps_tied(gn_world *w, int steps) {
     gn_energy e = measured_step(w);
     double before[6], after[6], size, scale = gn_energy_stored(&e), worst = 0.0;
@@ -211,7 +211,7 @@ static double run_steps_tied(gn_world *w, int steps) {
         worst = fmax(worst, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
     }
     momentum_of(w, after, &size);
-    for (int a = 0; a < 6; a++) /* roundings of so many steps, arms of 6 mm */
+    for (int a = 0; a < 6; a++) /* rounding of this number of steps, arms of 6 mm */
         assert_near(after[a], before[a], 2.2e-16 * steps * 10.0 * size * (a < 3 ? 1.0 : 6e-3));
     return worst / scale;
 }
@@ -241,7 +241,7 @@ static void tied_bodies_keep_momentum_and_energy(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         double coarse = run_tied(dimension, 4e-7, 2000), fine = run_tied(dimension, 2e-7, 4000);
-        /* The elements' law is not linear: what the ledger leaves is of second order. */
+        /* The elements' law is not linear: the residual is of second order. */
         assert_true(coarse < 1e-4);
         assert_true(fine < 0.35 * coarse);
     }

@@ -149,13 +149,13 @@ SMALL = ("run", LATTICE, "--set", "time.end=0.05 ms", "--set", "output.snapshots
 
 @fact
 def allocations_of_the_setup_may_fail(folder):
-    # Some 260 in all: the first of them (options, scene, threads), and every sixth of the lists.
-    out_of_memory(folder, SMALL, lambda count: [*range(1, 61), *range(61, 300, 6)])
+    # Some 260 in all: the first of them (options, scene, threads), and every thirteenth of the lists.
+    out_of_memory(folder, SMALL, lambda count: [*range(1, 61), *range(61, 300, 13)])
 
 
 @fact
 def allocations_of_steps_and_outputs_may_fail(folder):
-    out_of_memory(folder, SMALL, lambda count: range(300, count + 1, 9))
+    out_of_memory(folder, SMALL, lambda count: range(300, count + 1, 19))
 
 
 STAGED = """dimension: 2
@@ -175,20 +175,20 @@ stages:
 
 @fact
 def allocations_of_the_readings_of_stages_may_fail(folder):
-    # Among the last of all, in pairs.
+    # Some of the last calls, in pairs.
     scene = write_scene(folder, STAGED)
     out_of_memory(folder, ("run", scene), lambda count: range(count - 80, count + 1, 2))
 
 
 @fact
 def memory_may_run_out_for_good_at_any_time(folder):
-    out_of_memory(folder, SMALL, lambda count: range(1, count + 1, 13), "+")
+    out_of_memory(folder, SMALL, lambda count: range(1, count + 1, 29), "+")
 
 
 @fact
 def allocations_of_a_packing_may_fail(folder):
     body = write_scene(folder, "specimen: {cylinder: {diameter: 20 mm, height: 30 mm}, particles: 60}\n")
-    out_of_memory(folder, ("pack", body), lambda count: range(1, count + 1, 11))
+    out_of_memory(folder, ("pack", body), lambda count: range(1, count + 1, 23))
 
 
 CONVERTING = ("run", os.path.join(SCENES, "../../scenes/bending-adaptive.yaml"), "--set", "time.end=0.003 ms",
@@ -199,7 +199,7 @@ CONVERTING = ("run", os.path.join(SCENES, "../../scenes/bending-adaptive.yaml"),
 def allocations_of_measured_steps_of_zones_may_fail(folder):
     # Between the set-up and the files of the end: the mean stress of zones among them. A few are not needed: there is another way.
     out, codes = os.path.join(folder, "out"), {}
-    for number in range(1000, allocations(out, *CONVERTING) - 250, 23):
+    for number in range(1000, allocations(out, *CONVERTING) - 250, 47):
         shutil.rmtree(out)
         os.mkdir(out)
         done = faulty(*CONVERTING, "--out", out, "--quiet", "--threads", 1, alloc=number)
@@ -214,13 +214,13 @@ TRIAXIAL = ("run", os.path.join(SCENES, "../../scenes/triaxial.yaml"), "--set", 
 @fact
 def allocations_of_the_reading_of_stages_may_fail(folder):
     # The scene is read first; its stages are read whole, one after the other.
-    out_of_memory(folder, TRIAXIAL, lambda count: range(1, 400, 3))
+    out_of_memory(folder, TRIAXIAL, lambda count: range(1, 400, 7))
 
 
 @fact
 def a_library_that_reads_the_scene_or_units_may_lack_memory(folder):
-    # A lack for good, so that what the libraries do with half of their data cannot look like an answer. Some allocate some
-    # thousand times for the units; a crash within them is theirs.
+    # Memory fails permanently, so that libraries that continue with half of their data cannot give a valid result.
+    # Some allocate thousands of times for the units; a crash within them is theirs.
     count = os.path.join(folder, "count")
     expect(faulty("check", LATTICE, all=1, count=count), 0)
     codes = {}

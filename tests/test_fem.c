@@ -1,5 +1,4 @@
-/* Bodies of finite elements at rest: meshes, loads, reactions, and what is refused.
- */
+/* Bodies of finite elements at rest: meshes, loads, reactions, and refused input. */
 #include "fem_patch.h"
 
 #include <unistd.h>
@@ -163,7 +162,7 @@ static void reactions_carry_weight_and_loads(void **state) {
         assert_near(force[0], 0.0, 1e-8 * 1e4 * area);
         double scale = solid->reading.work_gravity + solid->reading.work_applied;
         /* The ledger is exact for a linear law; the rest of this one is of the size of strains. */
-        assert_near(gn_fem_energy_residual(&solid->reading), 0.0, 1e-6 * scale);
+        assert_near(energy_residual(&solid->reading), 0.0, 1e-6 * scale);
         assert_true(solid->reading.damping > 0.1 * scale);
         body_end(solid);
     }
@@ -193,8 +192,7 @@ static void prescribed_strain_gives_the_confined_stress(void **state) {
                  1e-5); /* strain 1e-6: not linear */
     gn_fem_reaction(solid, left, force);
     assert_close(force[0], -confined(&rock) * 1e-6 * sizes[0][1], 1e-5);
-    assert_near(gn_fem_energy_residual(&solid->reading), 0.0,
-                1e-6 * solid->reading.work_prescribed);
+    assert_near(energy_residual(&solid->reading), 0.0, 1e-6 * solid->reading.work_prescribed);
     body_end(solid);
 }
 
@@ -414,7 +412,8 @@ static void an_inverted_element_stops_the_run_with_its_number(void **state) {
         size_t node = (size_t)gn_elements_node(&solid->elements, 1)[e];
         char number[64];
         gneiss_error error = {0};
-        /* Element 37 alone through the opposite face: move its node 1 so that det F = -1/2. */
+        /* Inverts element 37 alone through its opposite face: moves its node 1 so that det F =
+         * -1/2. */
         double g[3], size2 = 0.0;
         for (int k = 0; k < d; k++) {
             g[k] = gn_elements_gradient(&solid->elements, 1, k)[e];

@@ -149,7 +149,7 @@ static void steps_just_below_the_sharp_limit_stay_bounded_and_above_grow(void **
             for (int s = 0; s < (above ? 30 : 20000); s++) fem_step(solid, dt, false);
             if (above)
                 assert_true(fastest(solid) > 1e-3);
-            else /* 1/sqrt(1 - 0.99^2) = 7 times what one mode starts with */
+            else /* 1/sqrt(1 - 0.99^2) = 7 times the initial amplitude of one mode */
                 assert_true(fastest(solid) < 1e-5);
             body_end(solid);
         }
@@ -202,8 +202,8 @@ static void energy_of_larger_strains_swings_no_wider_with_time(void **state) {
     }
 }
 
-/* A free cube (its inertia is the same about all axes) that spins once round: the strains of the
- * centrifugal forces, (w l/c)^2, are all it gets, and it comes back to where it was. */
+/* A free cube (with equal inertia about all axes) that rotates once: only the strains of the
+ * centrifugal forces, (w l/c)^2, occur, and it returns to its position. */
 static void a_spinning_cube_turns_rigidly(void **state) {
     (void)state;
     for (int way = 0; way < WAYS; way++) {

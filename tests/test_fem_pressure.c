@@ -1,5 +1,5 @@
 /* The pressure form of finite elements where the displacement form locks: nearly incompressible
- * solids at rest, and what the form does by itself. */
+ * solids at rest, and properties of the form. */
 #include "cook.h"
 
 static double deflection(gn_fem_form form, cook_cut cut, int cells) {
@@ -66,8 +66,8 @@ static void pressures_have_no_checkerboard(void **state) {
     }
 }
 
-/* The stabilising pressure has an inertia: what it does when a load comes at once and nothing is
- * damped. */
+/* The stabilising pressure has an inertia: its effect when a load is applied suddenly without
+ * damping. */
 static void a_sudden_load_makes_no_checkerboard_either(void **state) {
     (void)state;
     for (int cut = 0; cut < 3; cut++) {
@@ -86,8 +86,7 @@ static void a_sudden_load_makes_no_checkerboard_either(void **state) {
         }
         print_message("# cut %d: at most %.2g\n", cut, worst);
         assert_true(worst < 0.02);
-        assert_near(gn_fem_energy_residual(&solid->reading), 0.0,
-                    1e-8 * solid->reading.work_applied);
+        assert_near(energy_residual(&solid->reading), 0.0, 1e-8 * solid->reading.work_applied);
         body_end(solid);
     }
 }
@@ -126,7 +125,7 @@ static void ledger_closes_on_the_way_to_rest(void **state) {
     gn_fem_solid *solid = cook_at_rest(&c);
     fem_step(solid, solid->dt_past, true);
     const gn_fem_energy *e = &solid->reading;
-    assert_near(gn_fem_energy_residual(e), 0.0, 1e-8 * e->work_applied);
+    assert_near(energy_residual(e), 0.0, 1e-8 * e->work_applied);
     assert_close(e->elastic, 0.5 * e->work_applied, 1e-4);
     assert_close(e->damping, 0.5 * e->work_applied, 1e-4);
     body_end(solid);
@@ -143,7 +142,7 @@ static void hold_side(gn_fem_solid *solid, const char *group, unsigned mask) {
     gn_fem_set_free(&set);
 }
 
-/* The part of the top that is pressed, in place of the side z_upper, which nothing is done to. */
+/* Marks the loaded part of the top as a side in place of z_upper, which is unused. */
 static void mark_pressed(gn_mesh *mesh) {
     gn_mesh_group *group = &mesh->groups[5];
     assert_string_equal(group->name, "z_upper");

@@ -82,7 +82,7 @@ static void mixed_triangles_converge_when_nearly_incompressible(void **state) {
         double coarse = fabs(error_of(&spec, "mean right"));
         spec.cells = 16;
         double fine = fabs(error_of(&spec, "mean right"));
-        assert_true(log2(coarse / fine) > 1.09); /* what the singular corners leave in the end */
+        assert_true(log2(coarse / fine) > 1.09); /* limit set by the singular corners */
     }
 }
 

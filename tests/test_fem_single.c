@@ -1,5 +1,5 @@
-/* Finite elements with forces in single precision: how far they are off the kernels in double, what
- * that does to the energy, the same bits. */
+/* Finite elements with forces in single precision: difference from the kernels in double, effect on
+ * the energy, identical bits. */
 #include "fem_helpers.h"
 
 static const double cell = 0.1; /* m */
@@ -17,7 +17,7 @@ static gn_fem_solid *block(int d, bool single, int threads, const char *isa) {
 
 /* --- forces --- */
 
-/* Nodes go where a strain of that size, random in every element, and a rigid motion take them. */
+/* Moves nodes by a strain of that size, random in every element, and a rigid motion. */
 static void displace(gn_fem_solid *solid, double strain, double travel, double angle) {
     const int d = solid->dimension;
     const double axis[3] = {d == 3 ? 0.3 : 0.0, d == 3 ? -0.5 : 0.0, 1.0},
@@ -158,7 +158,7 @@ static void forces_of_a_turned_body_are_within_the_bound(void **state) {
 
 /* --- bits --- */
 
-/* After some steps, every `measured`-th measured. */
+/* Returns the hash after some steps, every `measured`-th of them measured. */
 static uint64_t hash_after(gn_fem_solid *solid, int steps, int measured) {
     gn_fem_limit limit;
     assert_int_equal(gn_fem_bound(solid, &limit, NULL), GNEISS_OK);
@@ -236,8 +236,8 @@ static void hold(gn_fem_solid *solid, const char *group) {
     gn_fem_set_free(&set);
 }
 
-/* Largest change of kinetic and elastic energy, of what there was. The energy is taken in double
- * from positions in double, so that it shows what work the rounding of forces did. */
+/* Returns the largest relative change of kinetic and elastic energy. The energy is computed in
+ * double from positions in double, so that it shows the work that rounding of forces did. */
 static double energy_change(gn_fem_solid *solid, double dt, int steps) {
     double most = 0.0;
     for (int s = 0; s < steps; s++) {

@@ -43,9 +43,9 @@ static const char plain[] = "time: {start: first_break, end: 1}\n";
 
 /* --- closed forms --- */
 
-/* n springs in a row: F = k v t/n, so that the first breaks at n R/(k v), after displacements and
- * velocities that grow along the row as its places do. Loads of 1e-5 of the forces may be left, and
- * so many times the number of bonds they may come to in a place. */
+/* n springs in series: F = k v t/n, so that the first breaks at n R/(k v), after displacements and
+ * velocities that are linear along the chain. Residual loads may be 1e-5 of the forces, which
+ * accumulate along the bonds. */
 static void a_chain_breaks_when_its_springs_say(void **state) {
     (void)state;
     enum { COUNT = 11, BONDS = COUNT - 1 };
@@ -109,10 +109,10 @@ static void raised_masses_weigh_what_they_did(void **state) {
     assert_near(work[1], work[0], 1e-6 * work[0]);
 }
 
-/* Under its weight a column that hangs from its foot, and is pulled further by gravity's own
- * direction: bond k (from the foot) carries k v t/n and the weight of what hangs below, less what
- * the head takes of it. With both ends held the weights w of the free spheres are carried by both
- * in halves: the bond at the foot has (n - 1) w/2 more than the mean. */
+/* A column that hangs from its foot under its weight, and is pulled in the direction of gravity:
+ * bond k (from the foot) carries k v t/n and the weight hanging below it, less the support of the
+ * head. With both ends held the weights w of the free spheres are carried half by each: the bond at
+ * the foot has (n - 1) w/2 more than the mean. */
 static void a_column_carries_its_weight(void **state) {
     (void)state;
     enum { COUNT = 6, BONDS = COUNT - 1 };
@@ -127,7 +127,7 @@ static void a_column_carries_its_weight(void **state) {
     assert_true(found.i == 0 || found.j == 0);
     gn_energy e = measured_step(w);
     assert_near(gn_energy_residual(&e), 0.0, 1e-9);
-    assert_true(e.background_damping > 0.0); /* what the weight put in beyond what is stored */
+    assert_true(e.background_damping > 0.0); /* work of gravity beyond the stored energy */
     world_end(w);
 }
 
@@ -194,7 +194,7 @@ static void the_weaker_material_breaks_first(void **state) {
     world_end(w);
 }
 
-/* Far from the break and close to it. */
+/* Fractions far from the break and close to it. */
 static void the_fraction_is_taken_as_it_is(void **state) {
     (void)state;
     const double fraction[] = {1e-3, 0.5, 0.999};
@@ -307,7 +307,7 @@ static void a_periodic_box_is_solved(void **state) {
     world_end(w);
 }
 
-/* Discs: a row of them in the plane. */
+/* A row of discs in 2D. */
 static void discs_are_solved(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -360,7 +360,7 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     unlink(path);
 }
 
-/* The states on the way, the first of them at rest, and the start, which the first step reads. */
+/* States before the start, the first at rest, and the start state, which the first step reads. */
 static void the_history_has_the_part_without_steps(void **state) {
     (void)state;
     gneiss_error error = {0};

@@ -17,7 +17,7 @@ static void ok(gneiss_status status, const gneiss_error *error) {
     "materials: [{name: m, density: 2500, young: 10 MPa, poisson: 0.25, friction: 0.5, "           \
     "rolling_friction: 0.1, restitution: 0.5}]\nlaw: {stiffness: hertz}\n"
 #define DOMAIN "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\n"
-/* Grains alone in a domain; a scene without an end of its own, on one thread. */
+/* Free grains in a domain; a scene that never ends by itself, on one thread. */
 #define LOOSE   "dimension: 3\n" GRAINS DOMAIN
 #define ENDLESS "time: {end: 1}\nrun: {threads: 1}\n"
 
@@ -34,8 +34,8 @@ static void no_two_touch(const gn_world *w) {
 
 /* --- sources --- */
 
-/* The first comes at the start, one more every millisecond. All fly alike, so that none may ever
- * touch another. */
+/* The first particle enters at the start, one more every millisecond. All have the same velocity,
+ * so that none may ever touch another. */
 static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -97,7 +97,7 @@ static void sizes_are_those_of_the_distribution(void **state) {
             "run: {threads: 1}\n",
             sizes[k]);
         run_steps(w, 10);
-        w->dem.verlet.last_step -= 1000; /* the next look comes at once */
+        w->dem.verlet.last_step -= 1000; /* makes the next check due */
         run_steps(w, 151);
         const gn_particles *q = &w->dem.particles;
         double n = (double)q->soa.count, mean = 0.0, square = 0.0, least = 1.0, most = 0.0;
@@ -147,7 +147,7 @@ static void a_run_warns_of_a_source_that_is_behind(void **state) {
     gn_run_free(&run);
 }
 
-/* Where nothing can come in neither a larger region nor a faster velocity makes room. */
+/* If a wall blocks the inflow, neither a larger region nor a faster velocity makes room. */
 static void a_run_warns_of_a_source_behind_a_wall(void **state) {
     (void)state;
     static const char *const sources =
@@ -235,7 +235,7 @@ static void in_the_plane_discs_come_in(void **state) {
 
 /* --- sinks --- */
 
-/* Without forces what a source brings is in the box or has gone through the sink. */
+/* Without forces every particle of a source is in the box or was removed by the sink. */
 static void momentum_and_energy_pass_from_source_to_sink(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -257,7 +257,7 @@ static void momentum_and_energy_pass_from_source_to_sink(void **state) {
     assert_close(s->momentum[0], o->momentum[0] + 0.5 * mass, 1e-12);
     assert_close(o->energy, 0.5 * o->mass * v2, 1e-12);
     assert_close(e.removed, o->energy, 1e-12);
-    /* The first one was there from the start. */
+    /* The first particle existed at the start. */
     assert_close(e.inserted + e.stored_at_start, s->energy, 1e-12);
     assert_near(gn_energy_residual(&e), 0.0, 1e-12);
     world_end(w);
@@ -360,7 +360,7 @@ static void lost_particles_are_known_by_id_and_place(void **state) {
 
 /* --- identity --- */
 
-/* A stream through a sink: rows of those that are gone are used again, ids are not. */
+/* A stream through a sink: rows of removed particles are reused, ids are not. */
 static void ids_stay_unique_and_rows_do_not_pile_up(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -509,7 +509,8 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     for (int k = 0; k < KINDS; k++) resumes((kind)k);
 }
 
-/* The second stage takes what stage and source have brought; sets are of the specimen still. */
+/* The second stage keeps the particles of stage and source; sets still are parts of the specimen.
+ * */
 static void stages_go_on_with_what_came(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -556,7 +557,7 @@ static void grains_fall_on_finite_elements(void **state) {
     run_until(w, 0.02);
     gn_energy e = measured_step(w);
     assert_true(w->dem.flow.sources[0].number > 50.0 && e.elastic_elements > 0.0);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) /* none came in below the surface */
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) /* none entered below the surface */
         assert_true(w->dem.particles.start[4 * p + 2] > 0.0);
     assert_near(gn_energy_residual(&e), 0.0, 0.01);
     world_end(w);
@@ -622,7 +623,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 2",
             "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
             "found sieve");
-    refuses("rate: 100", /* also where it is what it is by default */
+    refuses("rate: 100", /* also if the value is the default */
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 1",
             "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
             "found sieve");
@@ -668,7 +669,7 @@ static void a_specimen_wholly_in_a_sink_is_warned_of(void **state) {
 
 /* --- examples --- */
 
-/* The first part of it. */
+/* Runs the first part of an example. */
 static void example(const char *name, double time) {
     char path[4096];
     gn_scene scene;

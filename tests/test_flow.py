@@ -84,7 +84,7 @@ def particles_balance_sources_and_sinks_in_every_row(folder):
 
 @fact
 def a_plan_counts_the_steps_that_grains_will_need(folder):
-    """By Hertz's law steps become shorter once grains touch, and there are none at first."""
+    """With Hertz's law steps become shorter once grains touch, and at first there are no grains."""
     scene = {
         "dimension": 3, "materials": [{"name": "m", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.3, "restitution": 0.5}],
         "law": {"stiffness": "hertz"}, "gravity": [0, 0, -9.81],
@@ -102,7 +102,7 @@ def a_plan_counts_the_steps_that_grains_will_need(folder):
 
 @fact
 def every_column_of_the_history_has_numbers(folder):
-    """Particles that come and go have no average strain, in a scene of sources alone or beside others."""
+    """With particles that enter and leave there is no average strain, in a scene of sources alone or beside others."""
     alone = {key: value for key, value in SCENE.items() if key not in ("specimen", "sets", "bonds")}
     alone.update(time={"end": 0.02}, materials=[{k: v for k, v in SCENE["materials"][0].items() if "bond" not in k}])
     run(write_scene(folder, alone), os.path.join(folder, "alone"))
@@ -136,7 +136,7 @@ def a_later_end_on_resume_equals_a_straight_run(folder):
 @fact
 def another_run_begins_with_those_that_are_left(folder):
     scene = {key: value for key, value in SCENE.items() if key not in ("sources", "sinks", "sets")}
-    scene["domain"] = {"min": [-1, -1, -1], "max": [1, 1, 1]}  # what left a little since the last lists is there
+    scene["domain"] = {"min": [-1, -1, -1], "max": [1, 1, 1]}  # particles that left a little since the last lists are still there
     scene["specimen"] = {"from": reference(), "from_bonds": "keep"}
     run(write_scene(folder, {**scene, "time": {"end": 0.001}}), os.path.join(folder, "run"))
     with results(os.path.join(folder, "run")) as file:

@@ -70,7 +70,8 @@ static void a_source_brings_its_rate_times_its_end(void **state) {
     }
 }
 
-/* 300 are due in 40 steps, between which there is no look: a warning says what came. */
+/* 300 particles are due in 40 steps, without a check in between: a warning gives the number that
+ * entered. */
 static void a_run_too_short_for_its_source_says_so(void **state) {
     (void)state;
     gn_run run;

@@ -55,7 +55,8 @@ static void the_mesh_that_gmsh_makes_is_read(void **state) {
     assert_int_equal(mesh.triangles.count, 2);
     assert_float_equal(mesh.node[3 * 2], 0.5, 0.0);
     gn_mesh_free(&mesh);
-    assert_int_equal(entries(f->dir, false), 3); /* square.msh, body.geo, gmsh: nothing else left */
+    assert_int_equal(entries(f->dir, false),
+                     3); /* square.msh, body.geo, gmsh: no other file is left */
 }
 
 static void what_gmsh_says_last_is_the_message(void **state) {

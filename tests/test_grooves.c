@@ -100,10 +100,10 @@ static double bounce_in_groove(const bounce *b) {
     return out / b->speed;
 }
 
-/* A rebound in ten steps, y = w dt = pi/10, keeps its speed to y^4/80 = 1.2e-4 (half of what the
- * energy misses) where the crossing is not corrected for what follows (kernels/contact_template.c,
- * cross); here each side is as if it were alone, which is twice that at most. Contacts that opened
- * took back 1 + f times their own part, up to 1 % of the speed. */
+/* A rebound in ten steps, y = w dt = pi/10, keeps its speed to y^4/80 = 1.2e-4 (half of the error
+ * of the energy) if the crossing is not corrected for later contacts (kernels/contact_template.c,
+ * cross); here each side acts as if it were alone, with at most twice that error. Without the
+ * correction contacts that opened took back 1 + f times their own part, up to 1 % of the speed. */
 static void a_groove_returns_the_energy_of_an_impact(void **state) {
     (void)state;
     const double allowed = pow(pi / 10.0, 4) / 40.0;
@@ -171,10 +171,11 @@ static double cloud_at(double x[FACETS][3][3], const double centre[3], double fo
     return potential;
 }
 
-/* Along a path through the overlaps the work of the force is what the potential loses. With all
- * forces lambda (over k, radius 1) a normal leans by 3.6 sum lambda at most, f' of one radian; left
- * out is the square of it, halved. Without the lean it would be its first power, and each jump of
- * contacts that regroup is an error of the order of 1. Edges leave a moment of the second order. */
+/* Along a path through the overlaps the work of the force equals the loss of potential. With all
+ * forces lambda (over k, radius 1) a normal leans by at most 3.6 sum lambda, f' of one radian; the
+ * remaining error is half the square of it. Without the lean it would be of first order, and each
+ * change of the grouping of contacts would be an error of order 1. Edges leave a moment of second
+ * order. */
 static void any_number_of_facets_has_a_potential(void **state) {
     (void)state;
     enum { CLOUDS = 30, STEPS = 2000 };

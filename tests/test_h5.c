@@ -51,7 +51,7 @@ static void write_sample(const char *path) {
 #define check(condition)                                                                           \
     if (!(condition)) return #condition " does not hold"
 
-/* NULL: all as written. *status is what the first call that failed gave. */
+/* NULL: all as written. *status is that of the first failed call. */
 static const char *read_sample(const char *path, gneiss_status *status, gneiss_error *error) {
     static double table[3 * ROWS];
     static int32_t wide[WIDE];

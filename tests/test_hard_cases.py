@@ -1,4 +1,4 @@
-"""Runs that cannot go well and how gneiss says so; what is hard for the physics is in test_hard.py. Speaks TAP."""
+"""Runs that cannot succeed and the messages of gneiss; difficult physics is in test_hard.py. Speaks TAP."""
 import resource
 import shlex
 import signal
@@ -46,7 +46,7 @@ def done(folder, scene, *arguments):
 
 @fact
 def the_residual_of_a_scene_at_rest_is_that_of_its_run(folder):
-    # Neighbours press by an ulp. Energies of rounding are unexplained by as much as they are, which is nothing.
+    # Neighbours overlap by an ulp. The ledger does not explain energies of rounding, which are negligible.
     scene = spheres([], specimen={"lattice": {"kind": "fcc", "radius": 7.899042e-3, "cells": [2, 4, 4]}},
                     damping={"background": {"model": "viscous", "coefficient": 100}})
     out = done(folder, scene)
@@ -197,7 +197,7 @@ def a_folder_in_the_place_of_a_file_is_an_error(folder):
 
 
 def in_namespace(script, *arguments):
-    """A shell script with a mount table of its own."""
+    """A shell script with its own mount table."""
     call = ["unshare", "-m", "--propagation", "private", "sh", "-c", script, "sh", *arguments]
     try:
         if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:
@@ -258,7 +258,7 @@ def a_file_size_limit_is_an_error_and_leaves_earlier_files_alone(folder):
     assert not [name for name in after if name.endswith(".tmp")], after.keys()
     for name in before:
         if name.endswith(".series") or (name.endswith(".hdf") and name not in after):
-            continue  # a snapshot of the peak goes once a later one of a larger stress is there
+            continue  # a snapshot of the peak is removed when a later one at a larger stress exists
         assert after.get(name) == before[name], f"{name} has changed"
     resume(out, "--set", "time.end=0.4 ms")
     straight = os.path.join(folder, "straight")
@@ -269,7 +269,7 @@ def a_file_size_limit_is_an_error_and_leaves_earlier_files_alone(folder):
 @fact
 def a_file_size_limit_at_the_start_is_an_error(folder):
     def limited():
-        # Room for what an OpenMP runtime keeps in shared memory, not for a snapshot.
+        # Leaves room for the shared memory of an OpenMP runtime, but not for a snapshot.
         resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
 
     expect(gneiss("run", LATTICE, "--out", folder, "--quiet", preexec_fn=limited), 3, "File too large")

@@ -278,8 +278,8 @@ static void a_loop_of_load_and_shear_gains_no_energy(void **state) {
     world_end(w);
 }
 
-/* Sliding or not, what the ledger holds is what was put in: the spring's own energy is exact (8/15
- * E* sqrt(R) u^(5/2)), works of a step are off by its second order. */
+/* Sliding or not, the ledger closes: the spring's energy is exact (8/15 E* sqrt(R) u^(5/2)), works
+ * of a step have errors of second order. */
 static void the_ledger_of_a_loop_closes(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -320,7 +320,7 @@ static void a_stack_rests_on_the_overlaps_of_its_weight(void **state) {
         double weight = (COUNT - k) * g * sphere_mass(density, r), radius = k ? 0.5 * r : r;
         double u = pow(0.75 * weight / (modulus * sqrt(radius)), 2.0 / 3.0);
         double below = k ? pos_of(w, k - 1)[2] + r : 0.0;
-        /* To the rounding of places: 1e-16 of 1e-2 m. */
+        /* Limited by the rounding of positions: 1e-16 of 1e-2 m. */
         assert_near(below - (pos_of(w, k)[2] - r), u, 1e-6 * u);
     }
     run_steps(w, 100000);
@@ -392,7 +392,7 @@ static void resistance_holds_a_sphere_on_an_incline(void **state) {
             gn_world *w = roller(hertz, 0.0, mu, 0.0, 0.0, g, 10.0);
             run_until(w, 0.2);
             double v = rolls ? 5.0 / 7.0 * (g[0] + mu * g[2]) * 0.2 : 0.0;
-            /* The spring first gives way by mu_r f/(k_t r), some micrometres, and swings. */
+            /* The spring first yields by mu_r f/(k_t r), some micrometres, and oscillates. */
             assert_near(vel_of(w, 0)[0], v, 0.01 * 9.81 * 0.2);
             world_end(w);
         }
@@ -508,8 +508,8 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     unlink(path);
 }
 
-/* Speed grows in flight, and the step with lists that are made for it: a run that goes on right
- * before such lists knows how fast it was. */
+/* Speed increases in flight, and so the step decreases with every rebuild of the lists: a run
+ * resumed just before a rebuild must know the speed. */
 static void a_step_that_follows_flight_does_so_after_resume(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -615,14 +615,15 @@ static void the_ledger_of_a_crowd_closes(void **state) {
         for (int step = 0; step < 40; step++) {
             run_steps(w, 250);
             gn_energy e = measured_step(w);
-            assert_true(fabs(gn_energy_residual(&e)) < 0.005); /* half of what a run warns of */
+            assert_true(fabs(gn_energy_residual(&e)) <
+                        0.005); /* half of the limit of the warning of a run */
         }
         world_end(w);
     }
 }
 
-/* A step that grows stale: a sphere laid on the ground, on which a plate then presses ever more.
- * The step follows the overlap, and never exceeds what the contact as it is allows. */
+/* A step that must be lowered: a plate presses a sphere at rest on the ground with increasing
+ * force. The step follows the overlap, and never exceeds the limit of the present contact. */
 static void the_step_follows_the_overlap(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -1,5 +1,5 @@
-/* Hertz's law at the step that the program chooses, where what drives begins to move late or
- * something else than gravity pushes: nothing tells of that before it happens. */
+/* Hertz's law with the automatic step if a driving motion starts late or a force other than gravity
+ * acts: nothing indicates that in advance. */
 #include "run_helpers.h"
 
 static const char *const grain =
@@ -28,7 +28,7 @@ static double struck_by(const char *driver, double gap) {
     return found;
 }
 
-/* At rest for 0.01 s, then at V = 5 m/s at once: what it strikes leaves at (1 + e) V. */
+/* At rest for 0.01 s, then suddenly at V = 5 m/s: the struck object leaves at (1 + e) V. */
 static void delayed_motion_gives_the_same_rebound(void **state) {
     (void)state;
     char driver[3][512];
@@ -51,7 +51,7 @@ static void step_of_run(gn_run *run) {
     if (gn_run_steps(run, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* By a stage, of a loose lattice: as from the start. */
+/* Started by a stage, of a loose lattice: the same result as from the start. */
 static void a_wall_that_a_stage_starts_strikes_as_one_that_moves_from_the_start(void **state) {
     (void)state;
     double fastest[2];

@@ -1,6 +1,6 @@
-/* By Hertz's law restitution, and resistance to rolling, hold for all that a sphere can meet: other
- * spheres, rigid walls, such of a material, a body that stands, one that is free, finite elements.
- */
+/* With Hertz's law restitution and resistance to rolling hold for every object that a sphere can
+ * touch: other spheres, rigid walls, walls with a material, a fixed body, a free one, finite
+ * elements. */
 #include "world_helpers.h"
 
 /* --- restitution --- */
@@ -46,8 +46,8 @@ static void add_other(text *t, kind k) {
                "0}}]}\n");
 }
 
-/* m/s, with which the two part, over that with which they met. `steps` a half wave; 0: automatic.
- */
+/* Returns the speed of separation over that of approach (v, m/s). `steps` per half wave; 0:
+ * automatic. */
 static double rebound(kind k, double v, double mine, double other, const char *contacts,
                       double steps) {
     text t = {0};
@@ -76,7 +76,7 @@ static double rebound(kind k, double v, double mine, double other, const char *c
     return back / v;
 }
 
-/* Over three decades of speed, by steps so short that they are not what is looked at. */
+/* Over three decades of speed, with steps so short that their error is negligible. */
 static void restitution_is_as_requested_for_any_pair(void **state) {
     (void)state;
     const double asked[] = {0.5, 0.9};
@@ -105,7 +105,7 @@ static void restitution_is_kept_by_automatic_steps(void **state) {
     print_message("# restitution off by %.2g at most\n", worst);
 }
 
-/* The smaller of two, or that of the pair. */
+/* The smaller value of two materials, or that of the pair. */
 static void restitution_of_a_pair_goes_over_that_of_materials(void **state) {
     (void)state;
     for (int k = 0; k < KINDS; k++) {
@@ -216,9 +216,9 @@ static void a_rolling_disc_stops_where_resistance_says(void **state) {
     world_end(w);
 }
 
-/* Once it has stopped the spring of the moment swings on, and nothing damps it but what else there
- * is. Both springs then hold no more than at the limit, (mu_r m g)^2/(2 k_t) and 25/49 of that:
- * 1/2 m v^2 is less. */
+/* After the sphere has stopped, the moment spring continues to oscillate, damped by nothing but
+ * other dissipation. Both springs then store at most their energy at the limit, (mu_r m g)^2/(2
+ * k_t) and 25/49 of that: 1/2 m v^2 is smaller. */
 static void the_moment_spring_oscillates_after_rolling_stops(void **state) {
     (void)state;
     const double mu = 0.05, v0 = 0.2, kt = 0.5e6;

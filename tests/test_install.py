@@ -25,14 +25,14 @@ def fact(function):
 
 
 def run(*command, **options):
-    """Standard output; anything but exit code 0 fails the fact with what the command said."""
+    """Standard output; an exit code other than 0 fails the fact with the output of the command."""
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=200, **options)
     assert done.returncode == 0, f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
     return done.stdout
 
 
 class Installed:
-    """The build installed below a folder of its own; nothing outside of it is touched."""
+    """The build installed below a folder of its own; nothing outside of it changes."""
 
     def __init__(self, root):
         self.root = root
@@ -91,7 +91,7 @@ def the_example_runs_with_the_static_library(place):
 
 @fact
 def programs_get_no_flags_of_the_libraries_inside(place):
-    """HDF5's folder of headers would come before those of the program's own HDF5."""
+    """HDF5's header folder would take precedence over that of the program's own HDF5."""
     assert [flag for flag in place.flags("--cflags") if "hdf5" in flag] == [], place.flags("--cflags")
     assert [flag for flag in place.flags("--libs") if flag != "-lgneiss" and not flag.startswith("-L" + place.root)] == []
 
@@ -114,7 +114,7 @@ def check_folders_without_dpkg_dev(folder):
 
 @fact
 def libraries_go_where_the_linker_looks_also_without_dpkg_dev(place):
-    """Meson asks dpkg-architecture for the folder, and takes lib64 where that is not there."""
+    """Meson asks dpkg-architecture for the folder, and uses lib64 if that command is absent."""
     if not os.path.exists("/etc/debian_version"):
         raise Skip("not Debian")
     with tempfile.TemporaryDirectory() as folder:

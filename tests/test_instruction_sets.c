@@ -1,6 +1,4 @@
-/* The list of instruction sets: what is chosen from it, and what is said of sets that are not
- * there.
- */
+/* The list of instruction sets: the choice from it, and messages about unsupported sets. */
 #include "test.h"
 
 #include "kernels/dispatch.h"

@@ -249,7 +249,7 @@ static void a_decimal_comma_of_the_locale_changes_nothing(void **state) {
     const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE.utf8"};
     const char *set = NULL;
     for (int k = 0; k < 3 && !set; k++) set = setlocale(LC_NUMERIC, names[k]);
-    if (!set) return; /* a minimal system has no such locale: nothing to see there */
+    if (!set) return; /* a minimal system has no such locale: the test has nothing to check there */
     const double row[1][4] = {{1.5, 2.5, 3.5, 4.5}};
     expect_packing(f, "1.5 2.5 3.5 4.5", 3, 1, row);
     gn_json *json = gn_json_begin();

@@ -301,8 +301,8 @@ static void rotate_about(const double n[3], double angle, double t[3]) {
     for (int k = 0; k < 3; k++) t[k] = t[k] * cos(angle) + side[k] * sin(angle);
 }
 
-/* Moments of a bond anew: what they are after the step, what they add to the forces that strength
- * is held against, and their energies. */
+/* An independent computation of the moments of a bond: their values after the step, their
+ * contributions to the forces that are compared with the strength, and their energies. */
 typedef struct bending {
     double moment[3], normal, shear, stored, released, size;
 } bending;
@@ -446,7 +446,7 @@ static double hertz_viscous(const gn_contacts *k, size_t c, const motion *m, dou
     return pulls ? coefficient * m->vn : fmin(coefficient * m->vn, -normal);
 }
 
-/* Hertz-Mindlin contacts anew; `of`: m, rounding of the overlap. */
+/* An independent computation of Hertz-Mindlin contacts; `of`: m, rounding of the overlap. */
 static expected expect_hertz(const bench *b, size_t c, const motion *m, double of, tally *sum) {
     const gn_contacts *k = &b->k;
     expected e = {0};
@@ -575,8 +575,8 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     if (k->shear && fx & GN_FX_ROTATION) cross3(n, t, e.moment);
     for (int a = 0; intact && a < 3; a++) e.couple[a] = m.moment[a];
     e.fd = viscous;
-    /* The stretch is a difference of lengths: its round-off is that of the lengths. With images it
-     * is that of the box. */
+    /* The stretch is a difference of lengths: its round-off is that of the lengths, and with images
+     * that of the box. */
     double box = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
     e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + 8.0 * DBL_EPSILON * kn * fmax(0.05, box);
     /* Here tangential forces are turned exactly. In the kernel the increment, turned by half the
@@ -600,7 +600,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         e.couple_tolerance += roll_slack(b, c, side2, length, twist, vn, &e);
     }
 
-    /* Work of the step by the trapezoidal rule, less what the spring keeps. */
+    /* Work of the step by the trapezoidal rule, less the energy of the spring. */
     double work = 0.0, kept = 0.0, lost_shear = 0.0;
     for (int a = 0; a < 3; a++) work += 0.5 * (before[a] + t[a]) * dt * vt[a];
     if (kt > 0.0) lost_shear = work - 0.5 * (dot3(t, t) - dot3(before, before)) / kt;
@@ -814,9 +814,9 @@ static void every_mixed_kernel_has_the_bits_of_the_scalar_one(void **state) {
 }
 
 /* Contacts that began within rounding of 0, or did not, beside others that close or open in the
- * step: what they share a vector with must not decide. They move nearly straight towards or from
- * each other, so that what the way across takes from their path is of the size of its rounding in
- * single precision, and nothing has travelled but in this step. */
+ * step: the result must not depend on the other lanes of the vector. They move almost straight
+ * towards or from each other, so that the effect of the motion across on their path is of the size
+ * of its rounding in single precision, and all displacement was made in this step. */
 static bench make_touching(unsigned v, bool mixed) {
     bench b = make_bench(gn_contact_variant_effects(v) | (mixed ? GN_FX_MIXED : 0), 1000 * v);
     uint64_t at = 31 + v;

@@ -1,4 +1,4 @@
-"""Laboratory tests by name: how their stress and strain are formed, what is read, what is refused. Speaks TAP."""
+"""Laboratory tests by name: the definition of their stress and strain, their readings, refused scenes. Speaks TAP."""
 from program import *  # noqa: F403
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
@@ -27,7 +27,7 @@ def absent(out):
 
 
 def refused(folder, given, *patterns):
-    """By name, value and place."""
+    """Messages by name, value and place."""
     for pattern in patterns:
         expect(gneiss("check", write_scene(folder, given)), 2, r"scene.yaml:\d+:\d+: " + pattern)
 
@@ -77,7 +77,7 @@ def a_crowd_that_servo_walls_press_together_has_their_stress_and_loses_their_vol
 
 @fact
 def the_bulk_modulus_of_a_stage_is_over_its_own_volume(folder):
-    """Loose grains are pressed together first, which takes half of the space; what is read is the stiffness of what is left."""
+    """Loose grains are compressed first, to half of the space; the reading is the stiffness after that."""
     given = crowd(3, 1.3, "hydrostatic")
     for wall in given["walls"]:
         wall["servo"]["stress"] = [[0, 1e5], [0.04, 1e5], [0.06, 4e5]]
@@ -247,7 +247,7 @@ def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
 
 @fact
 def few_rows_end_a_test_as_many_do(folder):
-    """The loss from the peak to the end, of which a thousand rows leave 0.45: ten of thirty rows would leave 0.14."""
+    """The loss from the peak to the end, which is 0.45 with a thousand rows: ten of thirty rows would give 0.14."""
     given = disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}])
     del given["time"]["stop"]
     given["output"] = {**given["output"], "history_rows": 30}
@@ -273,7 +273,7 @@ def the_initial_load_of_the_ends_is_no_strength(folder):
     on = run_scene(folder, given, "--set", "time.stop.peak_drop=off", name="on")
     looked = np.isin(history(out)["step"], history(on)["step"])  # rows that both have
     assert readings(on)["peak_stress"] == stress[looked][2:].max() <= read["peak_stress"]
-    # As the scene says, too; and a run that goes on from a checkpoint ends behind its peak.
+    # The scene's own setting has the same effect; and a run resumed from a checkpoint ends after its peak.
     said = run_scene(folder, given, "--set", "time.stop.peak_drop=0.5", name="said")
     assert history(said)["strain"][-1] > read["peak_strain"], summary(said)["stop_reason"]
     part = run_scene(folder, given, "--set", "time.end=0.4 ms", "--set", "output.history_rows=10", name="part")
@@ -284,7 +284,8 @@ def the_initial_load_of_the_ends_is_no_strength(folder):
 
 @fact
 def oscillation_before_shearing_does_not_end_a_shear_test(folder):
-    """Bonds break while the normal stress comes, and the stress that rings meanwhile falls: nothing is sheared yet."""
+    """Bonds break while the normal stress is applied, and the oscillating stress falls meanwhile: the specimen is not
+    sheared yet."""
     grain = {**ROCK, "density": 2650, "kratio": 2, "shear_strength": "20 MPa", "strength_scatter": {"distribution": "weibull", "modulus": 1.5}}
     given = scene(2, specimen={"rectangle": {"width": 0.06, "height": 0.04}, "particles": 300, "packing": {"size_ratio": 3}}, materials=[grain],
                   periodic={"min": [0, 0], "max": [0.06, 0.04], "open": "y"}, time={"end": 3e-4},
@@ -321,7 +322,8 @@ def auto_that_is_written_is_auto(folder):
 
 @fact
 def ends_that_measure_nothing_are_refused_or_warned_of(folder):
-    """Refused where it is sure; what stands, or is under something else, is watched, and a run in which nothing was seen says so."""
+    """Refused if it is certain; an object that is fixed, or below another one, is watched, and a run in which no
+    contact occurred reports that."""
     only = r"test.upper: expected ends that close, found ends that only come apart: the test would measure nothing"
     def moving(factor, **more):
         given = disc(2, 150, time={"end": 2e-5, "stop": "none"}, **more)
@@ -374,7 +376,8 @@ def walls_in_a_wrong_position_to_the_specimen_are_warned_of(folder):
 
 @fact
 def a_test_with_few_or_no_breaks_goes_on(folder):
-    """Platens that press for a moment break the weakest bonds of a disc and let go of it: its stress is gone, and it is whole."""
+    """Platens that press for a moment break the weakest bonds of a disc and separate from it: its stress is zero, and
+    it is intact."""
     weak = {**ROCK, "tensile_strength": "20 MPa", "shear_strength": "80 MPa", "strength_scatter": {"distribution": "weibull", "modulus": 1.5}}
     given = disc(2, 300, materials=[weak], time={"end": 1e-3})
     del given["time"]["stop"]
@@ -516,7 +519,7 @@ def bending_of_elements_gives_their_modulus(folder):
 
 @fact
 def a_bending_test_is_held_against_its_beam(folder):
-    """Each number by itself; what is right is not warned of, here, with four points, nor in the scenes."""
+    """Each number by itself; correct scenes get no warning, here with four points, nor in the scenes."""
     def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", gneiss("check", write_scene(folder, given)).stdout)
     four = {"load_span": 0.04, "upper": ["load", "other"]}
@@ -597,8 +600,8 @@ def a_membrane_covers_a_surface_of_triangles(folder):
 
 @fact
 def the_mean_stress_under_a_membrane_is_its_pressure(folder):
-    """Areas that add up to a closed surface, with arms that end on it, have -p 1 for their mean stress whatever the packing: what is left
-    is what has not come to rest."""
+    """Areas that form a closed surface, with arms that end on it, give the mean stress -p 1 for any packing: the
+    remaining error is residual motion."""
     for k, (shape, dimension, count) in enumerate(((CELL, 3, 400), ({"box": {"size": [0.02, 0.02, 0.02]}}, 3, 400),
                                                     ({"disc": {"diameter": 0.02}}, 2, 200))):
         rows = history(run_scene(folder, cell(shape, count, dimension), name=f"m{k}"))
@@ -762,7 +765,7 @@ def a_run_with_a_membrane_has_the_same_bits_on_two_threads_and_after_a_stop(fold
 
 @fact
 def a_membrane_without_pressure_is_none(folder):
-    """Bit for bit: nothing added to a force leaves it as it is."""
+    """The same bits: adding zero to a force does not change it."""
     given = triaxial(0)
     del given["test"]["diameter"], given["test"]["length"]
     plain = {**given, "test": {**given["test"], "kind": "compression"}}
@@ -824,8 +827,8 @@ def confinement_makes_a_specimen_stronger(folder):
 
 @fact
 def particles_below_a_detached_one_carry_its_membrane(folder):
-    """Particles under one that was detached carry its patch, so that the surface stays covered. The bits are the same on two threads, after a stop
-    between two looks and on the plain instruction set."""
+    """Particles below a detached one carry its patch, so that the surface stays covered. The bits are the same on two
+    threads, after an interruption between two updates and with the scalar instruction set."""
     given = triaxial(1e5, time={"end": 3e-3, "stop": "none"})
     whole = run_scene(folder, given, name="whole")
     rows = history(whole)
@@ -890,7 +893,7 @@ def a_force_of_a_stage_acts_beside_the_membrane(folder):
 
 @fact
 def unbonded_particles_detach_from_a_membrane_as_broken_ones_do(folder):
-    """Pulled away by more than a radius: it is not pressed any more, and the pressure is on what remains."""
+    """Pulled away by more than a radius: it is no longer loaded, and the pressure acts on the rest."""
     away = {"motion": {"vx": -20.0, "vy": 0.0}}
     stages = [{"name": "a", "end": {"time": 5e-5}}, {"name": "b", "sets": {"some": away}, "end": {"time": 3e-4}}]
     found = {}
@@ -904,8 +907,8 @@ def unbonded_particles_detach_from_a_membrane_as_broken_ones_do(folder):
 
 
 def middle_stress(out, regions, dimension=3):
-    """Mean stress over boxes or balls (half width or radius, m) about the middle: of every contact its force times what of the way between
-    the centres lies within."""
+    """Mean stress over boxes or balls (half width or radius, m) about the middle: force of every contact times the
+    part of its branch that is inside."""
     with results(out) as file:
         x = file["particles/position"][:][:, :dimension]
         i, j, force = (np.concatenate([file[f"{kind}/{name}"][:] for kind in ("bonds", "contacts") if kind in file]) for name in ("i", "j", "force"))
@@ -1357,7 +1360,7 @@ def ramp(value):
 
 
 def sheared(folder, name, expected, length, area, given):
-    """The whole of the way: waves of the ramp are 1 % of the first tenth of the stress, and below 1e-4 of it after 20 of their crossings."""
+    """Over the whole ramp: waves are 1 % of the first tenth of the stress, and below 1e-4 of it after 20 transits."""
     out = run_scene(folder, given, name=name)
     rows, read = history(out), readings(out)
     last = slice(len(rows["stress"]) // 2, None)
@@ -1502,7 +1505,7 @@ def ends(kind, lower, upper, **more):
 
 @fact
 def two_ends_on_one_side_are_refused(folder):
-    """By walls, sets, bodies, motions of elements and lists of them, whatever the kind."""
+    """Ends made of walls, sets, bodies, motions of elements and lists of them, for any kind of test."""
     alike = "test.upper: expected a wall that faces the lower end along y, found 'b', whose normal has the sense of that of 'a': both ends are on one side"
     for walls, pattern in (([plate("a", 0, 1, motion={"vy": 0}), plate("b", 0, 1)], alike),
                            ([plate("a", 0, 1, motion={"vy": 0}), plate("b", 0.016, 1)], alike),
@@ -1563,7 +1566,7 @@ def ends_that_are_beside_each_other_may_be_right(folder):
 
 @fact
 def a_confinement_needs_what_confines(folder):
-    """Whatever presses or holds will do, in any stage; a wall that presses with a servo does not stand."""
+    """Any object that loads or holds is sufficient, in any stage; a wall with a servo does not count as fixed."""
     def accepted(given):
         expect(gneiss("check", write_scene(folder, given)), 0)
     left, right = ({"name": n, "point": [x, 0], "normal": [s, 0], "stiffness": 1e9} for n, x, s in (("west", 0, 1), ("east", 0.016, -1)))
@@ -1622,7 +1625,7 @@ def control_needs_ends_that_move(folder):
 
 @fact
 def shear_without_normal_stress_is_warned_of(folder):
-    """By check and by the run; a constant height is a test of its own."""
+    """By check and by the run; a constant height has a test of its own."""
     for k, (more, reported) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
         sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
         given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
@@ -1678,7 +1681,7 @@ def the_sheared_height_is_that_between_the_ends(folder):
         assert abs(length / free - 1) < 1e-6 and abs(area / 0.016 - 1) < 0.01 and not doubted, (depth, length, area)
         assert source == "that volume over the height", source
     assert not said({"length": 4e-3}, sets=sets(5.5e-3))[2] and said({"length": 2e-3}, sets=sets(5.5e-3))[2]
-    assert said({"length": 4e-3}, sets=sets(5.5e-3))[1] == said(sets=sets(5.5e-3))[1]  # the section does not go with what is free
+    assert said({"length": 4e-3}, sets=sets(5.5e-3))[1] == said(sets=sets(5.5e-3))[1]  # the section does not match the free sides
     for gap, free in ((3e-3, 3e-3), (1e-3, 16e-3)):
         length, _, doubted, _ = said(bodies=halves(gap))
         assert abs(length / free - 1) < 1e-6 and not doubted, (gap, length)
@@ -1709,7 +1712,8 @@ def every_stage_has_the_readings_of_its_test_and_why_others_are_absent(folder):
 
 @fact
 def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
-    """Before, every particle is a piece of its own; without bonds in any stage they are refused at their place."""
+    """Before bonds are formed every particle is a fragment; without bonds in any stage fragments are refused at their
+    place."""
     stages = [{"name": "loose", "end": {"steps": 5}}, {"name": "bond", "bonds": {"enabled": "on"}, "end": {"steps": 5}}]
     given = bonded(sets=[slab("low", "lower", vy=0)], stages=stages)
     given["bonds"], given["output"] = {"enabled": "off"}, {"history_rows": 10, "snapshots": 1, "checkpoint": "off", "contacts": "on", "fields": ["fragment", "fragment_size"]}
@@ -1840,7 +1844,7 @@ def the_scenes_of_the_other_tests_give_their_readings(folder):
         out = small(folder, name, "--set", "specimen.particles=400", "--set", "output.history_rows=500")
         value = readings(out)[reading]
         assert value is not None and value > least, (name, readings(out), absent(out))
-        if name == "concrete":  # whose pressure comes in a stage before
+        if name == "concrete":  # its pressure is applied in an earlier stage
             strains_count_from_the_last_stage(out, "lateral_strain", "volumetric_strain")
 
 
@@ -1951,7 +1955,8 @@ def a_stage_does_not_take_the_tangential_springs_away(folder):
 
 @fact
 def the_source_of_the_area_of_a_test_is_reported(folder):
-    """In simple shear it is the section of the box, whatever the ends leave between them; for a disc and a beam it is what makes a stress of a force."""
+    """In simple shear it is the section of the box, whatever the distance of the ends; for a disc and a beam it
+    relates stress to force."""
     for name, length, area, source in (("simple-shear", None, 0.06, "the section of the periodic box"), ("brazilian", None, None, "pi/2 times diameter and thickness"),
                                        ("bending", None, None, "the force over it is the stress in the fibre"), ("shear", 0.03, 0.06, None)):
         said = expect(gneiss("check", os.path.join(ROOT, "scenes", name + ".yaml"), "--set", "specimen.particles=600"), 0).stdout

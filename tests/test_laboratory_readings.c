@@ -148,8 +148,8 @@ static void breaks_are_reported_though_the_stress_has_the_other_sense(void **sta
     assert_close(r.largest_fragment, 0.5, 1e-12);
 }
 
-/* A bonded block on a rough wall: stress grows over a way of 10, then friction takes `share` of the
- * work of the ends over a way of `on`. */
+/* A bonded block on a rough wall: stress grows over a path of 10, then friction dissipates `share`
+ * of the work of the ends over a path of `on`. */
 static gn_readings slid(double share, int on, gn_test_kind kind) {
     static const char *const names[] = {"strain",         "stress",        "force",
                                         "deflection",     "normal_stress", "energy_friction",
@@ -350,10 +350,10 @@ static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
 
 /* --- the range of elastic constants --- */
 
-/* A specimen that gives way long before half of its largest stress: it has 100 Pa a strain up to
- * `from` Pa, and half of that up to the peak at 100 Pa; across the axis it moves by 0.1 of its
- * axial strain, then by 0.45, and carries 0.2 and then 0.4 of the axial stress where its sides
- * stand. From `from` on `column` grows. */
+/* A specimen that yields long before half of its largest stress: its slope is 100 Pa per unit
+ * strain up to `from` Pa, and half of that up to the peak at 100 Pa; the transverse strain is 0.1
+ * of the axial one, then 0.45, and with fixed sides the transverse stress is 0.2 and then 0.4 of
+ * the axial one. From `from` on `column` grows. */
 typedef struct weakening {
     double from;
     const char *column;
@@ -433,7 +433,7 @@ static void elastic_constants_are_read_before_bonds_break_yield_or_soften(void *
 static void the_secant_at_half_the_peak_has_what_broke_in_it(void **state) {
     (void)state;
     const weakening of = {.from = 20, .column = "broken_tension", .rows = 1000};
-    /* From 1 to 50 Pa: 19 Pa at 100 Pa a strain, 30 Pa at 50. */
+    /* From 1 to 50 Pa: 19 Pa at 100 Pa per unit strain, 30 Pa at 50. */
     const double strain = 0.19 + 0.60;
     const gn_test_kind kinds[] = {GN_TEST_COMPRESSION, GN_TEST_SHEAR, GN_TEST_HYDROSTATIC,
                                   GN_TEST_OEDOMETER, GN_TEST_BENDING};
@@ -506,10 +506,10 @@ static void a_test_begins_when_its_ends_move_and_their_initial_load_has_vanished
         {grows, {0, 10, 20, 30, 20, 10}, 0, true},  /* from nothing */
         {grows, {50, 60, 80, 99, 20, 10}, 0, true}, /* under load already */
         {grows, {50, 49, 50.1, 99, 9, 1}, 1, true}, /* with a wobble */
-        {grows, {90, 30, 20, 23, 30, 60}, 2, true}, /* what went had been there */
+        {grows, {90, 30, 20, 23, 30, 60}, 2, true}, /* it existed before it fell */
         {grows, {90, 91, 20, 10, 5, 1}, 0, true},   /* near its strength */
-        {grows, {90, 80, 60, 64, 30, 1}, 5, false}, /* or beyond it: nothing is known */
-        {late, {1, -4, 3, 8, 9, 2}, 2, true},       /* a normal stress comes first */
+        {grows, {90, 80, 60, 64, 30, 1}, 5, false}, /* or later: nothing is known */
+        {late, {1, -4, 3, 8, 9, 2}, 2, true},       /* a normal stress precedes it */
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const gn_beginning b = begun_by(cases[k].strain, cases[k].stress, 6);

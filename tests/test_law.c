@@ -111,11 +111,13 @@ static void end(couple *t) {
     free(t);
 }
 
-/* To the stretch `x`, and across by `y` from the line of the last step; the force on the first. */
+/* Moves to the stretch `x`, and across by `y` from the line of the last step; returns the force on
+ * the first. */
 static void move(couple *t, double x, double y, double force[3]) {
     double to = 2.0 * radius + x;
     t->p.vel[4] = t->step ? (to - t->p.pos[4]) / dt : 0.0;
-    t->p.vel[5] = t->step ? y / dt : 0.0; /* the line turns back: what was across it stays */
+    t->p.vel[5] =
+        t->step ? y / dt : 0.0; /* the line rotates back: the transverse displacement stays */
     t->p.pos[4] = to;
     t->sums = (gn_contact_sums){0};
     t->kernel(&t->args, 0, 1, &t->sums);

@@ -10,8 +10,8 @@ static loads loads_of(const gn_world *w) {
     const size_t n = w->dem.particles.soa.count;
     loads l = {calloc(n + 1, sizeof *l.total), calloc(n + 1, sizeof *l.damping)};
     gneiss_error error = {0};
-    if (gn_world_loads(&w->ctx, &w->dem, &w->boundary, &w->box, l.total[0], l.damping[0], &error) !=
-        GNEISS_OK)
+    if (gn_boundary_write_loads(&w->ctx, &w->dem, &w->boundary, &w->box, l.total[0], l.damping[0],
+                                &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     return l;
 }
@@ -21,8 +21,8 @@ static void loads_end(loads *l) {
     free(l->damping);
 }
 
-/* The next step: by particle and component, the change of its velocities over the time between two
- * half steps times its inertia, beside what was said to act. */
+/* Takes the next step and compares, by particle and component, the change of velocity per time
+ * between two half steps times the inertia with the reported load. */
 static void next_step_follows(gn_world *w, double spring, double rounding) {
     const size_t n = w->dem.particles.soa.count, bytes = 4 * n * sizeof(double);
     const bool rotates = w->dem.particles.spin;
@@ -63,7 +63,7 @@ static void without_tangents_the_total_force_is_what_moves(void **state) {
     for (int dimension = 2; dimension <= 3; dimension++)
         for (size_t d = 0; d < sizeof damping / sizeof *damping; d++) {
             bool turns = strstr(damping[d], "rotation");
-            if (turns) continue; /* what does not turn has no coefficient of its own */
+            if (turns) continue; /* particles without rotation have no coefficient of their own */
             gn_world *w = world_of(
                 "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1 mm, cells: [4, 4%s], "
                 "spacing: 0.999, jitter: 0.001}, group: 1}\n"
@@ -81,8 +81,8 @@ static void without_tangents_the_total_force_is_what_moves(void **state) {
         }
 }
 
-/* With tangential forces the coming step adds k_t times what the ends slide in it, of twelve
- * contacts at most, and single precision 1e-7 of normal forces of 10 N. */
+/* With tangential forces the coming step adds k_t times the tangential displacement in it, for at
+ * most twelve contacts, and single precision adds 1e-7 of normal forces of 10 N. */
 static void with_tangents_the_increment_of_a_step_is_missing(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++)

@@ -30,7 +30,7 @@ static gn_world *rock(const char *run, const char *time, const char *more) {
 
 /* --- how much mass --- */
 
-/* m x''= -2 k x: the step goes with the root of the mass. */
+/* m x''= -2 k x: the step is proportional to the root of the mass. */
 static void a_pair_gets_the_square_of_the_factor(void **state) {
     (void)state;
     double m = sphere_mass(2500, 1e-3);
@@ -154,7 +154,7 @@ static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
     assert_close(vel_of(w, 0)[2], -g0 / 9.0 * (w->ctx.time - 0.5 * w->ctx.dt), 1e-9);
     while (w->ctx.time < 2.0 * fall) run_steps(w, 1);
     e = measured_step(w);
-    /* A contact of ten steps is met exactly on one plane wall; gravity bends its path. */
+    /* A contact in ten steps is exact only on one plane wall; gravity bends its path. */
     assert_near(gn_energy_residual(&e), 0.0, 1e-3);
     assert_near(e.work_gravity, m * g0 * (1e-3 + height - pos_of(w, 0)[2]), 0.05 * m * g0 * height);
     world_end(w);
@@ -162,8 +162,8 @@ static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
 
 /* --- what comes later --- */
 
-/* Two bonded pairs in a line, of which one flies into the other: the two in the middle come to hang
- * on twice as many springs. */
+/* Two bonded pairs in a line, one of which collides with the other: the two spheres in the middle
+ * then have twice as many springs. */
 static gn_world *pairs_that_meet(const char *time) {
     return world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], "
                     "[4.5e-3, 0, 0, 1e-3], [6.5e-3, 0, 0, 1e-3]]}\n"
@@ -176,8 +176,9 @@ static gn_world *pairs_that_meet(const char *time) {
                     time);
 }
 
-/* By the bound what has come near is made heavier before it touches, and the step stays; the energy
- * that this takes is in the ledger. By the sharp limit the step falls as it does without. */
+/* With the bound, particles are made heavier when they come near, before they touch, and the step
+ * stays; the energy of that is in the ledger. With the sharp limit the step falls as without mass
+ * scaling. */
 static void masses_follow_the_contacts_that_form(void **state) {
     (void)state;
     for (int sharp = 0; sharp < 2; sharp++) {
@@ -186,7 +187,7 @@ static void masses_follow_the_contacts_that_form(void **state) {
         const double dt = w->ctx.dt, end = mass_of(w, 0), middle = mass_of(w, 1);
         gn_energy e = {0};
         for (int k = 0; k < 400 && e.elastic_normal < 1e-9; k++) e = measured_step(w);
-        assert_true(e.elastic_normal > 0.0); /* they have met */
+        assert_true(e.elastic_normal > 0.0); /* they were in contact */
         assert_true(sharp ? w->ctx.dt < 0.95 * dt : w->ctx.dt == dt);
         assert_true(mass_of(w, 0) == end);
         if (sharp) {
@@ -220,7 +221,7 @@ static void momentum_and_energy_of_a_free_pair_stay(void **state) {
     for (int k = 0; k < 3; k++)
         assert_near(mass_of(w, 0) * vel_of(w, 0)[k] + mass_of(w, 1) * vel_of(w, 1)[k], p0[k],
                     500 * 2.2e-16 * size);
-    /* Positions are rounded by 1e-13 of what the bond swings. */
+    /* Positions are rounded by 1e-13 of the amplitude of the bond. */
     assert_near(gn_energy_residual(&e), 0.0, 1e-10);
     world_end(w);
 }
@@ -243,7 +244,7 @@ static void beside_all_else_the_ledger_closes_with_the_same_bits(void **state) {
             run_steps(w, 300);
             gn_energy e = measured_step(w);
             assert_true(w->dem.broken_tension + w->dem.broken_shear > 0);
-            assert_near(gn_energy_residual(&e), 0.0, 0.01); /* what a run warns of */
+            assert_near(gn_energy_residual(&e), 0.0, 0.01); /* limit of the warning of a run */
             double share = gn_dem_added_kinetic(&w->dem);
             assert_true(share > 0.0 && share < 1.0);
             hash[threads - 1] = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);

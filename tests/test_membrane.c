@@ -127,7 +127,7 @@ static void dead_loads_stay_what_they_are(void **state) {
     world_end(w);
 }
 
-/* Over a closed surface areas and their moments add up to nothing. */
+/* Over a closed surface the sums of areas and of their moments are zero. */
 static void forces_and_moments_are_in_balance(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
@@ -147,7 +147,8 @@ static void forces_and_moments_are_in_balance(void **state) {
     }
 }
 
-/* A cube of spheres, without a shape; the way from its centre to that of the outermost is HALF. */
+/* A cube of spheres, without a given shape; HALF is the distance from its centre to that of the
+ * outermost spheres. */
 #define SIDE 12
 static const double pitch = 2e-3, half = 0.5 * SIDE * 2e-3;
 
@@ -265,7 +266,8 @@ static void the_pressure_is_held_where_a_block_bulges(void **state) {
     for (int row = 0; row < SIDE / 2; row++)
         wide += width(0.45, ((double)row - 0.25 * SIDE + 0.5) * pitch) / (0.5 * SIDE);
     bulge(w, 0.67, 0.45, centre);
-    for (int look = 1; look <= 40; look++) { /* each goes a part of the way */
+    for (int look = 1; look <= 40;
+         look++) { /* each update changes areas by a fraction of the difference */
         w->ctx.step = 100 * look;
         press(w);
     }
@@ -339,7 +341,7 @@ static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state)
     assert_near(upper, -7e6 * pow(SIDE * pitch, 2), 0.1 * fabs(upper));
     assert_near(below, -7e6 * pow(3 * pitch, 2), 0.1 * fabs(below) + 7e6 * pow(pitch, 2));
     mean_stress(w, stress);
-    /* over the volume at the start, of which 3 x 3 x 2 have gone */
+    /* volume of the rest over that at the start, after 3 x 3 x 2 spheres were removed */
     const double left = 1 - 18 / pow(SIDE, 3);
     for (int k = 0; k < 9; k++) assert_near(stress[k], k % 4 == 0 ? -7e6 * left : 0, 0.01 * 7e6);
     lift(w, 0);
@@ -370,7 +372,7 @@ static void halves_keep_the_membrane(void **state) {
     world_end(w);
 }
 
-/* Loads that do not follow stay what they are; those of what came off go on where it lay. */
+/* Dead loads do not change; those of detached particles remain at their position. */
 static void dead_loads_are_handed_on(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
@@ -387,7 +389,7 @@ static void dead_loads_are_handed_on(void **state) {
         w->ctx.step = 100;
         press(w);
         assert_true(q->skin[4 * p + 3] < 0 && q->applied[4 * p + 1] == 0);
-        assert_close(gn_membrane_area(&w->dem), whole, 0.1); /* of what it left bare */
+        assert_close(gn_membrane_area(&w->dem), whole, 0.1); /* of the exposed surface */
         /* as if all were where it was: there they are in balance */
         for (int a = 0; a < d; a++) q->pos[4 * p + a] = q->start[4 * p + a];
         expect_balance(w, 7e6);
@@ -399,7 +401,7 @@ static void dead_loads_are_handed_on(void **state) {
 
 typedef bool (*layer)(const gn_particles *q, size_t p, const double centre[3]);
 
-/* All of a layer comes off: each of it by itself, far from all others. */
+/* Detaches all particles of a layer: each on its own, far from all others. */
 static void take_off(gn_world *w, layer of, const double centre[3]) {
     gn_particles *q = &w->dem.particles;
     gn_contacts *bonds = &w->dem.bonds.contacts;
@@ -489,7 +491,8 @@ static bool of_the_shell(const gn_particles *q, size_t p, const double centre[3]
     return depth_now(q->start + 4 * p) < 1e-2 / 8;
 }
 
-/* m3: of the places in a body that are nearest to the surface of one of what is left. */
+/* Returns the volume, m3, of the points in a body that are nearest to the surface of a remaining
+ * particle. */
 static double volume_left(const gn_world *w, const packed_body *b) {
     const gn_particles *q = &w->dem.particles;
     const int n = b->dimension == 3 ? 40 : 200, high = b->dimension == 3 ? n : 1;
@@ -513,8 +516,8 @@ static double volume_left(const gn_world *w, const packed_body *b) {
     return (double)found * pow(width, b->dimension);
 }
 
-/* The mean stress of what is left is the pressure, whatever the packing: its surface is closed, and
- * area times place add up to the volume. */
+/* The mean stress of the remaining body is the pressure, for any packing: its surface is closed,
+ * and areas times positions add up to the volume. */
 static void a_body_without_its_shell_has_the_mean_stress(void **state) {
     (void)state;
     for (int follows = 0; follows < 2; follows++)

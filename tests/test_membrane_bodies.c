@@ -30,7 +30,7 @@ static gn_world *two_blocks(double pressure, double ramp) {
                     blocks, pressure, ramp);
 }
 
-/* Between two looks as well. */
+/* Areas rotate between two updates as well. */
 static void areas_turn_with_the_body_that_they_are_of(void **state) {
     (void)state;
     gn_world *w = two_blocks(7e6, 0);
@@ -54,8 +54,8 @@ static void areas_turn_with_the_body_that_they_are_of(void **state) {
     world_end(w);
 }
 
-/* However far bodies have come from one another: each is followed as what is around a patch has
- * moved, and a patch is held to the stretch of its own body. */
+/* For any distance of the bodies from one another each is followed by the surroundings of a patch,
+ * and a patch is limited to the stretch of its own body. */
 static void bodies_that_drift_apart_keep_their_areas(void **state) {
     (void)state;
     gn_world *w = two_blocks(7e6, 0);
@@ -76,8 +76,9 @@ static void bodies_that_drift_apart_keep_their_areas(void **state) {
     world_end(w);
 }
 
-/* The pressure has the energy p V: what swings and turns under it, and nothing damps, has what it
- * was given. (Areas that stayed as they were for 100 steps made a million times as much of it.) */
+/* The pressure has the potential energy p V: bodies that oscillate and rotate under it without
+ * damping conserve their energy. (With areas constant for 100 steps it grew by a factor of a
+ * million.) */
 static void two_bodies_that_swing_and_turn_gain_no_energy(void **state) {
     (void)state;
     gn_world *w = two_blocks(3e7, 1e-4);
@@ -130,7 +131,7 @@ static void bodies_that_are_apart_do_not_push_or_turn_one_another(void **state) 
     world_end(w);
 }
 
-/* Pairs, rows and layers have no shape that follows them: they are left alone, and refused where
+/* Pairs, rows and layers have no shape that could be followed: they are not loaded, and refused if
  * there is nothing else. */
 static void bodies_without_volume_are_not_loaded_by_the_membrane(void **state) {
     (void)state;
@@ -163,7 +164,7 @@ static void bodies_without_volume_are_not_loaded_by_the_membrane(void **state) {
     world_end(w);
 }
 
-/* About the centre of mass: of ways and of spins. */
+/* About the centre of mass: of displacements and of spins. */
 static void angular_momentum(const gn_world *w, double sum[3]) {
     const gn_particles *q = &w->dem.particles;
     double mass = 0, centre[3] = {0}, velocity[3] = {0};

@@ -38,7 +38,8 @@ def part(rows, number):
 
 @fact
 def the_pressure_of_a_stage_comes_from_what_there_is(folder):
-    """Times count from the start of the stage, and what it says holds in those after it; it begins at 0 where none was before."""
+    """Times count from the start of the stage, and its settings hold in later stages; the pressure starts from 0 if
+    there was none before."""
     out = run_scene(folder, block(MANY))
     rows, begun = history(out), [stage["time"] for stage in summary(out)["stages"]]
     assert len(begun) == 6
@@ -54,7 +55,8 @@ def the_pressure_of_a_stage_comes_from_what_there_is(folder):
 
 @fact
 def a_membrane_without_pressure_holds_that(folder):
-    """As one of a list of confinements; of one whose pressure goes to 0 once its ramp is over, of a table at its end."""
+    """The result equals that of one in a list of confinements; of one whose pressure ends at 0 after its ramp, and of
+    a table at its end."""
     table = [[0, "0.1 MPa"], ["1 ms", 0], ["2 ms", 0], ["3 ms", "0.1 MPa"]]
     out = run_scene(folder, block([stage("none", {"held": 0.01, "time": "5 ms"}, membrane={"pressure": 0}),
                                    stage("some", {"held": 0.01}, membrane={"pressure": "0.1 MPa", "ramp": "1 ms"}),
@@ -96,7 +98,7 @@ def a_membrane_of_the_first_stage_is_one_of_the_scene(folder):
 
 @fact
 def grains_that_pivot_are_found_when_bonds_form(folder):
-    """At the start nothing is bonded; supporting particles are chosen when bonds have formed."""
+    """At the start no bonds exist; supported particles are selected after bonds are formed."""
     given = block([stage("rest", {"steps": 20}), stage("bond", {"time": "0.05 ms"}, bonds={"enabled": "on"}),
                    stage("confine", {"time": "0.2 ms"}, membrane={"pressure": "10 MPa", "ramp": "0.1 ms"})],
                   specimen={"polygon": [[0, 0], [0.04, 0], [0.005, 0.02]], "particles": 500}, bonds={"enabled": "off"},

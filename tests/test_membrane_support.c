@@ -50,8 +50,8 @@ static void add_grain(text *t, double x, double y, double z) {
     add(t, "%s[%.17g, %.17g, %.17g, 1e-3]", t->used ? ", " : "", pitch * x, pitch * y, pitch * z);
 }
 
-/* A cube of 4 x 4 x 4 on whose upper side stand, from id 64 on: one on a grain, one on that; one on
- * two; one in the hollow of four. */
+/* A cube of 4 x 4 x 4 with grains on its upper side, from id 64 on: one on a grain of the cube, one
+ * on top of that, one on two grains, one in the hollow between four. */
 static gn_world *with_grains_on_top(const char *bonds) {
     text t = {0};
     for (int p = 0; p < 64; p++) add_grain(&t, p % 4, p / 4 % 4, p / 16 % 4);
@@ -139,8 +139,8 @@ static void grains_that_roll_stretch_no_patch(void **state) {
     world_end(w);
 }
 
-/* Where the surroundings of a patch, a corner of a block, have come to five times their length, it
- * is stretched as the skin as a whole, and the share of those is kept. */
+/* If the surroundings of a patch, a corner of a block, have been stretched to five times their
+ * length, the patch follows the skin as a whole, and the share of such patches is recorded. */
 static void a_patch_is_not_stretched_out_of_all_measure(void **state) {
     (void)state;
     gn_world *w = world_of("dimension: 2\nspecimen: {lattice: {kind: square, radius: 1 mm, cells: "

@@ -144,7 +144,7 @@ static void set_decimal_comma(fixture *f) {
 static void a_decimal_comma_of_the_locale_changes_nothing(void **state) {
     fixture *f = *state;
     bytes b;
-    make_msh(&b, 4, false); /* written before the comma comes */
+    make_msh(&b, 4, false); /* written before the locale with a decimal comma is set */
     set_decimal_comma(f);
     spill_bytes(f, &b);
     expect_sample(f);
@@ -295,7 +295,7 @@ static void files_that_are_not_there_are_refused(void **state) {
     fails(gn_mesh_read_stl("/dev/null", 1.0, &m, error), GNEISS_ERROR_INPUT, "no regular file");
 }
 
-/* Where the data of a section begin. */
+/* Returns the position at which the data of a section begin. */
 static size_t section_start(const bytes *b, const char *name) {
     const unsigned char *found = b->at;
     while (memcmp(found, name, strlen(name)) != 0) found++;
@@ -577,7 +577,7 @@ static void flipped_bytes_never_crash(void **state) {
             spill_bytes(f, &b);
             refused += !read_damaged(f, read);
         }
-        assert_in_range(refused, 1, 399); /* some are found, some are harmless */
+        assert_in_range(refused, 1, 399); /* some are detected, some are harmless */
     }
 }
 

@@ -2,8 +2,8 @@
  * one bond, couplings, energies, threads, resumption, keys. */
 #include "run_helpers.h"
 
-/* Two spheres of 1 mm, the first one held, the second one moved along x and then across: in each
- * step all of both is known. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, R_t = 12 N. */
+/* Two spheres of 1 mm, the first one held, the second one moved along x and then across: the state
+ * of both is known at every step. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, R_t = 12 N. */
 static const char *const couple =
     "dimension: 3\n"
     "specimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]]}\n"
@@ -115,7 +115,7 @@ static void in_mixed_precision_a_bond_breaks_at_the_same_force(void **state) {
 
 /* --- with moments --- */
 
-/* As break_it, of a bond that carries moments: neither particle turns, so that it has none. */
+/* As break_it, for a bond that carries moments: neither particle rotates, so that they are zero. */
 static broke break_beam(const char *coupling, double normal, const char *precision) {
     char words[2048];
     const char *still = "wx: 0, wy: 0, wz: 0";

@@ -1,6 +1,6 @@
-/* A column that is added to the manifest of contacts, and nowhere else, goes wherever contacts go:
- * into the list that is made anew, through a change of i and j, a checkpoint, the hash, and between
- * the two precisions. The columns are those of more_columns.h. */
+/* A column added to the manifest of contacts alone is treated like all others: it is kept when
+ * lists are rebuilt, under an exchange of i and j, in a checkpoint, in the hash, and converted
+ * between the two precisions. The columns are those of more_columns.h. */
 #include "world_helpers.h"
 
 #include "particles/observe.h"
@@ -84,8 +84,8 @@ static double column(const double *wide, const float *narrow, size_t at) {
     return wide ? wide[at] : (double)narrow[at];
 }
 
-/* Contacts of which every column holds what mark_contacts gave to its particles; a new one has
- * nothing. */
+/* Checks that every column of a contact has the values that mark_contacts gave to its particles;
+ * new contacts have zeros. */
 static size_t check_contacts(const gn_world *w, const gn_contacts *k, double fresh) {
     size_t marked = 0;
     for (size_t c = 0; c < k->soa.count; c++) {
@@ -223,7 +223,7 @@ static void a_new_column_that_is_state_is_hashed(void **state) {
     }
 }
 
-/* Output looks at a copy in double. */
+/* Output uses a copy in double. */
 static void a_new_column_goes_from_one_precision_to_the_other(void **state) {
     (void)state;
     gn_run *run = run_of(heap, "mixed");

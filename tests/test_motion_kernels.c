@@ -17,7 +17,7 @@ typedef struct herd {
     gn_motion_args args;
 } herd;
 
-/* Contacts with random partial sums: what a block's row holds must reach its particle. */
+/* Contacts with random partial sums: the sums of a block's row must reach its particle. */
 static void make_list(gn_contacts *k, gn_partials *sums, gn_effects effects, uint64_t *at) {
     assert_int_equal(gn_soa_create(&gn_contact_record, k, LINKS, effects, NULL), GNEISS_OK);
     for (size_t c = 0; c < LINKS; c++) { /* sorted by the first end, as the engine keeps them */

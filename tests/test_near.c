@@ -1,4 +1,4 @@
-/* Working on the pairs that act alone leaves every bit of a run as it is. */
+/* Processing active pairs alone leaves every bit of a run unchanged. */
 #include "world_helpers.h"
 
 #include "run/run.h"
@@ -92,7 +92,7 @@ static void omitting_distant_pairs_changes_no_bit(void **state) {
     }
 }
 
-/* Whoever reads the world finds the list up to date, and what goes on does not notice. */
+/* Readers of the world find an up-to-date list, and the run continues with the same bits. */
 static void reading_the_world_changes_no_bit(void **state) {
     (void)state;
     gn_world *read = made(&cases[4], 1), *left = made(&cases[4], 1);
@@ -111,8 +111,8 @@ static void reading_the_world_changes_no_bit(void **state) {
     world_end(left);
 }
 
-/* Pairs of grains at random places and speeds: bits of every set are those of the scalar one, and
- * a pair that is left out touches at no time that was asked for, nor nearly. */
+/* Pairs of grains at random positions and velocities: the bits of every instruction set are those
+ * of the scalar one, and an omitted pair touches at no time of the interval, nor almost. */
 static void acting_pairs_are_found(void **state) {
     (void)state;
     enum { PAIRS = 8 * 200 };
@@ -191,7 +191,7 @@ static void losses_are_the_same_to_rounding(void **state) {
     world_end(whole);
 }
 
-/* Where every listed pair presses there is nothing to leave out. */
+/* If every listed pair is in contact, none can be omitted. */
 static void a_lattice_that_touches_is_worked_on_whole(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -1,4 +1,4 @@
-/* The pair search against all pairs, and what rebuilds and reorderings leave of a run. */
+/* The pair search compared with all pairs, and the effect of rebuilds and reorderings on a run. */
 #include "world_helpers.h"
 
 static gn_particles particles(size_t count, int dimension) {
@@ -227,8 +227,8 @@ static void the_skin_does_not_change_the_motion(void **state) {
     world_end(b);
 }
 
-/* Two spheres that meet, and one that meets a wall, all at 2 m/s and so by 5e-6 m a step; what is
- * left of that to the pair and to the third. */
+/* Two spheres that collide, and one that hits a wall, all at 2 m/s and thus 5e-6 m per step; the
+ * remaining speed of the pair and of the third. */
 static void rebound(const char *skin, const char *damping, double phase, double left[2]) {
     double gap = 1e-5 + phase * 5e-6;
     gn_world *w =
@@ -267,9 +267,9 @@ static void a_skin_below_the_path_of_a_step_does_not_change_a_rebound(void **sta
     }
 }
 
-/* Without bonds the particles are sorted anew every 16 rebuilds. That changes the order of sums and
- * so their round-off (which collisions multiply), but a lost shear force would be off by its own
- * size at once. */
+/* Without bonds the particles are sorted again every 16 rebuilds. That changes the order of sums
+ * and so their round-off (which collisions amplify), but a lost shear force would be an error of
+ * its own size at once. */
 static void shear_forces_survive_reorderings(void **state) {
     (void)state;
     gn_world *a = tumble(3e-5, false), *b = tumble(1e-3, false);
@@ -294,9 +294,9 @@ static void shear_forces_survive_reorderings(void **state) {
     world_end(b);
 }
 
-/* Two spheres that rub. Turned by 180 degrees about z in the middle of it, they come in the other
- * order along the Morton curve: their contact changes its ends. The run must go on as the turned
- * one, bit for bit. */
+/* Two spheres in sliding contact. Rotated by 180 degrees about z in the middle of the run, they
+ * have the other order along the Morton curve: their contact exchanges its ends. The run must
+ * continue as the rotated one, bit for bit. */
 static gn_world *rubbing(void) {
     return world_of(
         "dimension: 3\nspecimen: {particles: [[-1e-3, 0, 0, 1e-3], [1e-3, 0, 0, 1e-3]]}\n"

@@ -48,10 +48,9 @@ static double height_of(const char *kind) {
     return height;
 }
 
-/* The walls' work is what the ledger is held against; a step that is not stable makes it useless at
- * once (residuals of 3 to 90, or particles that fly off, within 15 to 30 steps at 0.9 of the limit
- * of the contacts that touch at the start). A tenth is far above what collisions in few steps lose.
- */
+/* The works of the walls are the scale of the ledger; an unstable step invalidates it at once
+ * (residuals of 3 to 90, or particles that fly off, within 15 to 30 steps at 0.9 of the limit of
+ * the contacts at the start). A tenth is far above the error of collisions in few steps. */
 static void lattices_between_closing_walls_do_not_go_bad(void **state) {
     (void)state;
     static const char *const kinds[] = {"cubic", "fcc", "hcp"};
@@ -77,8 +76,8 @@ static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **sta
         gneiss_error error = {0};
         w->ctx.scene.contact_steps = 0.01;
         w->ctx.scene.estimate = k ? GN_STEP_BOUND : GN_STEP_SHARP;
-        assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                             &w->ledger, true, &error),
+        assert_int_equal(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                           &w->ledger, true, &error),
                          GNEISS_OK);
         assert_true(w->ctx.dt < w->ctx.choice.resolution.step);
         assert_true(fabs(residual_after(w, 5e-4)) < 0.1);
@@ -148,7 +147,7 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
                 1e-3 + large + gap, large);
             double least = 2.0 * w->ctx.choice.resolution.contact + gap, limit = 20.0 * least;
             while (w->ctx.time < limit && vel_of(w, 0)[0] > 0.0) run_steps(w, 1);
-            run_steps(w, (int64_t)gn_world_contact_steps(&w->ctx) + 2);
+            run_steps(w, (int64_t)gn_timestep_contact_steps(&w->ctx) + 2);
             double speed = vel_of(w, 1)[0] - vel_of(w, 0)[0];
             if (!(fabs(speed - 1.0) < 0.1))
                 fail_msg("R/r %g: rebound %g of the speed of approach", ratio[k], speed);
@@ -212,9 +211,9 @@ static void the_stiffest_pair_in_flight_is_found_among_the_extremes(void **state
     }
 }
 
-/* A row of three that touch is what the first limit rests on (w^2 = 3 k/m). Then a row of twelve is
- * pressed, whose particles have two springs as those before: the bound stays, w^2 comes to nearly
- * 4 k/m. The limit is found again once it has fallen by 5 %. */
+/* A row of three touching particles sets the first limit (w^2 = 3 k/m). Then a row of twelve is
+ * compressed, whose particles have two springs as the former: the bound does not change, w^2 rises
+ * to almost 4 k/m. The limit is computed again when it has fallen by 5 %. */
 static void the_sharp_limit_follows_a_row_that_is_pressed(void **state) {
     (void)state;
     text t = {0};
@@ -230,16 +229,16 @@ static void the_sharp_limit_follows_a_row_that_is_pressed(void **state) {
            bound = w->ctx.choice.limit.bound;
     assert_close(before, 2.0 / sqrt(3.0) * unit, 1e-3);
     for (int k = 0; k < 12; k++) pos_of(w, 3 + k)[0] = 1.9999e-3 * k;
-    assert_int_equal(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                         &w->ledger, false, &error),
+    assert_int_equal(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                       &w->ledger, false, &error),
                      GNEISS_OK);
     assert_close(w->ctx.choice.limit.bound, bound, 1e-12);
     assert_close(w->ctx.choice.limit.sharp, unit / sin(pi * 11.0 / 24.0), 1e-3);
     world_end(w);
 }
 
-/* A light sphere flies at a heavy one while two heavy ones, pressed, set the step: lowered as soon
- * as they are near, before they touch. */
+/* A light sphere approaches a heavy one while two heavy ones in contact set the step: it is lowered
+ * when they come near, before they touch. */
 static void the_step_falls_when_a_stiffer_pair_comes_near(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -250,7 +249,7 @@ static void the_step_falls_when_a_stiffer_pair_comes_near(void **state) {
     double first = w->ctx.dt;
     double square = 1e5 * (1.0 / mass_of(w, 2) + 1.0 / mass_of(w, 0));
     while (pos_of(w, 2)[1] > 0.011 + 1e-5) run_steps(w, 1);
-    assert_close(w->ctx.dt, pi / sqrt(square) / gn_world_contact_steps(&w->ctx), 1e-12);
+    assert_close(w->ctx.dt, pi / sqrt(square) / gn_timestep_contact_steps(&w->ctx), 1e-12);
     assert_true(w->ctx.dt < 0.1 * first && w->ctx.dt_lowered > 0);
     world_end(w);
 }
@@ -384,8 +383,8 @@ static gn_world *wedged(double speed, double strength, const char *more) {
         strength, strength, speed, more);
 }
 
-/* Without it the run misses 6e-3; 4e-4 is what ten steps per contact leave in a slot that just
- * fits. */
+/* Without it the residual is 6e-3; 4e-4 is the error of ten steps per contact in a slot of exactly
+ * the particle's size. */
 static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
     (void)state;
     gn_world *w = wedged(0.1, 0.005, "");
@@ -450,9 +449,9 @@ static gn_world *rattling(double spacing, double restitution, double background)
         spacing, restitution, background, edge, edge, edge);
 }
 
-/* In a collision of 23 us they move 2 um at most. Where gaps are 0.2 um all twelve neighbours of a
- * sphere may press at once, w^2 of the pair is (12 + 12) k/(3 m) = 4 times that of two alone; where
- * gaps are 0.1 mm, or damping calms it, two are what they are. */
+/* In a collision of 23 us they move by at most 2 um. With gaps of 0.2 um all twelve neighbours of a
+ * sphere may touch at once, and w^2 of the pair is (12 + 12) k/(3 m) = 4 times that of two alone;
+ * with gaps of 0.1 mm, or with damping, two touch at a time. */
 static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
     (void)state;
     static const double spacing[] = {1.0001, 1.0001, 1.0001, 1.0001, 1.0001, 1.05},
@@ -468,8 +467,9 @@ static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
     }
 }
 
-/* For 400 collision times. What is missed falls with the cube of the step: 8.5 % in ten steps per
- * pair make 1.1 % in twenty, and paths of so many collisions differ by less than twice that. */
+/* For 400 collision times. The error falls with the cube of the step: 8.5 % with ten steps per pair
+ * become 1.1 % with twenty, and trajectories of so many collisions differ by less than twice that.
+ * */
 static void a_lattice_that_rattles_keeps_its_ledger(void **state) {
     (void)state;
     gn_world *w = rattling(1.0001, 1.0, 0.0);

@@ -1,7 +1,7 @@
 """Models far from 0: the same motion as near it, and the coordinates that the user gave. Speaks TAP."""
 from program import *  # noqa: F403
 
-# Multiples of large powers of two: what has few digits near 0 keeps all of them when it is moved there.
+# Multiples of large powers of two: numbers with few digits near 0 keep all of them when moved there.
 EXACT = (2.0**22, -2.0**21, 2.0**20)
 MAP = (5e6, -3e6, 1e6)
 NEAR = (0.0, 0.0, 0.0)
@@ -67,7 +67,7 @@ def beam(place, corner=0.0):
 
 
 def ball(place, **more):
-    """One particle that flies."""
+    """One particle in free flight."""
     return {
         "dimension": 3,
         "specimen": {"particles": [[*place, 1e-3]]},

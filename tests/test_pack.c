@@ -1,4 +1,4 @@
-/* Packings of every shape: what must hold of them, and what is asked for. */
+/* Packings of every shape: required properties, and requested sizes. */
 #include "pack_help.h"
 
 static int setup(void **state) {

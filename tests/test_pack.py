@@ -10,7 +10,7 @@ CYLINDER = "cylinder: {diameter: 23 mm, height: 30 mm}"
 
 
 def request(folder, shape=CYLINDER, particles=200, more="", dimension=3, name="body.yaml"):
-    """A file with a specimen alone."""
+    """A file with a specimen only."""
     return write_scene(folder, f"dimension: {dimension}\nspecimen:\n  {shape}\n  particles: {particles}\n{more}", name)
 
 
@@ -50,7 +50,7 @@ def scene_of_specimen(folder, specimen, name="scene.yaml", dimension=3):
 
 
 def check_whole_files(out, particles):
-    """No file that is there is half-written."""
+    """No existing file is incomplete."""
     for name in os.listdir(out):
         path = os.path.join(out, name)
         assert not name.endswith(".tmp"), os.listdir(out)
@@ -188,7 +188,7 @@ def a_folder_with_checkpoints_takes_no_packing(folder):
     out = os.path.join(folder, "out")
     os.mkdir(out)
     open(os.path.join(out, "checkpoint_0000000048.h5"), "w").close()
-    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "found the checkpoints of a run")
+    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "found a run in it")
 
 
 @fact
@@ -439,7 +439,7 @@ def a_folder_with_results_of_a_run_is_refused(folder):
     run(LATTICE, out, "--set", "time.end=0.1 ms")
     before = {name: os.path.getmtime(os.path.join(out, name)) for name in os.listdir(out)}
     done = gneiss("pack", request(folder), "--out", out, **cached(folder))
-    expect(done, 2, re.escape(out) + ": expected a folder for the packing, found the results of a run")
+    expect(done, 2, re.escape(out) + ": expected a folder for a packing, found a run in it")
     assert {name: os.path.getmtime(os.path.join(out, name)) for name in os.listdir(out)} == before
     assert not os.path.exists(os.path.join(folder, "cache")), "packed before it was refused"
 
@@ -670,7 +670,7 @@ def particles_from_a_file_have_the_volume_of_their_hull_and_say_so(folder):
     shutil.copy(os.path.join(made, "packing.txt"), folder)
     checked = expect(gneiss("check", scene_of_specimen(folder, "file: packing.txt")), 0).stdout
     assert "of the convex hull of the particles" in checked, checked
-    # The hull of spheres inside the L: less than its hull, more than half way to it.
+    # The hull of spheres inside the L: less than the hull of the L, more than half way to it.
     assert 0.5 * (L_AREA + L_HULL) < found(r"volume +(\S+) m3", checked) / 20e-3 < L_HULL, checked
 
 

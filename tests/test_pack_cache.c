@@ -1,4 +1,4 @@
-/* Packings made before: what the key takes in, and what becomes of a cache that is no good. */
+/* The cache of packings: content of the key, and treatment of damaged caches. */
 #include "pack_help.h"
 
 #include "pack/store.h"
@@ -186,7 +186,7 @@ static void the_contents_of_a_mesh_count_and_not_its_name(void **state) {
 
 /* ---- a cache that is no good ---- */
 
-/* The file is not used, the note says so, the packing is made again and takes the file's place. */
+/* The file is not used, the note reports it, and a new packing replaces the file. */
 static void check_replaced(const gn_scene *s, const gn_pack_result *good, const char *path,
                            const char *why) {
     char expected[512];
@@ -371,7 +371,7 @@ static void without_a_wish_the_cache_is_that_of_the_user(void **state) {
     assert_false(specimen_from_cache(f, 2, disc));
     snprintf(place, sizeof place, "%s/.cache/gneiss", f->dir);
     assert_int_equal(entries(place, false), 1);
-    setenv("XDG_CACHE_HOME", "relative", 1); /* is to be ignored */
+    setenv("XDG_CACHE_HOME", "relative", 1); /* must be ignored */
     assert_true(specimen_from_cache(f, 2, disc));
     snprintf(place, sizeof place, "%s/xdg", f->dir);
     setenv("XDG_CACHE_HOME", place, 1);

@@ -215,7 +215,8 @@ static void radii_have_their_statistics(void **state) {
         assert_close(q.radius_min, 1, 1e-14);
         assert_close(q.radius_max, 3, 1e-14);
         assert_close(q.radius_ratio, 3, 1e-14);
-        assert_close(q.radius_ratio_98, 2.98 / 1.02, 1e-12); /* two of 201 at either end go */
+        assert_close(q.radius_ratio_98, 2.98 / 1.02,
+                     1e-12); /* two of 201 at either end are left out */
         assert_close(q.radius_variation, sqrt(squares / COUNT) / 2, 1e-12);
         assert_close(ball(d, q.radius_volume) * COUNT, volumes[d - 2], 1e-12);
         assert_close(q.porosity, 1 - volumes[d - 2] / 1e5, 1e-12);

@@ -1,4 +1,4 @@
-/* Pressure over a surface that deforms: a plane as one contact, and a potential. */
+/* Pressure over a deforming surface: a plane as one contact, and a potential. */
 #include "surface_helpers.h"
 
 #include "surfaces/patch.h"
@@ -115,7 +115,7 @@ static void the_force_is_that_of_the_potential(void **state) {
         }
 }
 
-/* Contacts made of facets hold together what the facets do. */
+/* Contacts made of several facets have the sum of the facets' forces. */
 static void contacts_share_force_and_potential(void **state) {
     (void)state;
     static sheet s;
@@ -208,7 +208,7 @@ static void press_block(const soup *s, int corners, const double centre[3], doub
     }
 }
 
-/* Over a node, an edge, a diagonal, the middle of a cell, on the way along a diagonal. */
+/* Over a node, an edge, a diagonal, the middle of a cell, at a point along a diagonal. */
 static void a_centre_over_a_node_or_an_edge_is_no_special_place(void **state) {
     (void)state;
     static soup s;
@@ -273,8 +273,8 @@ static void the_force_is_that_of_the_potential_at_edges_and_corners(void **state
     }
 }
 
-/* By Hertz's law at edges and corners every contact has a part that is positive, and a force
- * that is no more than that of the power 5/4 of the whole potential. */
+/* With Hertz's law at edges and corners every contact has a positive part, and a force that is at
+ * most that of the power 5/4 of the whole potential. */
 static void hertz_contacts_are_finite_at_edges_and_corners(void **state) {
     (void)state;
     static soup s;

@@ -104,8 +104,8 @@ static void a_node_may_move_half_a_radius_in_a_step(void **state) {
     stops(BLOCK("-501"), "elements: a node");
 }
 
-/* At the automatic step a grain by itself flies a part of its radius in a step, and touches for one
- * or two of these: wherever it comes from, the step is that of the contact when it begins. */
+/* At the automatic step a free grain flies a part of its radius in a step, and touches for one or
+ * two of these: from any direction, the step is that of the contact when it begins. */
 static void a_flight_ends_with_the_step_of_the_contact(void **state) {
     (void)state;
     for (int k = 0; k < 40; k++) {
@@ -129,8 +129,8 @@ static void a_flight_ends_with_the_step_of_the_contact(void **state) {
     }
 }
 
-/* Grains that rest on a wall which goes away, slow or fast, lose it within a step: what it carried
- * is not carried along, and they fall. A wall that moves away needs no bound. */
+/* Grains at rest on a wall that moves away, slowly or fast, lose contact within a step: they are
+ * not carried along, and fall. A wall that moves away needs no bound. */
 static void a_wall_that_retreats_unloads_its_contacts(void **state) {
     (void)state;
     static const char *const motions[] = {"[[0, 0], [5 ms, 0], [5.1 ms, -2]]",
@@ -154,7 +154,7 @@ static void a_wall_that_retreats_unloads_its_contacts(void **state) {
             measured_step(w);
             worst = fmax(worst, fabs(gn_energy_residual(&w->ledger.reading)));
         }
-        /* With run.residual_limit runs stop. */
+        /* Runs with run.residual_limit stop. */
         if (worst > 0.1) fail_msg("%s: residual %g", motions[k], worst);
         assert_true(vel_of(w, 0)[1] < -0.02);
         world_end(w);

@@ -33,8 +33,8 @@ static void every_form_of_a_law_is_evaluated(void **state) {
     assert_near(gn_slope_at(&s, 123.0), -0.02, 0.0);
 }
 
-/* About the reference the error of a power is that of its coefficient, away from it the exponent's
- * comes on top. */
+/* At the reference the error of a power law is that of its coefficient; away from it the error of
+ * the exponent adds to that. */
 static void the_error_of_a_power_grows_away_from_its_reference(void **state) {
     (void)state;
     gn_slope s = power();

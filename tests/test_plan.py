@@ -1,7 +1,7 @@
-"""`gneiss plan --error`: what is proposed, what is refused, what is written; the error budget of runs. Speaks TAP."""
+"""`gneiss plan --error`: proposals, refusals, written files; the error budget of runs. Speaks TAP."""
 import csv
 import glob
-
+import math
 import shlex
 
 from program import *  # noqa: F403
@@ -79,6 +79,7 @@ def an_error_is_a_share_or_per_cent(folder):
     assert reported(scene, "--error", "0.09")["wanted"] == reported(scene, "--error", "9 %")["wanted"] == 0.09
     for wrong in ("0", "five", "200%", "-1%", "5%%"):
         expect(gneiss("plan", scene, "--error", wrong), 2, "--error: expected a share")
+        expect(gneiss("run", "none.yaml", "--error", wrong), 2, "--error: expected a share")  # before anything is read or packed
 
 
 @fact
@@ -267,7 +268,7 @@ def a_peak_between_two_rows_has_an_error_of_that(folder):
 
 @fact
 def a_plan_has_rows_enough_for_its_peak(folder):
-    """Ten rows over all of the path, of which the peak takes a part."""
+    """Ten rows over the whole path, of which the peak takes a part."""
     path = os.path.join(folder, "few.yaml")
     expect(gneiss("plan", rock(folder), "--set", "output.history_rows=10", "--error", "10%", "--write", path), 0)
     said = expect(gneiss("plan", path, "--error", "10%", "--log", "json"), 0)
@@ -280,7 +281,7 @@ def a_plan_has_rows_enough_for_its_peak(folder):
 def loading_that_is_too_fast_shows_in_the_budget_of_the_run(folder):
     _, fast = budget(folder)
     speed = fast["speed"]
-    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond what the study measured (0.04), and reported.
+    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond the range of the study (0.04), and reported.
     assert 0.03 < speed < 0.08, speed
     assert any("velocity" in note and "beyond" in note for note in fast["peak_stress"]["notes"]), fast["peak_stress"]["notes"]
 
@@ -349,6 +350,10 @@ def a_run_with_an_error_is_that_of_the_planned_scene(folder):
     run(fast, os.path.join(folder, "by-hand"))
     done = expect(gneiss("run", scene, "--threads", 1, *given, "--out", out), 0)
     assert "proposed for the strength" in done.stdout and "peak stress" in done.stdout, done.stdout
+    read = summary(out)
+    within = 100 * read["error_budget"]["peak_stress"]["error"] / read["readings"]["peak_stress"]
+    name, said = re.search(r"\nerror of 20 % asked for: (.*): peak_stress within ([\d.]+) %\n$", done.stdout).groups()
+    assert abs(float(said) / within - 1) < 0.06 and name == ("reached" if within <= 20 else "not reached"), (within, done.stdout)
     assert state_hash(out) == state_hash(os.path.join(folder, "by-hand"))
     with open(fast) as one, open(out + ".yaml") as other:
         assert one.read() == other.read()
@@ -381,11 +386,16 @@ def a_planned_run_makes_as_many_packings_as_the_plan(folder):
     assert wanted > 1, wanted
     done = expect(gneiss("run", scene, *given, "--threads", 1, "--jobs", 1, "--out", out), 0)
     assert f"{wanted} runs" in done.stdout, done.stdout
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        mean, interval, rest = (file[f"statistics/young_modulus/{name}"][0] for name in ("mean", "interval", "rest"))
+    name, said = re.search(r"\nerror of 4 % asked for: (.*): young_modulus within ([\d.]+) %\n$", done.stdout).groups()
+    within = 100 * math.hypot(interval, rest) / mean
+    assert abs(float(said) / within - 1) < 0.06 and name == ("reached" if within <= 4 else "not reached"), (within, done.stdout)
     assert len(glob.glob(os.path.join(out, "*", "results.h5"))) == wanted
     before = open(out + ".yaml").read()
     given = ("--error", "40%", *given[2:])
     assert proposed(scene, *given)["packings"] == 1
-    expect(gneiss("run", scene, *given, "--out", out), 2, "out: expected a folder for one run, found a sweep in it: choose another with --out")
+    expect(gneiss("run", scene, *given, "--out", out), 2, "out: expected a folder for one run, found several runs in it: choose another with --out")
     assert open(out + ".yaml").read() == before
 
 

@@ -1,10 +1,10 @@
-/* docs/quantities.md is what the tables of quantities say, and a history has what they say.
- * `test_quantities FILE` writes the page. */
+/* docs/quantities.md agrees with the tables of quantities, and a history has the quantities of the
+ * tables. `test_quantities FILE` writes the page. */
 #include "world_helpers.h"
 
 #include "run/history_rows.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/quantities.h"
 #include "test_kinds/readings.h"
 
@@ -172,7 +172,7 @@ static void columns_follow_the_table(void **state) {
                                "unbalanced"};
         const char *absent[] = {"strain", "set_free_reaction_x", "elements_strain_xx"};
         for (size_t k = 0; k < sizeof there / sizeof *there; k++) {
-            assert_int_equal(gn_history_step(w, &h, &error), GNEISS_OK);
+            assert_int_equal(gn_history_record_step(w, &h, &error), GNEISS_OK);
             if (!gn_history_column(&h, there[k])) fail_msg("no %s", there[k]);
         }
         for (size_t k = 0; k < sizeof absent / sizeof *absent; k++)

@@ -11,7 +11,7 @@ PROGRAM = os.path.abspath(sys.argv[1])
 SCENES = int(sys.argv[2]) if len(sys.argv) > 2 else 200
 # Crowds in exact touch, in single precision and a periodic box (with sides all round): contacts without a path in the first steps.
 MORE = (1003, 1395, 2067)
-# A specimen that has come apart long before its lists are made anew.
+# A specimen that disintegrates long before its lists are rebuilt.
 MORE += (560,)
 # Undamped bodies of few bonds each, some of them broken or damaged: they last half the steps of a contact.
 MORE += (1673, 3639, 13405)

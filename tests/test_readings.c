@@ -49,7 +49,7 @@ static gn_readings read_history(const gn_history *h, int dimension, int axis, in
     return r;
 }
 
-/* Before half of the largest stress, which the platen strain does not know; after it. */
+/* Before half of the largest stress, which the platen strain does not show; and after it. */
 static void a_specimen_of_which_too_little_is_left_has_no_average_strain(void **state) {
     (void)state;
     for (int late = 0; late < 2; late++) {
@@ -82,7 +82,7 @@ static void rows_that_a_start_left_out_count(void **state) {
         for (int k = 0; k <= 1200; k++) {
             double e = 1e-3 * k, row[] = {2.0 * e, e, k <= 1000 ? e + 0.5 * e * e : 0.1};
             if (way == 1 && k < 300 && k % 15) continue; /* the start's rows */
-            if (way == 2) row[0] = 0.0;                  /* no time to tell them by */
+            if (way == 2) row[0] = 0.0;                  /* without times the order is unknown */
             if (way == 2 && k < 300 && k % 15) continue;
             assert_int_equal(gn_history_append(&h, row, NULL), GNEISS_OK);
         }
@@ -523,11 +523,12 @@ static void without_input_the_scale_is_the_energy_at_the_start(void **state) {
 
 static void work_that_is_taken_back_still_counts_as_passed(void **state) {
     (void)state;
-    /* A ball launched upwards: 2 J at the start, all of it gravity's at the top, back again below.
-     */
+    /* A ball launched upwards: 2 J at the start, all of it potential energy at the top, kinetic
+     * again at the bottom. */
     gn_energy e = {.stored_at_start = 2, .work_gravity = -2};
     assert_close(gn_energy_throughput(&e), 2, 1e-15);
-    /* Dropped from rest instead and seen where it came from: no term is left, but 3 J went. */
+    /* Dropped from rest instead and read at its initial position: all terms are zero, but 3 J
+     * passed. */
     e = (gn_energy){.kinetic = 1e-9, .passed = 3};
     assert_close(gn_energy_scale(&e), 3, 1e-15);
     assert_close(gn_energy_residual(&e), 1e-9 / 3, 1e-12);

@@ -1,4 +1,4 @@
-"""Laboratory tests: ends of several parts, what can be read and why some of it cannot. Speaks TAP."""
+"""Laboratory tests: ends of several parts, available readings and reasons for absent ones. Speaks TAP."""
 from program import *  # noqa: F403
 
 
@@ -31,7 +31,7 @@ def bending(lower, more_sets=()):
 
 
 def run_scene(folder, scene, *arguments):
-    """The output folder and what was said while running."""
+    """The output folder and the messages of the run."""
     out = os.path.join(folder, "out")
     return out, expect(gneiss("run", write_scene(folder, scene), "--out", out, *arguments), 0)
 
@@ -52,7 +52,7 @@ def the_forces_of_two_supports_add_up(folder):
     rows = history(out)
     supports = rows["set_left_reaction_y"] + rows["set_right_reaction_y"]
     assert np.allclose(rows["force"], 0.5 * (supports - rows["set_punch_reaction_y"]), rtol=1e-12, atol=1e-12)
-    # The drag of the viscous damping is what is left: mass times rate times velocity over the force.
+    # The remaining difference is the drag of the viscous damping: mass times rate times velocity over the force.
     assert rows["force"][-1] > 0 and abs(supports[-1] / rows["force"][-1] - 1) < 0.02, supports[-1]
     assert warnings(out) == {} and done.stderr == ""
     assert summary(out)["readings"]["end_imbalance"] < 0.05, summary(out)["readings"]
@@ -166,7 +166,7 @@ def sides_that_are_pressed_leave_neither_modulus_nor_poissons_ratio(folder):
 
 @fact
 def a_shear_test_leaves_neither_modulus_nor_poissons_ratio(folder):
-    """The upper edge goes sideways and a little down."""
+    """The upper edge moves sideways and a little downwards."""
     sets = [part("low", [0, 0], [24e-3, 2e-3], vx=0, vy=0),
             part("up", [0, 22e-3], [24e-3, 24e-3], vx=[[0, 0], [0.1, 1e-3]], vy=[[0, 0], [0.1, -1e-4]])]
     scene = block([12, 12], sets=sets, test={"kind": "compression", "axis": "y", "lower": "low", "upper": "up"})
@@ -324,8 +324,8 @@ def the_modulus_of_a_body_with_a_waist_is_that_of_its_material(folder):
 
 
 def pressed(polygon, length, count):
-    """Discs in a polygon that cannot break, pressed along y by those of 3 % of its length at each end. (Walls begin at the grains that
-    stand out farthest, which are few.)"""
+    """Discs in a polygon that cannot break, pressed along y by those within 3 % of its length at each end. (Walls
+    would touch only the few grains that protrude farthest.)"""
     scene = packed("compression")
     del scene["walls"]
     sets = [{"name": name, "select": {"box": {"min": [-1, low * length], "max": [1, high * length]}}, "motion": {"vy": [[0, 0], [5e-5, speed]]}}

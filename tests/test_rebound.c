@@ -5,7 +5,7 @@
 
 /* --- restitution --- */
 
-/* A pair, or a particle and a wall, that meet. */
+/* A colliding pair, or a particle and a wall. */
 typedef struct meeting {
     double r1, r2, density, stiffness, depth, phase; /* depth: overlap over r2 */
     int dimension;
@@ -28,7 +28,7 @@ static double mass(const meeting *m, double r) {
     return m->dimension == 3 ? sphere_mass(m->density, r) : disc_mass(m->density, r);
 }
 
-/* The speed at which they part, over that at which they met. */
+/* Returns the speed of separation over that of approach. */
 static double rebound(const meeting *m, double restitution, double steps) {
     double inverse = 1.0 / mass(m, m->r2) + (m->other == FREE ? 1.0 / mass(m, m->r1) : 0.0);
     double w0 = sqrt(m->stiffness * inverse), dt = pi / w0 / steps;
@@ -58,7 +58,8 @@ static double rebound(const meeting *m, double restitution, double steps) {
     return parts / speed;
 }
 
-/* 1 % down to one half, 0.01 below: what the resolution rule of the automatic step promises. */
+/* 1 % down to one half, 0.01 below: the accuracy that the resolution rule of the automatic step
+ * guarantees. */
 static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     (void)state;
     static const double asked[] = {0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0};
@@ -117,8 +118,8 @@ static void restitution_is_kept_beside_sideways_motion(void **state) {
         }
 }
 
-/* A sphere that is held along x alone is met along a normal at `angle` to it. The speed along the
- * normal at which they part over that at which they met. */
+/* A sphere held along x alone is hit along a normal at `angle` to x. Returns the speed of
+ * separation along the normal over that of approach. */
 static double held_along_x(double angle, double restitution) {
     double n[2] = {cos(angle), sin(angle)}, r = 1e-3, m = sphere_mass(2500, r);
     double w0 = sqrt(1e6 / m * (1.0 + n[1] * n[1])), dt = pi / w0 / GN_STEPS_PER_CONTACT;

@@ -11,7 +11,7 @@ typedef struct packed {
     bool space;
     double jitter;         /* of a radius */
     double range;          /* of bonds, of a radius; 0: 0.35, all neighbours */
-    const char *convert;   /* keys besides box and width; NULL: none */
+    const char *convert;   /* keys in addition to box and width; NULL: none */
     const char *strength;  /* of bonds, N; NULL: none that counts */
     const char *materials; /* keys besides */
     const char *rest;      /* NULL: one thread */
@@ -224,9 +224,9 @@ static void it_takes_energy_and_leaves_velocities(void **state) {
     }
 }
 
-/* A block that is held and was in equilibrium: what relaxation takes would swing between springs
- * and motion, one half on the mean each. (What the zone is out of balance is sent out all the
- * same.) */
+/* A held block in equilibrium: without relaxation the energy that it removes would oscillate
+ * between springs and motion, half of it in each on average. (The imbalance of the zone itself is
+ * radiated all the same.) */
 static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
     (void)state;
     enum { LOOKS = 40 };
@@ -302,9 +302,9 @@ static void a_block_that_moves_and_turns_does_not_relax(void **state) {
     }
 }
 
-/* Half a wave over the block, at its largest: what is balanced is what accelerates it, not
- * nothing, which would straighten the 8 mm that convert (by (pi 8/40)^2/8 = 5 % of its size). Kinks
- * at the corners of elements are rounded: (pi 2/40)^2/8 = 0.308 %. */
+/* Half a wave over the block at its largest amplitude: relaxation must preserve its acceleration;
+ * balance to zero would straighten the 8 mm that convert (by (pi 8/40)^2/8 = 5 % of its size).
+ * Kinks at the corners of elements are rounded: (pi 2/40)^2/8 = 0.308 %. */
 static void swing(const double *x, const void *of, double u[3], double v[3]) {
     (void)v;
     u[*(const int *)of] = 1e-7 * sin(pi * x[0] / 40e-3);
@@ -365,8 +365,8 @@ static void no_bond_breaks_by_it(void **state) {
     world_end(w);
 }
 
-/* A bar that is bent and breaks while it converts: contacts of broken bonds that close by what
- * takes a force away. */
+/* A bent bar that breaks while it converts: contacts of broken bonds that close when a force is
+ * removed. */
 static const char bent[] =
     "dimension: 2\n"
     "specimen:\n"

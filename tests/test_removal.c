@@ -1,5 +1,5 @@
-/* Particles that leave the domain: what they and their contacts held leaves the ledger with them,
- * and their bonds are not broken. */
+/* Particles that leave the domain: their energy and that of their contacts leave the ledger with
+ * them, and their bonds are not broken. */
 #include "world_helpers.h"
 
 #include "run/history_rows.h"
@@ -41,7 +41,7 @@ static void the_elastic_energy_at_a_wall_leaves_with_the_grain(void **state) {
     }
 }
 
-/* Both are driven, so that the bond stays as long as it is made; the second leaves. */
+/* Both are driven, so that the bond keeps its length; the second leaves. */
 static void the_elastic_energy_of_a_bond_leaves_with_the_grain(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -71,7 +71,7 @@ static double column(const gn_history *h, const char *name) {
     return value[h->row_count - 1];
 }
 
-/* Three in a row, and the last leaves without any force: one bond goes, one stays. */
+/* Three in a row, and the last leaves without any force: one bond is removed, one stays. */
 static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -88,7 +88,7 @@ static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     double damage[3];
     run_until_lost(w, 1);
     assert_int_equal(gn_history_begin(w, &h, &error), GNEISS_OK);
-    assert_int_equal(gn_history_step(w, &h, &error), GNEISS_OK);
+    assert_int_equal(gn_history_record_step(w, &h, &error), GNEISS_OK);
     assert_true(column(&h, "bonds_intact") == 1.0 && column(&h, "damage") == 0.0);
     assert_true(column(&h, "broken_tension") == 0.0 && column(&h, "broken_shear") == 0.0);
     assert_int_equal(w->dem.bonds.contacts.cause[0], GN_INTACT);
@@ -140,7 +140,7 @@ static void a_swinging_bonded_pair_closes_the_ledger(void **state) {
     }
 }
 
-/* Side by side, stretched across the way out. */
+/* Side by side, with the bond stretched across the direction of motion. */
 static void a_bond_is_removed_once_if_both_grains_are_removed_together(void **state) {
     (void)state;
     char scene[2048];

@@ -57,7 +57,7 @@ def check_png(path):
 
 
 def check_pictures(folder, page):
-    """Every picture of the page is there, whole and of a sensible size; none is left over."""
+    """Every picture of the page is complete and of a sensible size; no other exists."""
     named = set(re.findall(r'data-file="report/([^"]+)"', page))
     there = set(os.listdir(os.path.join(folder, "report")))
     assert named == there, f"page names {sorted(named)}, folder holds {sorted(there)}"
@@ -107,7 +107,7 @@ def every_kind(kind, folder):
 
 
 def curves_of_an_envelope_are_those_of_its_readings(folder):
-    """35 degrees and 12 MPa; m_i 15 and 100 MPa; and what is absent has its reason, and no curve."""
+    """35 degrees and 12 MPa; m_i 15 and 100 MPa; an absent reading has its reason, and no curve."""
     path = os.path.join(folder, "sweep.h5")
     with h5py.File(path, "w") as file:
         for name, value, unit in (("friction_angle", 35.0, "degree"), ("cohesion", 12e6, "Pa"), ("hoek_brown_mi", 15.0, "1"),
@@ -201,7 +201,7 @@ def the_line_of_the_modulus_lies_on_the_curve(folder):
 
 
 def curves_of_a_test_are_those_of_the_last_stage(folder):
-    """From the rows 50 to 199, ways and strains from the first of them."""
+    """From the rows 50 to 199, displacements and strains relative to the first of them."""
     path = os.path.join(folder, "results.h5")
     make("stages", path)
     columns = {"volumetric_strain": 2.0, "lateral_strain": 3.0, "normal_stress": 4.0, "dilation": 5.0, "force": 6.0, "opening": 7.0}
@@ -223,7 +223,8 @@ def curves_of_a_test_are_those_of_the_last_stage(folder):
         assert np.allclose(y * grown, rows - (rows[0] if name in ("volumetric_strain", "lateral_strain", "dilation") else 0)), name
 
 
-# For each kind of test: columns of its history (value at the last row, from 0), its readings, and what the page makes of them.
+# For each kind of test: columns of its history (value at the last row, from 0), its readings, and the content of its
+# page.
 TRIAXIAL = {
     "columns": {"volumetric_strain": 0.004, "lateral_strain": -0.006},
     "readings": {"axial_strength": (250e6, "Pa"), "confinement": (10e6, "Pa"), "crack_initiation_stress": (110e6, "Pa"),
@@ -652,7 +653,7 @@ def beside(facet=CUBE_FACETS, scene=WALLS):
 def bodies_are_cut_where_the_slice_is(folder):
     segments = np.array(beside()._cut(1.0, False))
     length = np.linalg.norm(segments[:, 0] - segments[:, 1], axis=1)
-    assert abs(length.sum() - 16) < 1e-12 and len(beside()._cut(5.0, False)) == 0, segments  # round 2 x 6 m
+    assert abs(length.sum() - 16) < 1e-12 and len(beside()._cut(5.0, False)) == 0, segments  # perimeter of 2 x 6 m
     low, high = beside().bounds(np.zeros(3), np.ones(3))
     assert (low == 0).all() and (high == [2, 6, 4]).all(), (low, high)
 
@@ -688,7 +689,7 @@ def seen(scene, size, dimension=3, **given):
 
 
 def gravity_or_z_is_up_unless_a_specimen_stands(folder):
-    """The longest side says nothing."""
+    """The longest side gives no information."""
     ends, test = ("stress_lower", "stress_upper"), "test:\n  axis: x\n"
     for scene, columns, up in (("gravity: [0, 0, 0]\n", (), "z"), ("gravity: [0, -9.81, 0]\n", (), "y"), (test, (*ends, "normal_stress"), "z"), (test, ends, "x")):
         results = seen(scene, (9.0, 1.0, 1.0))
@@ -708,7 +709,7 @@ def a_bed_is_drawn_from_above_and_moving_grains_by_speed(folder):
 
 
 def colours_are_those_of_quantiles(folder):
-    values = np.concatenate([np.linspace(10.0, 11.0, 1000), [0.0, 500.0]])  # all have moved, two flew off
+    values = np.concatenate([np.linspace(10.0, 11.0, 1000), [0.0, 500.0]])  # all have moved, two have flown off
     _, _, norm = report_pictures.quantiles(values, "m")
     assert 10 <= norm.vmin < 10.1 and 10.9 < norm.vmax <= 11.1, (norm.vmin, norm.vmax)
     assert report_pictures.extend_of(values, norm) == "both"
@@ -723,7 +724,8 @@ def links_lead_below_the_page(folder):
 
 
 def panes_of_walls_are_before_the_specimen(folder):
-    """Seen along y: the floor at -0.5 and a side at 0; of a wall that is far away, or that has all of it behind it, none."""
+    """Seen along y: the floor at -0.5 and a side at 0; a distant wall, or one with the whole specimen behind it, is
+    not drawn."""
     panes = beside().panes(np.zeros(3), np.array([2.0, 6.0, 1.0]))
     assert panes.shape == (2, 4, 3) and np.allclose(panes[0, :, 1], -0.5) and np.allclose(panes[1, :, 2], 0), panes
     for a, size in ((0, 2), (2, 1)):

@@ -1,5 +1,5 @@
-/* Energies that the rounding of places makes by itself: they are not held against a scene at rest,
- * and do not hide what a slow scene gets wrong. */
+/* Energies due to rounding of positions: they do not count as errors of a scene at rest, and do not
+ * hide the errors of a slow scene. */
 #include "world_helpers.h"
 
 #include "run/history_rows.h"
@@ -11,7 +11,7 @@ static double largest_residual(gn_world *w, int64_t count) {
     double largest = 0.0;
     if (gn_history_begin(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
     for (int64_t k = 0; k < count; k++) {
-        if (gn_history_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        if (gn_history_record_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
         largest = fmax(largest, fabs(gn_energy_residual(&w->ledger.reading)));
     }
     gn_history_free(&h);
@@ -44,7 +44,7 @@ static void a_bonded_lattice_at_rest_far_away_closes_its_ledger(void **state) {
     world_end(w);
 }
 
-/* A twentieth of its energy comes from nowhere: 1 mm/s, at 0.3 m, after 10000 steps. */
+/* An error of a twentieth of the energy: 1 mm/s, at 0.3 m, after 10000 steps. */
 static void a_slow_flight_that_gains_energy_is_found(void **state) {
     (void)state;
     gn_world *w =

@@ -292,7 +292,7 @@ def an_output_folder_that_is_too_long_leaves_no_folders_behind(folder):
 
 @fact
 def snapshots_keep_their_pace_when_the_step_changes(folder):
-    """A light grain flies up to two heavy ones that touch: from then on the step is a thirtieth of what it was."""
+    """A light grain hits two heavy ones in contact: from then on the step is a thirtieth of the former."""
     scene = f"{folder}.yaml"
     with open(scene, "w", encoding="utf-8") as file:
         file.write("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm], [1.999 mm, 0, 0, 1 mm], [25 mm, 0, 0, 0.1 mm]], group: 0}\n"
@@ -343,7 +343,7 @@ def foreign_files_are_replaced_only_by_force(folder):
 @fact
 def folders_of_packings_and_of_runs_without_a_checkpoint_are_taken_over(folder):
     run(LATTICE, folder)
-    for name in os.listdir(folder):  # what a run has written that is killed before its first checkpoint
+    for name in os.listdir(folder):  # files of a run that is killed before its first checkpoint
         if name == "results.h5" or name == "summary.json" or name.startswith("checkpoint"):
             os.remove(os.path.join(folder, name))
     assert snapshots(folder) > 0
@@ -365,7 +365,7 @@ run: {threads: 1}
 
 @fact
 def a_grain_that_falls_far_bounces_by_hertz_at_default_settings(folder):
-    """Its automatic step is that of a contact that does not exist yet, and it is fast when it gets there."""
+    """Its automatic step is that of a contact that does not exist yet, and it is fast when it reaches it."""
     grain = {"specimen": {"particles": [[0, 0, 0.5, 0.001]], "material": "a"}, "law": {"stiffness": "hertz"},
              "materials": [{"name": "a", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.5, "restitution": 0.5}],
              "gravity": [0, 0, -9.81], "walls": [{"name": "f", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "a"}],
@@ -401,7 +401,8 @@ def a_specimen_is_not_taken_from_a_run_that_did_not_end(folder):
 
 @fact
 def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
-    """By Hertz's law nothing but their speed says what contacts will be like: two clumps that meet head-on, from 1 to 50 m/s."""
+    """With Hertz's law the properties of contacts depend on the speed alone: two clumps that collide head-on, from 1
+    to 50 m/s."""
     r = 1e-3
     places = [[side + 2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for side in (0, 0.03) for i in range(3) for j in range(3) for k in range(3)]
     for speed in (1.0, 10.0, 50.0):
@@ -414,7 +415,7 @@ def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
         out = os.path.join(folder, f"at-{speed}")
         run(write_scene(folder, given), out)
         assert abs(summary(out)["energy_residual"]) < 0.01, speed
-        # A grain that flies on through the others has touched none of them.
+        # A grain that passes through the others has touched none of them.
         with results(out) as file:
             left = file["particles/position"][:27, 0].mean()
         assert left < 0.018, (speed, left)

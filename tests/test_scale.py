@@ -85,7 +85,7 @@ def a_given_scale_of_one_needs_no_warning(folder):
         assert "without a scale" not in check(folder, scene).stdout
         del scene["specimen"]["scale"]
         assert "without a scale" not in check(folder, scene, "check", "--set", "specimen.scale=1").stdout
-    # The scene that a run keeps says what was given.
+    # The stored scene of a run has the given value.
     out = os.path.join(folder, "out")
     check(folder, core(folder), "run", "--out", out, "--quiet")
     with h5py.File(os.path.join(out, "results.h5")) as file:

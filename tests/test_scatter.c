@@ -114,7 +114,8 @@ static const char *const linear = "contact_modulus: 8e9, kratio: 2.5, tensile_st
                                        "shear_strength: 5e6",
                          *const ends = "time: {end: 1}\nrun: {threads: 1, seed: 9}\n";
 
-/* A bond's factors are those of its ends' numbers, for any law, and the same for both strengths. */
+/* A bond's factors depend on the ids of its ends, for any law, and are the same for both strengths.
+ * */
 static void bonds_draw_by_the_ids_of_their_ends(void **state) {
     (void)state;
     const char *scatters = ", strength_scatter: {distribution: weibull, modulus: 5}, "
@@ -147,7 +148,7 @@ static void bonds_draw_by_the_ids_of_their_ends(void **state) {
     }
 }
 
-/* The dashpots of bonds follow what was drawn, at the start and when the step changes. */
+/* The dashpots of bonds use the drawn stiffness, at the start and when the step changes. */
 static void dashpots_are_those_of_the_drawn_stiffness(void **state) {
     (void)state;
     char material[512];
@@ -159,7 +160,7 @@ static void dashpots_are_those_of_the_drawn_stiffness(void **state) {
     const gn_contacts *b = &w->dem.bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {
         double mass = mass_of(w, 0) / 2.0, most = 0.6 * sqrt(mass * b->kn[c]);
-        /* Less by what a step of so many radians takes, see kernels/dashpot.h. */
+        /* Reduced by the correction for a step of that many radians, see kernels/dashpot.h. */
         double turn = sqrt(b->kn[c] / mass) * w->ctx.dt;
         assert_true(b->cn[c] <= most && b->cn[c] >= most * (1.0 - turn));
     }
@@ -272,7 +273,7 @@ static void three(const char *law, const char *contacts, gn_world *w) {
     assert_int_equal(w->dem.bonds.contacts.soa.count, 2);
 }
 
-/* The bond of particle 0, and that of particle 2. */
+/* Returns the bond of particle 0, or that of particle 2. */
 static size_t bond_of(const gn_world *w, int id) {
     for (size_t c = 0; c < 2; c++)
         if (w->dem.particles.id[w->dem.bonds.contacts.i[c]] == id ||
@@ -332,7 +333,7 @@ static void every_law_reads_values_of_a_pair(void **state) {
     gn_world_free(&w);
 }
 
-/* Where only a pair has friction in its strength the scene has such bonds. */
+/* If only a pair has friction in its strength, the scene has such bonds. */
 static void bonds_of_a_pair_have_a_friction_of_their_own(void **state) {
     (void)state;
     gn_world w;

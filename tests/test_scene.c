@@ -296,7 +296,7 @@ static void keys_that_change_nothing_are_noted(void **state) {
     }
 }
 
-/* Each key alone, in a scene that does nothing with it, and what is changed for that before. */
+/* Each key alone in a scene in which it has no effect, after the changes that this requires. */
 static void keys_that_need_particles_spins_or_damping_are_noted(void **state) {
     (void)state;
     static const char elements[] = "dimension: 2\n"

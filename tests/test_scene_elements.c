@@ -1,4 +1,4 @@
-/* The section `elements` of a scene: what is read, what is refused and where. */
+/* The section `elements` of a scene: its keys, refused values and their places. */
 #include "scene_text.h"
 
 #include "scene/read.h"

@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-/* The rest of a scene behind its specimen; a shape stands in line 3, what follows it below. */
+/* The rest of a scene after its specimen; a shape is in line 3, its keys in the lines below. */
 static const char rest[] = "materials:\n"
                            "  - {name: rock, density: 1, normal_stiffness: 1, kratio: 0}\n"
                            "law: {stiffness: uniform}\n"
@@ -355,7 +355,7 @@ static void a_refinement_says_where_once(void **state) {
 
 static void a_size_ratio_beside_a_sieve_is_refused(void **state) {
     (void)state;
-    for (int ratio = 3; ratio <= 6; ratio += 3) { /* also where it is what it is by default */
+    for (int ratio = 3; ratio <= 6; ratio += 3) { /* also if the value is the default */
         char specimen[128];
         snprintf(specimen, sizeof specimen,
                  "  disc: {diameter: 1}\n  particles: 9\n"
@@ -371,7 +371,7 @@ static void a_size_ratio_beside_a_sieve_is_refused(void **state) {
 
 enum { MESSAGE_SIZE = sizeof((gneiss_error *)0)->message };
 
-/* The name in messages is that of a temporary file; what follows it is compared. */
+/* The name in messages is that of a temporary file; the text after it is compared. */
 static gneiss_status load_specimen(const char *text, const gn_override *override, gn_scene *scene,
                                    char message[MESSAGE_SIZE]) {
     char path[] = "/tmp/gneiss-specimen-XXXXXX";

@@ -219,10 +219,30 @@ def a_box_that_is_periodic_along_some_axes_is_refused(folder):
 
 
 @fact
+def a_strain_may_have_a_unit(folder):
+    scene = bar(folder)
+    tests = [constants(scene, "--strain", strain)["test"] for strain in ("1e-3", "0.1%", "1 mm/m")]
+    assert tests[0]["strain"] == 1e-3 and tests[1] == tests[0] and tests[2] == tests[0], tests
+
+
+@fact
+def round_off_in_a_tensor_is_printed_as_zero(folder):
+    scene = (LATTICE, "--set", "specimen.lattice.jitter=0")
+    c = np.array(constants(*scene)["network"]["tensor"])
+    small = np.abs(c) < 1e-6 * np.abs(c).max()
+    code, out, err = words("stiffness", *scene)
+    table = out[out.index("rows and columns"):].splitlines()[1:1 + len(c)]
+    printed = np.array([[float(one) for one in line.split()] for line in table])
+    assert small.any() and np.array_equal(printed == 0.0, small), (c, printed)
+
+
+@fact
 def options_that_are_wrong_are_refused(folder):
     scene = bar(folder)
     for arguments, text in ((("stiffness", scene, "--strain", "x"), "--strain: expected"),
                              (("stiffness", scene, "--strain", "0.5"), "--strain: expected"),
+                             (("stiffness", scene, "--strain", "1 kPa"), "--strain: expected"),
+                             (("stiffness", scene, "--strain", "-0.1 %"), "--strain: expected"),
                              (("run", scene, "--json"), "--json is for gneiss stiffness"),
                              (("run", scene, "--strain", "1e-5"), "--strain is for gneiss stiffness"),
                              (("stiffness",), "expected SCENE"),

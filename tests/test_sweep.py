@@ -516,7 +516,7 @@ def folders_of_runs_and_files_of_others_are_left_alone(folder):
     out = os.path.join(folder, "out")
     run(LATTICE, out, *QUICK)
     file = sweep_file(folder, **FRICTIONS)
-    expect(gneiss("sweep", file, "--out", out, "--quiet"), 2, "found a run in it")
+    expect(gneiss("sweep", file, "--out", out, "--quiet"), 2, "expected a folder for several runs, found a run in it")
     other = os.path.join(folder, "other")
     os.mkdir(other)
     with open(os.path.join(other, "sweep.csv"), "w") as text_file:
@@ -536,8 +536,8 @@ def a_run_does_not_go_into_the_folder_of_a_sweep(folder):
     for name in ("", "sweep.h5", "sweep.csv", "sweep-means.csv"):  # without a summary: shards, or a sweep that was killed
         if name:
             os.remove(os.path.join(out, name))
-        expect(gneiss("run", LATTICE, "--out", out, *QUICK), 2, "found a sweep in it")
-        expect(gneiss("pack", packing, "--out", out), 2, "found a sweep in it")
+        expect(gneiss("run", LATTICE, "--out", out, *QUICK), 2, "expected a folder for one run, found several runs in it")
+        expect(gneiss("pack", packing, "--out", out), 2, "expected a folder for a packing, found several runs in it")
     assert sorted(os.listdir(out)) == sorted(row["folder"] for row in table)
     assert sweep(folder, FRICTIONS) == table
 

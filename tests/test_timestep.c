@@ -323,8 +323,8 @@ static void lattices_have_their_bloch_frequency(void **state) {
             assert_int_equal(s->bonds.soa.count, s->p.soa.count * (size_t)l->neighbours);
             double kn = s->bonds.kn[0], kt = s->bonds.kt[0], top = 0.0;
             double inverse[2] = {s->p.vel[3], s->p.spin[3]};
-            int n =
-                2 * l->cells; /* cells hold several atoms: twice the waves, some of them twice */
+            int n = 2 * l->cells; /* cells hold several atoms: twice as many waves, some of them
+                                     counted twice */
             for (int c = 0; c < n * n * (l->dimension == 3 ? n : 1); c++) {
                 int m[3] = {c % n, c / n % n, c / n / n};
                 double q[3] = {0.0};

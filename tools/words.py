@@ -27,6 +27,7 @@ CLEAN = [
     "examples",
     "findings",
     "include",
+    "python",
     "scenes",
     "tests",
     "validate",

@@ -15,7 +15,8 @@ typedef enum gneiss_status {
     GNEISS_ERROR_MEMORY = 4,   /* not enough memory */
     GNEISS_ERROR_UNSTABLE = 5, /* the run became invalid: NaN, lost particle, step above its limit,
                                   an energy ledger that does not close */
-    GNEISS_INTERRUPTED = 6 /* stopped by a signal after a checkpoint; `gneiss resume` continues */
+    GNEISS_INTERRUPTED = 6 /* stopped by a signal after a checkpoint; `gneiss resume` continues; or
+                              by a call of a program (gneiss_world_add_call) */
 } gneiss_status;
 
 enum { GNEISS_MESSAGE_SIZE = 2048 };

@@ -1,7 +1,8 @@
-/* Public API of scenes and worlds. It checks arguments and manages handles; src/sim does the work.
+/* Public API of scenes and worlds. It checks arguments and manages handles; a run does the work.
  */
 #include "api/handles.h"
 #include "base/new.h"
+#include "base/timer.h"
 #include "conversion/conversion.h"
 #include "particles/dormant.h"
 #include "timestep/timestep.h"
@@ -139,6 +140,23 @@ void gneiss_scene_allow_gmsh(gneiss_scene *scene, int allow) {
     if (scene) scene->scene.allow_gmsh = allow != 0;
 }
 
+static gneiss_status prepare(void *context, size_t count, double *position, int32_t *material,
+                             int32_t *group, const double origin[3], gneiss_error *error) {
+    const gneiss_scene *scene = context;
+    gneiss_specimen specimen = {
+        count, position, material, group, {origin[0], origin[1], origin[2]}};
+    if (scene->prepare(scene->context, &specimen) == 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: the specimen was refused by its preparation",
+                   scene->scene.source);
+}
+
+void gneiss_scene_prepare(gneiss_scene *scene, gneiss_prepare *own, void *context) {
+    if (!scene) return;
+    scene->prepare = own;
+    scene->context = context;
+    scene->scene.preparation = own ? (gn_preparation){prepare, scene} : (gn_preparation){0};
+}
+
 void gneiss_scene_free(gneiss_scene *scene) {
     if (!scene) return;
     gn_scene_free(&scene->scene);
@@ -180,13 +198,22 @@ gneiss_status gneiss_world_create(const gneiss_scene *scene, const char *folder,
 void gneiss_world_free(gneiss_world *world) {
     if (!world) return;
     gn_run_free(&world->run);
+    gn_api_hooks_free(&world->hooks);
     free(world);
 }
 
-static gneiss_status require_good(const gneiss_world *world, gneiss_error *error) {
+gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error) {
     GN_TRY(gn_api_require(world, "world", error));
     if (world->failure.status == GNEISS_OK) return GNEISS_OK;
     return gn_fail(error, world->failure.status, "%s", world->failure.message);
+}
+
+/* As gn_api_require_good, of what ends a step or begins one. */
+static gneiss_status require_free(const gneiss_world *world, gneiss_error *error) {
+    GN_TRY(gn_api_require_good(world, error));
+    if (!world->hooks.inside) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected no advance of a world inside a call of its own hooks, found one");
 }
 
 /* Appends the place of the stored bad state to the message. */
@@ -212,26 +239,40 @@ static gneiss_status settle(gneiss_world *world, gneiss_status status, const gne
 
 gneiss_status gneiss_world_step(gneiss_world *world, int64_t steps, gneiss_error *error) {
     gneiss_error found = {0};
-    GN_TRY(require_good(world, error));
+    GN_TRY(require_free(world, error));
     if (steps < 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "argument steps: expected a number of at least 0, found %lld",
                        (long long)steps);
-    return settle(world, gn_run_steps(&world->run, steps, &found), &found, error);
+    while (steps > 0) {
+        gneiss_status status = gn_run_some_steps(&world->run, &steps, &world->hooks.due, &found);
+        if (status != GNEISS_OK) return settle(world, status, &found, error);
+        GN_TRY(gn_api_hooks_call(world, error));
+    }
+    return GNEISS_OK;
 }
 
 gneiss_status gneiss_world_advance(gneiss_world *world, double seconds, gneiss_error *error) {
     gneiss_error found = {0};
-    GN_TRY(require_good(world, error));
+    GN_TRY(require_free(world, error));
     if (!(seconds >= 0.0))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "argument seconds: expected a number of at least 0, found %g", seconds);
-    return settle(world, gn_run_advance(&world->run, seconds, NULL, &found), &found, error);
+    const double until = gn_now() + seconds;
+    bool more = true;
+    while (more) {
+        gneiss_status status =
+            gn_run_advance(&world->run, until - gn_now(), &world->hooks.due, &found);
+        if (status != GNEISS_OK) return settle(world, status, &found, error);
+        more = world->hooks.due && !world->run.finished;
+        GN_TRY(gn_api_hooks_call(world, error));
+    }
+    return GNEISS_OK;
 }
 
 gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *error) {
     gneiss_error found = {0};
-    GN_TRY(require_good(world, error));
+    GN_TRY(require_free(world, error));
     if (world->run.directory[0]) {
         gneiss_status status = gn_run_finish(&world->run, &found);
         if (status == GNEISS_ERROR_UNSTABLE) return settle(world, status, &found, error);
@@ -248,13 +289,13 @@ gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error) {
 /* --- saving and resuming --- */
 
 gneiss_status gneiss_world_save(const gneiss_world *world, const char *path, gneiss_error *error) {
-    GN_TRY(require_good(world, error));
+    GN_TRY(gn_api_require_good(world, error));
     GN_TRY(require_path(path, "path", error));
     return gn_checkpoint_write(&world->run, path, error);
 }
 
 gneiss_status gneiss_world_checkpoint(gneiss_world *world, gneiss_error *error) {
-    GN_TRY(require_good(world, error));
+    GN_TRY(gn_api_require_good(world, error));
     if (!world->run.directory[0])
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "expected a world with an output folder, found one without "
@@ -315,6 +356,9 @@ gneiss_status gneiss_world_progress(const gneiss_world *world, gneiss_progress *
         .strain = p.strain,
         .finished = p.finished,
         .stop_reason = world->run.stop_reason,
+        .stage = (int32_t)p.stage_index,
+        .stages = (int32_t)p.stages,
+        .stage_name = p.stage ? p.stage : "",
     };
     return GNEISS_OK;
 }

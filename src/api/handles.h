@@ -8,12 +8,47 @@
 struct gneiss_scene {
     gn_scene scene;
     char *text; /* the resolved scene */
+    gneiss_prepare *prepare;
+    void *context; /* of prepare */
 };
+
+/* A hook of a program: a call between steps, or a field of force. */
+typedef struct gn_api_hook {
+    int64_t number;
+    gneiss_call *call; /* NULL: removed */
+    int64_t every;     /* steps; 0: none */
+    double *times;     /* [time_count] s */
+    size_t time_count, next;
+    gneiss_force *force; /* NULL: removed */
+    double stiffness;    /* N/m */
+    void *context;
+} gn_api_hook;
+
+/* The hooks of a world, which are one feature of it (frame/feature.h). */
+typedef struct gn_api_hooks {
+    bool added;  /* the feature is there */
+    bool inside; /* a call is running: the world may not be advanced */
+    volatile sig_atomic_t due;
+    int64_t numbers; /* given so far */
+    size_t count;
+    gn_api_hook *hook;      /* [count] */
+    double *load;           /* [load_count][6] N, N m: forces and moments of all fields */
+    double *force, *moment; /* [load_count][3] of one of them */
+    size_t load_count;      /* particles */
+    double lightest;        /* kg: of the particles, when the lists were made */
+} gn_api_hooks;
 
 struct gneiss_world {
     gn_run run;           /* directory "": nothing is written */
     gneiss_error failure; /* error that ended the world permanently; status GNEISS_OK: none */
+    gn_api_hooks hooks;
 };
+
+void gn_api_hooks_free(gn_api_hooks *hooks);
+/* Runs the calls that are due. GNEISS_INTERRUPTED: one of them ends the advance. */
+gneiss_status gn_api_hooks_call(gneiss_world *world, gneiss_error *error);
+/* Fails with GNEISS_ERROR_INPUT inside a call, and after the world has failed. */
+gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error);
 
 /* Fails with GNEISS_ERROR_INPUT if `pointer` is NULL; `what` is the name of the argument. */
 gneiss_status gn_api_require(const void *pointer, const char *what, gneiss_error *error);

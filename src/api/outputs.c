@@ -3,7 +3,7 @@
 
 #include "particles/observe.h"
 #include "run/output_fields.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "solids/solids.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
 /* Public API: fields, history, readings and energies of a world. */
 #include "api/handles.h"
+#include "base/memory.h"
 
 #include <math.h>
 #include <string.h>
@@ -139,6 +140,17 @@ gneiss_status gneiss_world_field(const gneiss_world *world, gneiss_record record
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "expected a field of %s in this scene (%s), found '%.80s'",
                    gneiss_record_name(record), names.used ? names.text : "it has none", name);
+}
+
+gneiss_status gneiss_view_pin(const gneiss_view *view, gneiss_error *error) {
+    GN_TRY(gn_api_require(view, "view", error));
+    GN_TRY(gn_api_require(view->data, "view->data", error));
+    return gn_pin(view->data) ? GNEISS_OK
+                              : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pin a view");
+}
+
+void gneiss_view_unpin(const void *data) {
+    gn_unpin(data);
 }
 
 double gneiss_view_value(const gneiss_view *view, size_t item, size_t component) {

@@ -161,8 +161,8 @@ typedef struct lanczos {
     double work[BASIS_MAX * BASIS_MAX];
 } lanczos;
 
-/* Where nothing moves, as in most of a body at rest, vectors are zero, and their blocks need
- * neither products nor orthogonalisation. */
+/* Components of vectors are zero where nothing moves, as in most of a body at rest, and their
+ * blocks need neither products nor orthogonalisation. */
 static void note_used(const lanczos *state, const double *w) {
 #pragma omp parallel for num_threads(state->threads) schedule(static) if (state->blocks.count > 4)
     for (size_t b = 0; b < state->blocks.count; b++) {
@@ -344,8 +344,8 @@ static gneiss_status search(lanczos *state, double tolerance, double *vector, gn
     return GNEISS_OK;
 }
 
-gneiss_status gn_eigen_largest_of(const gn_eigen_system *system, double tolerance, double *vector,
-                                  gn_eigen_top *top, gneiss_error *error) {
+gneiss_status gn_eigen_largest(const gn_eigen_system *system, double tolerance, double *vector,
+                               gn_eigen_top *top, gneiss_error *error) {
     const size_t n = system->n;
     *top = (gn_eigen_top){0};
     size_t size = basis_bytes / (n * sizeof(double));
@@ -364,13 +364,6 @@ gneiss_status gn_eigen_largest_of(const gn_eigen_system *system, double toleranc
     gn_free(l->weighed);
     gn_free(l);
     return status;
-}
-
-gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
-                               int threads, double *vector, gn_eigen_top *top,
-                               gneiss_error *error) {
-    const gn_eigen_system system = {.n = n, .apply = apply, .context = context, .threads = threads};
-    return gn_eigen_largest_of(&system, tolerance, vector, top, error);
 }
 
 double gn_eigen_dot_of(const gn_eigen_system *system, const double *x, const double *y) {

@@ -21,14 +21,6 @@ typedef struct gn_eigen_top {
     int vectors;     /* number of products S x */
 } gn_eigen_top;
 
-/* Finds the largest eigenvalue of a positive semi-definite S by thick-restart Lanczos (Wu & Simon
- * 2000) with full reorthogonalisation. `vector` [n] is the start (any nonzero length) and, on
- * return, the unit Ritz vector. The search ends at residual <= tolerance * value, or after 4000
- * products with the residual reached. The result has the same bits for any number of threads if
- * `apply` has. */
-gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
-                               int threads, double *vector, gn_eigen_top *top, gneiss_error *error);
-
 /* A vector may hold the entries of a longer one that do not vanish identically; `place` has their
  * positions in the longer one, ascending. All sums then equal those of the longer vector to the bit
  * if the entries form complete groups of GN_EIGEN_GROUP, each of which starts at a multiple of
@@ -45,8 +37,13 @@ typedef struct gn_eigen_system {
     int threads;
 } gn_eigen_system;
 
-gneiss_status gn_eigen_largest_of(const gn_eigen_system *system, double tolerance, double *vector,
-                                  gn_eigen_top *top, gneiss_error *error);
+/* Finds the largest eigenvalue of a positive semi-definite S by thick-restart Lanczos (Wu & Simon
+ * 2000) with full reorthogonalisation. `vector` [n] is the start (any nonzero length) and, on
+ * return, the unit Ritz vector. The search ends at residual <= tolerance * value, or after 4000
+ * products with the residual reached. The result has the same bits for any number of threads if
+ * `apply` has. */
+gneiss_status gn_eigen_largest(const gn_eigen_system *system, double tolerance, double *vector,
+                               gn_eigen_top *top, gneiss_error *error);
 
 /* Returns x . y, with the same bits for any number of threads. */
 double gn_eigen_dot(size_t n, const double *x, const double *y, int threads);

@@ -1,5 +1,6 @@
 #include "base/memory.h"
 
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -47,8 +48,61 @@ void *gn_alloc_array_raw(size_t count, size_t size) {
     return alloc_raw(bytes);
 }
 
+/* A block that is read from outside of the engine. */
+typedef struct pinned {
+    const void *block;
+    size_t readers;
+    bool released; /* by the engine: the last reader frees it */
+    struct pinned *next;
+} pinned;
+
+static pthread_mutex_t pins_lock = PTHREAD_MUTEX_INITIALIZER;
+static pinned *pins;
+static atomic_size_t pin_count; /* none: blocks are freed without looking */
+
+static pinned **pin_of(const void *block) {
+    pinned **at = &pins;
+    while (*at && (*at)->block != block) at = &(*at)->next;
+    return at;
+}
+
+bool gn_pin(const void *block) {
+    pthread_mutex_lock(&pins_lock);
+    pinned *pin = *pin_of(block);
+    if (!pin && (pin = calloc(1, sizeof *pin))) {
+        *pin = (pinned){block, 0, false, pins};
+        pins = pin;
+        atomic_fetch_add(&pin_count, 1);
+    }
+    if (pin) pin->readers++;
+    pthread_mutex_unlock(&pins_lock);
+    return pin != NULL;
+}
+
+void gn_unpin(const void *block) {
+    pthread_mutex_lock(&pins_lock);
+    pinned **at = pin_of(block), *pin = *at;
+    if (pin && --pin->readers == 0) {
+        *at = pin->next;
+        if (pin->released) free((void *)(uintptr_t)block);
+        free(pin);
+        atomic_fetch_sub(&pin_count, 1);
+    }
+    pthread_mutex_unlock(&pins_lock);
+}
+
+/* Tells whether the release of a block waits for its readers. */
+static bool is_read(const void *block) {
+    if (!block || atomic_load(&pin_count) == 0) return false;
+    pthread_mutex_lock(&pins_lock);
+    pinned *pin = *pin_of(block);
+    if (pin) pin->released = true;
+    pthread_mutex_unlock(&pins_lock);
+    return pin != NULL;
+}
+
 void gn_free(void *block) {
-    free(block);
+    if (!is_read(block)) free(block);
 }
 
 bool gn_alloc_was_refused(void) {

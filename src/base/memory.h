@@ -20,6 +20,11 @@ void *gn_alloc_array_raw(size_t count, size_t size);
 
 void gn_free(void *block);
 
+/* Keeps a block readable after gn_free until gn_unpin was called as often, for readers outside of
+ * the engine. Returns false without memory. */
+bool gn_pin(const void *block);
+void gn_unpin(const void *block);
+
 /* Tells whether any allocation has been refused since the program began. If so, non-finite results
  * may be due to lack of memory. */
 bool gn_alloc_was_refused(void);

@@ -27,8 +27,8 @@ static bool has_memory_for_stack(void) {
     return gn_memory_is_left(stack.rlim_cur == RLIM_INFINITY ? least : (size_t)stack.rlim_cur);
 }
 
-/* The number of threads, up to `wanted`, that can be there at once; `memory`: there was enough of
- * it for one more. */
+/* Returns the number of threads, up to `wanted`, that can exist at once; `memory`: there was enough
+ * of it for one more. */
 static int create_and_join(int wanted, pthread_t *list, bool *memory) {
     pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
     int count = 0;

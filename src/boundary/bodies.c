@@ -41,8 +41,8 @@ static void multiply(const double a[4], const double b[4], double out[4]) {
     memcpy(out, r, sizeof r);
 }
 
-/* Normalises against growth of rounding; the unit quaternion of a body that does not rotate stays
- * as it is. */
+/* Normalises the quaternion, so that rounding cannot accumulate; the unit quaternion of a body that
+ * does not rotate is unchanged. */
 static void settle(gn_rigid *b) {
     double *q = b->turn, size2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (size2 != 1.0)
@@ -79,7 +79,7 @@ void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
     for (int k = 0; k < 4; k++) turn[k] *= sign;
 }
 
-/* Rotates by a vector in space. */
+/* Rotates by a rotation vector. */
 static void turn_by(gn_rigid *b, const double vector[3]) {
     double angle = sqrt(gn_dot3(vector, vector));
     if (!(angle > 0.0)) return;
@@ -224,9 +224,9 @@ static void half_way(const gn_rigid *b, double dt, double spin[3]) {
     memcpy(spin, middle.spin, sizeof middle.spin);
 }
 
-/* With the spin of the middle of the step: exact about one axis, of second order about two. What
- * bearings turn takes that of the middle to which it leads, so that it gains nothing in many turns:
- * forth and back are alike. */
+/* Rotates by the spin at the middle of the step, which is exact about one axis and of second order
+ * about two. With bearings the momentum is found from the spin at the middle of the resulting
+ * rotation, so that the scheme is reversible in time and gains no energy over many turns. */
 static void rotate_held(gn_rigid *b, double dt) {
     enum { MOST = 20 };
     double spin[3], before[3], part[3];
@@ -458,7 +458,8 @@ void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, dou
     for (size_t k = 0; k < ctx->scene.body_count; k++) book(ctx, &boundary->bodies[k], dt, ledger);
 }
 
-/* See gn_rows_add_step_change: of bodies, of which what is free turns besides. */
+/* Adds the change of kinetic energy due to a change of the step (gn_rows_add_step_change) of a
+ * body, rotation about free axes included. */
 static void follow_change(const gn_step_context *ctx, const gn_rigid *b, double halves[2]) {
     const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
     double gain[3];

@@ -243,7 +243,7 @@ static gn_bodies_overlap pressed_by(const gn_step_context *ctx, const gn_boundar
                                .rest = 2.0 * mass * sqrt(gn_dot3(g, g))};
 }
 
-/* Beyond half of a thickness the nearest way out is the other side. */
+/* Beyond half of a thickness the other side is nearer. */
 static void look_how_deep(gn_boundary *boundary, const gn_body_pair *p, const double along[3]) {
     gn_body_pairs *all = &boundary->pairs;
     double size = sqrt(gn_dot3(along, along)), thin = (double)INFINITY;
@@ -307,7 +307,7 @@ gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- forces --- */
 
-/* A pair in a step; levers are those of the point from both reference points. */
+/* A pair in a step; arms are from both reference points to the contact point. */
 typedef struct step {
     gn_rigid *a, *b;
     double lever[2][3], middle[2][3]; /* now, and in the middle of the step */
@@ -425,10 +425,11 @@ typedef struct twist {
     double share;          /* of the limit, where slip and twist act together */
 } twist;
 
-/* Its spring is that of friction spread over the faces; equally loaded faces hold 0.943 mu N times
- * the radius of gyration (discs; squares 0.937). When the spring changes, it keeps its moment or
- * its angle, whichever is less. Where faces slide and twist at once, the limit is that of both as
- * one vector, of force and of moment over that radius. */
+/* The spring of twisting is that of friction distributed over the faces; uniformly loaded faces
+ * transmit at most 0.943 mu N times the radius of gyration (discs; squares 0.937). When the spring
+ * changes, it keeps its moment or its angle, whichever gives the smaller moment. If faces slide and
+ * twist at once, the limit applies to both as one vector, of the force and of the moment over that
+ * radius. */
 static twist twist_of(const gn_step_context *ctx, const gn_body_pair *p, step *s,
                       const double spread[9]) {
     const double *n = s->touch.n;

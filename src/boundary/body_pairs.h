@@ -52,7 +52,8 @@ void gn_body_pairs_free(gn_body_pairs *pairs);
 /* Checks that no centre of mass is in another body. */
 gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary *boundary,
                                   gneiss_error *error);
-/* Tells whether two bodies can touch; and whether a body touches none because of its shape. */
+/* Tells whether two bodies can come into contact; and whether a body has no contacts because of its
+ * shape. */
 bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b);
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 /* Tells whether a body of such a shape is, or was at the start, within reach of one that it cannot
@@ -70,8 +71,9 @@ gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
 /* Adds the forces of these contacts to those of particles and walls. */
 void gn_body_pairs_work(const gn_step_context *ctx, gn_boundary *boundary);
 
-/* Upper bounds of the squared frequency, 1/s2, that the listed pairs of a body add, all of them
- * touching, of the rate of its dashpots, 1/s, and of the squared frequency of a pair. */
+/* Computes upper bounds over the listed pairs of a body, all in contact: of the squared frequency,
+ * 1/s2, that they add, of the rate of their dashpots, 1/s, and of the squared frequency of a pair.
+ * */
 void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                          double *stiff, double *damp);
 double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,

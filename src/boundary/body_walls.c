@@ -254,8 +254,8 @@ typedef struct group {
     gn_rigid *body;
     size_t wall_at, begin, end;
     gn_body_spring spring;
-    double part;              /* sum over those that press, or did */
-    double inverse_mass;      /* 1/kg, along the normal with all of them pressing together */
+    double part;              /* sum over the contacts that press, or pressed in the last step */
+    double inverse_mass;      /* 1/kg, along the normal if all of them press together */
     double force[3], turn[3]; /* N, N m: on the body without these contacts */
 } group;
 
@@ -309,8 +309,8 @@ static double compliance_at(const gn_rigid *b, const double lever[3], const doub
     return gn_rigid_compliance(b, turn);
 }
 
-/* The corners of a face on a wall act together: they have the mass behind all of them, as if the
- * wall pressed at their middle. */
+/* The corners of a face in contact with a wall share one effective mass, as if the wall pressed at
+ * their middle. */
 static void join(const gn_step_context *ctx, const gn_boundary *boundary, group *g) {
     double middle[3] = {0, 0, 0}, lever[3], turning = 0.0, along = 0.0;
     const double *n = g->wall->normal;

@@ -1,4 +1,4 @@
-/* Walls, bodies and surfaces as one part of the world. */
+/* Walls, rigid bodies and surfaces as one part of the world. */
 #include "boundary/boundary.h"
 
 #include "base/error.h"

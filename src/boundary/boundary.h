@@ -1,4 +1,4 @@
-/* The part of a world that particles touch besides each other: plane walls, rigid bodies and
+/* The part of a world that particles touch in addition to each other: plane walls, rigid bodies and
  * surfaces of finite elements, and the contacts with them. */
 #ifndef GN_BOUNDARY_BOUNDARY_H
 #define GN_BOUNDARY_BOUNDARY_H

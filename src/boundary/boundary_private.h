@@ -45,7 +45,7 @@ void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
  * them, ascending into `found` (NULL: only counted). */
 size_t gn_surfaces_near(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         size_t particle, int32_t *found);
-/* The centre of a particle as the surface's vertices see it. */
+/* Returns the centre of a particle in the coordinates of the surface's vertices. */
 void gn_surface_centre(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *surface,
                        size_t particle, double centre[3]);
 /* Place of the surface that a facet belongs to. */
@@ -71,7 +71,8 @@ void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary);
 /* Velocity of a surface over the last step at the point where the force of a row acted, m/s. */
 void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary, size_t row,
                          double v[3]);
-/* m/s2 along n, with which a point of a body goes under gravity, a force and a moment. */
+/* Returns the acceleration, m/s2 along n, of a point of a body under gravity, a force and a moment.
+ * */
 double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *body, const double force[3],
                             const double moment[3], const double lever[3], const double n[3]);
 /* Rigid bodies (bodies.c). */
@@ -99,7 +100,7 @@ void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, doub
 typedef struct gn_touch_memory {
     size_t row;
     double n[3], fd, closeness;
-    double part;              /* part of the stiffness that it had */
+    double part;              /* its part of the stiffness */
     double shear[3], roll[3]; /* if the contacts have them */
     bool taken, still;        /* still: shear and roll are 0 in every contact */
 } gn_touch_memory;

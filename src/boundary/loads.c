@@ -5,7 +5,7 @@
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "kernels/partials.h"
-#include "particles/parameters.h"
+#include "particles/observe.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/field.h"
@@ -28,7 +28,7 @@ static gneiss_status own_rows(const gn_partials *of, gn_partials *own, gneiss_er
                    of->first[of->blocks]);
 }
 
-/* By particle and then by block, as the steps add them. */
+/* Adds in the order of particles and then blocks, as the steps do. */
 static void add_rows(const gn_step_context *ctx, const gn_partials *of, double *load) {
     const bool space = ctx->effects & GN_FX_SPACE;
     for (int32_t k = 0; k < of->first[of->blocks]; k++) {
@@ -123,9 +123,9 @@ static void complete(const gn_step_context *ctx, const gn_dem *dem, size_t p, do
     for (int k = 0; k < 6; k++) total[k] += damping[k];
 }
 
-gneiss_status gn_world_loads(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_periodic_box *box, double *total,
-                             double *damping, gneiss_error *error) {
+gneiss_status gn_boundary_write_loads(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_boundary *boundary, const gn_periodic_box *box,
+                                      double *total, double *damping, gneiss_error *error) {
     const gn_dem *d = dem;
     memset(total, 0, 6 * d->particles.soa.count * sizeof *total);
     for (int l = 0; l < GN_LIST_COUNT; l++)

@@ -9,8 +9,8 @@
  * their order: `total` includes background damping and leaves out the forces of coupling zones and
  * of prescribed motions; `damping` is background damping alone. Contacts with walls and surfaces
  * enter as the last step computed them. */
-gneiss_status gn_world_loads(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_periodic_box *box, double *total,
-                             double *damping, gneiss_error *error);
+gneiss_status gn_boundary_write_loads(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_boundary *boundary, const gn_periodic_box *box,
+                                      double *total, double *damping, gneiss_error *error);
 
 #endif

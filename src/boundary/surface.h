@@ -22,10 +22,11 @@ typedef struct gn_rigid {
         velocity_past[3];         /* m/s, over the interval that led here; before the kick */
     double spin[3], spin_past[3]; /* rad/s */
     double momentum[3], momentum_past[3]; /* N m s about the centre of mass, when spin is free */
-    double force[3], moment[3];           /* N, N m about the reference point, of what touches */
-    double mass, inertia[3];              /* kg, kg m2 about the axes of the frame */
-    double inverse_mass[3];               /* 1/kg along x y z; 0: prescribed */
-    double inverse_inertia[3];            /* 1/(kg m2) about the axes of the frame; 0: prescribed */
+    double force[3],
+        moment[3]; /* N, N m about the reference point, exerted by everything in contact */
+    double mass, inertia[3];   /* kg, kg m2 about the axes of the frame */
+    double inverse_mass[3];    /* 1/kg along x y z; 0: prescribed */
+    double inverse_inertia[3]; /* 1/(kg m2) about the axes of the frame; 0: prescribed */
     double held[3]; /* 1: bearings prescribe the spin about this axis of space, beside free ones;
                      * else 0 */
     double volume;  /* m3, of a free body */
@@ -38,7 +39,7 @@ typedef struct gn_rigid {
 typedef struct gn_deforming_body {
     /* Takes the present positions as those of the lists. */
     void (*refer)(gn_element_model *elements);
-    /* Returns a bound on the path of any node since then, m; `exact`: looks at all of them. */
+    /* Returns a bound on the path of any node since then, m; `exact`: evaluates all nodes. */
     double (*travel)(gn_element_model *elements, bool exact);
     /* Returns the inverse mass, 1/kg, with which the body yields as a whole along n at a point of a
      * facet. */
@@ -55,15 +56,15 @@ struct gn_surface {
     int32_t body;  /* body of the surface; -1: vertices are nodes of `elements` */
     gn_element_model *elements;
     const gn_deforming_body *deforming; /* NULL: rigid */
-    int32_t first;                      /* place of its first facet among all facets */
+    int32_t first;                      /* index of its first facet among all facets */
     double stiffness, kratio, friction;
     double facet_size; /* m, mean at the start, where vertices move by themselves; 0 */
     gn_facet_tree tree;
     size_t vertices;
 };
 
-/* Tells whether a particle of this radius is pressed by all facets in it (patch.h): a smaller one
- * touches facets at their nearest points and hardly lies between several. */
+/* Tells whether all facets inside a particle of this radius press it (patch.h): a smaller particle
+ * touches facets at their nearest points and is seldom between several. */
 static inline bool gn_surface_patched(const gn_surface *surface, double radius) {
     const double facets = 3.0;
     return surface->body < 0 && radius > facets * surface->facet_size;

@@ -192,10 +192,10 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
     return inverse;
 }
 
-/* Inverse mass, 1/kg, of a particle and of the body of finite elements that it hits, both as
- * wholes, for the dashpot: single nodes would let a heavy particle rebound undamped. 0: neither can
- * move, or the surface is rigid. A prescribed particle counts with its own mass, beyond which the
- * step limit knows no dashpot. */
+/* Returns the inverse mass, 1/kg, of a particle and of the whole body of finite elements in contact
+ * with it, for the dashpot: with the mass of single nodes a heavy particle would rebound undamped.
+ * 0: neither can move, or the surface is rigid. A prescribed particle counts with its own mass,
+ * because the step limit knows no dashpot beyond that. */
 static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
     if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
     double own = gn_inverse_mass_along(g->dem, g->particle, s->n);

@@ -363,11 +363,12 @@ static double stiffness_within(const gn_step_context *ctx, const gn_dem *dem,
     return sum + gn_body_walls_within(ctx, boundary, k, path);
 }
 
-/* Stiffness K such that the wall moves by force/K in a step for `force` more, at most by the path
- * `most`: of the closed contacts (one contact's if there are none) and of those reached on the way,
- * with the longest path d, to a thousandth, for which d K(d) <= force. So many contacts reached in
- * one step take no more than the missing force; a path for the closed contacts alone would be too
- * long by the number of particles, at any step. */
+/* Returns the stiffness K such that the wall moves by force/K in a step for an additional `force`,
+ * but at most by the path `most`. K is that of the closed contacts (of one contact if there are
+ * none) and of the contacts closed on the path d, where d is the longest path, to a thousandth, for
+ * which d K(d) <= force. Thus many contacts that close in one step together take no more than the
+ * missing force; a path computed from the closed contacts alone would be too long by a factor of
+ * the number of particles, at any step. */
 static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, size_t k, double force, double most) {
     double pressed = boundary->walls[k].stiffness;

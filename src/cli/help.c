@@ -61,6 +61,17 @@ static const gn_command commands[] = {
      "joint.\n",
      "gneiss keys friction\n"
      "gneiss keys bond strength\n"},
+    {"explain", "KEY", "print text, values, example and pages of one key", true, false,
+     "The key is a path, or the end of one: walls.motion.vz, motion.vz, skin. Names of elements "
+     "may\nstand in it: walls.top.motion.vz.\n",
+     "gneiss explain time.step\n"
+     "gneiss explain friction\n"},
+    {"schema", "[FILE KIND]", "print the JSON Schema of scene files, or of another kind of file",
+     false, false,
+     "The kinds are scene, pack, sweep and calibrate. Editors complete and check files by it\n"
+     "(docs/schema.md).\n",
+     "gneiss schema\n"
+     "gneiss schema sweep\n"},
     {"info", "", "print version, instruction sets, threads", false, false, "", "gneiss info\n"},
     {"help", "[COMMAND]", "print this, or the options of a command", false, false, "",
      "gneiss help run\n"},

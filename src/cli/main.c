@@ -3,6 +3,7 @@
 #include "base/printable.h"
 #include "base/threads.h"
 #include "base/timer.h"
+#include "cli/explain.h"
 #include "cli/help.h"
 #include "cli/options.h"
 #include "cli/pack.h"
@@ -10,6 +11,7 @@
 #include "cli/plan_accuracy.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
+#include "cli/schema.h"
 #include "cli/script.h"
 #include "cli/signals.h"
 #include "cli/stiffness.h"
@@ -126,6 +128,20 @@ static void name_wrong_file(const gn_options *options, gneiss_error *error) {
     if (found)
         gn_fail(error, GNEISS_ERROR_INPUT, "%.1000s: expected %s, found %s %.1000s",
                 options->target, expected_text(options), found, options->target);
+}
+
+/* Names an override in a message by the option that gave it. */
+static void name_option(const gn_options *options, gneiss_error *error) {
+    char place[64], text[GNEISS_MESSAGE_SIZE];
+    for (size_t k = 0; k < options->override_count; k++) {
+        if (!options->option[k]) continue;
+        snprintf(place, sizeof place, "--set %s:", options->overrides[k].key);
+        for (char *at = error->message; (at = strstr(at, place)); at++) {
+            snprintf(text, sizeof text, "%.*s%s:%s", (int)(at - error->message), error->message,
+                     options->option[k], at + strlen(place));
+            memcpy(error->message, text, sizeof text);
+        }
+    }
 }
 
 enum { LONG_RUN = 60 }; /* s of computing above which results are replaced only on request */
@@ -322,7 +338,7 @@ static gneiss_status look(const gn_options *options, bool plan, int *packings,
     double before = gn_process_time();
     GN_TRY(gn_world_create(scene, world, error));
     double setup = gn_process_time() - before;
-    if (options->error) return gn_plan_accuracy(options, world, setup, packings, error);
+    if (options->error > 0.0) return gn_plan_accuracy(options, world, setup, packings, error);
     if (!plan) GN_TRY(gn_print_check(world, &warnings, error));
     GN_TRY(gn_print_plan(world, error));
     if (!plan)
@@ -343,14 +359,17 @@ static gneiss_status command_run_once_or_more(const gn_options *options, gneiss_
 
 /* --- run --error --- */
 
-/* The planned scene is kept beside the folder of the results: <folder>.yaml. */
+/* The planned scene is kept beside the folder of the results: <folder>.yaml. *reading: that of
+ * the plan. */
 static gneiss_status planned_paths(const gn_options *options, char folder[GN_PATH_SIZE],
-                                   char file[GN_PATH_SIZE], gneiss_error *error) {
+                                   char file[GN_PATH_SIZE], const char **reading,
+                                   gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
     char own[GN_PATH_SIZE];
     GN_TRY(gn_new(&scene, 1, "a scene", error));
     GN_TRY(
         gn_scene_load(options->target, options->overrides, options->override_count, scene, error));
+    *reading = gn_planned_reading(options, scene);
     GN_TRY(gn_folder_choose(scene, options->out, own, error));
     size_t length = strlen(own);
     while (length > 1 && own[length - 1] == '/') own[--length] = '\0';
@@ -391,11 +410,12 @@ static gneiss_status plan_ahead(const gn_options *options, const char *file, int
 static gneiss_status command_run_planned(const gn_options *options, gneiss_error *error) {
     char folder[GN_PATH_SIZE], file[GN_PATH_SIZE], seeds[16];
     int packings = 1;
-    GN_TRY(check_planned_options(options, error));
-    GN_TRY(planned_paths(options, folder, file, error));
-    GN_TRY(plan_ahead(options, file, &packings, error));
     gn_options run = *options;
-    run.error = NULL;
+    GN_TRY(check_planned_options(options, error));
+    GN_TRY(planned_paths(options, folder, file, &run.reading, error));
+    GN_TRY(plan_ahead(options, file, &packings, error));
+    run.reached = options->error;
+    run.error = 0.0;
     run.target = file;
     run.out = folder;
     run.override_count = 0;
@@ -411,8 +431,8 @@ static gneiss_status command_run_planned(const gn_options *options, gneiss_error
 }
 
 static gneiss_status command_run_all(const gn_options *options, gneiss_error *error) {
-    return options->error ? command_run_planned(options, error)
-                          : command_run_once_or_more(options, error);
+    return options->error > 0.0 ? command_run_planned(options, error)
+                                : command_run_once_or_more(options, error);
 }
 
 /* Symbols of the linker: the start of the program in memory, and the end of its machine code. */
@@ -487,6 +507,8 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
     if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
     if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
+    if (strcmp(options->command, "explain") == 0) return gn_command_explain(options, error);
+    if (strcmp(options->command, "schema") == 0) return gn_command_schema(options, error);
     if (strcmp(options->command, "info") == 0) {
         command_info();
         return GNEISS_OK;
@@ -544,7 +566,10 @@ int main(int argc, char **argv) {
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) {
         status = dispatch(&options, &error);
-        if (status == GNEISS_ERROR_INPUT) name_wrong_file(&options, &error);
+        if (status == GNEISS_ERROR_INPUT) {
+            name_option(&options, &error);
+            name_wrong_file(&options, &error);
+        }
     }
     /* An earlier flush may have failed with nothing left to write now. */
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)

@@ -9,11 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gneiss_status add_override(gn_options *options, const char *key, const char *value,
-                                  gneiss_error *error) {
+static gneiss_status add_override(gn_options *options, const char *option, const char *key,
+                                  const char *value, gneiss_error *error) {
     if (options->override_count == GN_MAX_OVERRIDES)
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected at most %d overrides",
                        GN_MAX_OVERRIDES);
+    options->option[options->override_count] = option;
     options->overrides[options->override_count++] = (gn_override){key, value};
     return GNEISS_OK;
 }
@@ -30,7 +31,7 @@ static gneiss_status add_set(gn_options *options, const char *text, gneiss_error
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: too many overrides");
     }
     options->held[options->held_count++] = key;
-    return add_override(options, key, equals + 1, error);
+    return add_override(options, NULL, key, equals + 1, error);
 }
 
 gneiss_status gn_no_command(const char *name, gneiss_error *error) {
@@ -71,7 +72,7 @@ static gneiss_status check_sweep_options(const gn_options *options, const gn_com
 /* Refuses options of `plan --error` without it. */
 static gneiss_status check_plan_options(const gn_options *options, const gn_command *command,
                                         gneiss_error *error) {
-    const char *given = options->error           ? "--error"
+    const char *given = options->error > 0.0     ? "--error"
                         : options->reading       ? "--reading"
                         : options->write         ? "--write"
                         : options->any_particles ? "--particles"
@@ -79,7 +80,7 @@ static gneiss_status check_plan_options(const gn_options *options, const gn_comm
     if (given && strcmp(command->name, "plan") != 0 && strcmp(command->name, "run") != 0)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan and gneiss run",
                        command->name, given);
-    if (given && !options->error)
+    if (given && !(options->error > 0.0))
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s: expected --error beside it",
                        command->name, given);
     return GNEISS_OK;
@@ -94,11 +95,28 @@ static gneiss_status check_stiffness_options(const gn_options *options, const gn
                    command->name, given, options->one_json ? "; --log json prints JSON lines" : "");
 }
 
-static bool reads_scenes(const gn_command *command) {
-    static const char *const without[] = {"calibrate", "report", "keys", "info"};
-    for (size_t k = 0; k < sizeof without / sizeof *without; k++)
-        if (strcmp(command->name, without[k]) == 0) return false;
-    return true;
+static bool is_among(const gn_command *command, const char *const *names) {
+    for (; *names; names++)
+        if (strcmp(command->name, *names) == 0) return true;
+    return false;
+}
+
+static gneiss_status check_files(const gn_options *options, const gn_command *command,
+                                 gneiss_error *error) {
+    static const char *const no_scene[] = {"calibrate", "report", "keys",    "info", "explain",
+                                           "schema",    "help",   "version", NULL},
+                             *const writing[] = {"run", "pack", "sweep", "calibrate", NULL};
+    if (options->out && strcmp(command->name, "resume") == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss resume: --out: a resumed run stays in its folder");
+    if (options->out && !is_among(command, writing))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss %s: --out is for gneiss run, pack, sweep and calibrate",
+                       command->name);
+    if (options->allow_gmsh && is_among(command, no_scene))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss %s: --allow-gmsh is for commands that read a scene", command->name);
+    return GNEISS_OK;
 }
 
 static gneiss_status check_target(const gn_options *options, int argc, char **argv, int first,
@@ -111,12 +129,7 @@ static gneiss_status check_target(const gn_options *options, int argc, char **ar
     if (!*command->arguments && options->target)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected no argument, found '%s'",
                        command->name, options->target);
-    if (options->out && strcmp(command->name, "resume") == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss resume: --out: a resumed run stays in its folder");
-    if (options->allow_gmsh && !reads_scenes(command))
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss %s: --allow-gmsh is for commands that read a scene", command->name);
+    GN_TRY(check_files(options, command, error));
     GN_TRY(check_sweep_options(options, command, error));
     GN_TRY(check_plan_options(options, command, error));
     GN_TRY(check_stiffness_options(options, command, error));
@@ -182,12 +195,27 @@ static const struct option long_options[] = {
     {0, 0, 0, 0},
 };
 
+/* Reads "5%", "5 %" or "0.05". */
+static gneiss_status read_error(const char *text, double *wanted, gneiss_error *error) {
+    char *rest;
+    *wanted = strtod(text, &rest);
+    bool number = rest != text;
+    rest += strspn(rest, " ");
+    if (*rest == '%') {
+        *wanted /= 100.0;
+        rest++;
+    }
+    if (number && !*rest && *wanted > 0.0 && *wanted <= 1.0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "--error: expected a share in (0, 1] or (0, 100] %% such as 5%%, found '%s'",
+                   text);
+}
+
 static gneiss_status apply_to_plan(gn_options *options, int option, const char *value,
                                    gneiss_error *error) {
     switch (option) {
     case OPT_ERROR:
-        options->error = value;
-        return GNEISS_OK;
+        return read_error(value, &options->error, error);
     case OPT_READING:
         if (strcmp(value, "strength") != 0 && strcmp(value, "stiffness") != 0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -252,13 +280,13 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
     case OPT_SET:
         return add_set(options, value, error);
     case OPT_THREADS:
-        return add_override(options, "run.threads", value, error);
+        return add_override(options, "--threads", "run.threads", value, error);
     case OPT_SEED:
-        return add_override(options, "run.seed", value, error);
+        return add_override(options, "--seed", "run.seed", value, error);
     case OPT_PRECISION:
-        return add_override(options, "run.precision", value, error);
+        return add_override(options, "--precision", "run.precision", value, error);
     case OPT_ISA:
-        return add_override(options, "run.isa", value, error);
+        return add_override(options, "--isa", "run.isa", value, error);
     case OPT_FORCE:
         options->force = true;
         return GNEISS_OK;

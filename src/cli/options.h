@@ -22,13 +22,16 @@ typedef struct gn_options {
     bool allow_gmsh;  /* --allow-gmsh: a geometry may be meshed, which may execute commands */
     /* sweep; the first also run: --seeds, --jobs, --array ("": from Slurm); NULL: not given */
     const char *seeds, *jobs, *array;
-    bool dry_run, collect; /* sweep */
-    /* plan: --error, --reading, --write; NULL: not given */
-    const char *error, *reading, *write;
-    bool any_particles; /* plan: --particles any */
-    bool one_json;      /* stiffness: --json */
-    const char *strain; /* stiffness: --strain; NULL: not given */
+    bool dry_run, collect;       /* sweep */
+    double error;                /* plan and run: --error, a share; 0: not given */
+    const char *reading, *write; /* plan: --reading, --write; NULL: not given */
+    bool any_particles;          /* plan: --particles any */
+    double reached;              /* run: the error of a plan that the run carries out; 0: none */
+    bool one_json;               /* stiffness: --json */
+    const char *strain;          /* stiffness: --strain; NULL: not given */
     gn_override overrides[GN_MAX_OVERRIDES];
+    const char
+        *option[GN_MAX_OVERRIDES]; /* that gave the override, such as --threads; NULL: --set */
     size_t override_count;
     char *held[GN_MAX_OVERRIDES]; /* copies of the keys of --set key=value */
     size_t held_count;

@@ -211,27 +211,6 @@ static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result
     return status;
 }
 
-/* The folder must not hold a run: its results would seem to belong to this packing, and a run that
- * is still to be resumed would lose its snapshots. */
-static gneiss_status check_folder(const char *folder, gneiss_error *error) {
-    char path[GN_PATH_SIZE + 32];
-    int64_t step;
-    size_t checkpoints;
-    if (gn_folder_holds_sweep(folder))
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%.300s: expected a folder for the packing, found a sweep in it; choose "
-                       "another with --out",
-                       folder);
-    snprintf(path, sizeof path, "%s/results.h5", folder);
-    GN_TRY(gn_checkpoint_list(folder, &step, 1, &checkpoints, error));
-    bool results = access(path, F_OK) == 0;
-    if (checkpoints == 0 && !results) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%.300s: expected a folder for the packing, found the %s of a run in it; choose "
-                   "another with --out",
-                   folder, results ? "results" : "checkpoints");
-}
-
 /* Shifts particles to the user's coordinates, for files. */
 static void move_out(const gn_scene *scene, gn_packing *packing) {
     for (size_t k = 0; k < packing->count; k++)
@@ -303,7 +282,7 @@ static gneiss_status pack_scene(const gn_options *options, gn_scene *scene, gnei
     bool there = access(folder, F_OK) == 0;
     GN_TRY(gn_make_directory(folder, error));
     GN_TRY(gn_folder_lock(folder, &lock, error));
-    gneiss_status status = check_folder(folder, error);
+    gneiss_status status = gn_folder_check_use(folder, GN_FOLDER_OF_PACKING, error);
     if (status == GNEISS_OK && !options->force) status = gn_folder_check_packing(folder, error);
     gn_signals_end_at_once(interrupted, there ? NULL : folder);
     if (status == GNEISS_OK) status = pack_into(options, scene, folder, error);

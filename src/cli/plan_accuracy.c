@@ -13,22 +13,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Reads "5%", "5 %" or "0.05". */
-static gneiss_status read_error(const char *text, double *wanted, gneiss_error *error) {
-    char *rest;
-    *wanted = strtod(text, &rest);
-    bool number = rest != text;
-    rest += strspn(rest, " ");
-    if (*rest == '%') {
-        *wanted /= 100.0;
-        rest++;
-    }
-    if (number && !*rest && *wanted > 0.0 && *wanted <= 1.0) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "--error: expected a share in (0, 1] or (0, 100] %% such as 5%%, found '%s'",
-                   text);
-}
-
 /* --- words --- */
 
 static void print_estimate(const gn_plan *plan, const gn_world *world) {
@@ -316,32 +300,28 @@ static gneiss_status tell(const gn_options *options, const gn_world *world, gn_p
     return write_scene(options, &settings, error);
 }
 
-/* Results of a planned run go to the folder named after its scene file. One run and several do not
- * share a folder; this is refused before the scene of earlier results is replaced. */
+/* Results of a planned run go to the folder named after its scene file. This is checked before the
+ * scene of earlier results is replaced. */
 static gneiss_status check_folder_of_runs(const gn_options *options, int packings,
                                           gneiss_error *error) {
-    char folder[GN_PATH_SIZE], results[GN_PATH_SIZE + 16];
+    char folder[GN_PATH_SIZE];
     snprintf(folder, sizeof folder, "%.*s", (int)(strlen(options->write) - strlen(".yaml")),
              options->write);
-    snprintf(results, sizeof results, "%s/results.h5", folder);
-    const bool one = access(results, F_OK) == 0;
-    if (packings > 1 ? !one : !gn_folder_holds_sweep(folder)) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%.300s: expected a folder for %s, found %s in it: choose another with --out",
-                   folder, packings > 1 ? "several runs" : "one run",
-                   packings > 1 ? "a run" : "a sweep");
+    return gn_folder_check_use(folder, packings > 1 ? GN_FOLDER_OF_RUNS : GN_FOLDER_OF_RUN, error);
+}
+
+const char *gn_planned_reading(const gn_options *options, const gn_scene *scene) {
+    if (options->reading) return options->reading;
+    return scene->has_specimen ? "strength" : "stiffness";
 }
 
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                int *packings, gneiss_error *error) {
-    const bool particles = world->ctx.scene.has_specimen;
-    gn_wanted wanted = {.any_particles = options->any_particles,
-                        .reading = options->reading ? options->reading
-                                   : particles      ? "strength"
-                                                    : "stiffness"};
+    gn_wanted wanted = {.error = options->error,
+                        .any_particles = options->any_particles,
+                        .reading = gn_planned_reading(options, &world->ctx.scene)};
     GN_FREED gn_plan *plan = NULL;
     GN_TRY(gn_new(&plan, 1, "a plan", error));
-    GN_TRY(read_error(options->error, &wanted.error, error));
     GN_TRY(gn_plan_make(world, &wanted, setup, plan, error));
     if (plan->absent)
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", options->target,

@@ -7,6 +7,9 @@
 #include "frame/parts.h"
 #include "world/world.h"
 
+/* Returns the reading that a plan concerns: "strength" or "stiffness". */
+const char *gn_planned_reading(const gn_options *options, const gn_scene *scene);
+
 /* Prints a plan and writes its scene to options->write. `setup`: processor time, s, for making the
  * world. `packings`: receives the number of packings whose mean has the error, and a plan that does
  * not reach it is GNEISS_ERROR_INPUT; NULL: not asked for. */

@@ -448,6 +448,44 @@ static gneiss_status print_outcome(const gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* --- the error that was asked for --- */
+
+const char *const *gn_planned_names(const char *reading) {
+    static const char *const strength[] = {"peak_stress", NULL}, *const stiffness[] = {
+                                                                     "young_modulus",
+                                                                     "young_modulus_average",
+                                                                     "largest_stress", NULL};
+    return strcmp(reading, "strength") == 0 ? strength : stiffness;
+}
+
+void gn_print_reached(const gn_options *options, const char *name, double error,
+                      const char *reason) {
+    const double asked = 100.0 * options->reached;
+    if (isnan(error))
+        printf("error of %.3g %% asked for: not known: %s\n", asked,
+               *reason ? reason : "no reading of the plan has an error budget");
+    else
+        printf("error of %.3g %% asked for: %s: %s within %.6g %%\n", asked,
+               error <= options->reached ? "reached" : "not reached", name,
+               gn_two_digits(100.0 * error));
+}
+
+static gneiss_status print_reached(const gn_options *options, const gn_run *run,
+                                   gneiss_error *error) {
+    const gn_budget *budget;
+    if (!(options->reached > 0.0)) return GNEISS_OK;
+    GN_TRY(gn_run_budget(run, &budget, error));
+    for (const char *const *name = gn_planned_names(options->reading); *name; name++)
+        for (int k = 0; k < GN_READING_COUNT; k++) {
+            if (strcmp(gn_reading_name((gn_reading)k), *name) != 0 || !budget->of[k].count)
+                continue;
+            gn_print_reached(options, *name, gn_causes_total(&budget->of[k]), "");
+            return GNEISS_OK;
+        }
+    gn_print_reached(options, NULL, NAN, budget->absent);
+    return GNEISS_OK;
+}
+
 gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gneiss_error *error) {
     const gn_world *world = &run->world;
     if (options->json) return GNEISS_OK;
@@ -455,7 +493,7 @@ gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gne
         printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason,
                (long long)world->ctx.step, world->ctx.time);
     GN_TRY(print_outcome(run, error));
-    if (options->quiet) return GNEISS_OK;
+    if (options->quiet) return print_reached(options, run, error);
     print_profile(run);
     char shown[GN_PATH_SIZE];
     printf("\nwritten to %s: results.h5, summary.json%s%s%s%s%s\n",
@@ -465,5 +503,5 @@ gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gne
            world->ctx.scene.contact_rows == GN_SWITCH_ON ? ", contacts.hdf.series" : "",
            world->solids.count ? ", elements.hdf.series" : "",
            world->ctx.scene.body_count ? ", bodies.hdf.series" : "");
-    return GNEISS_OK;
+    return print_reached(options, run, error);
 }

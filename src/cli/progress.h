@@ -26,6 +26,14 @@ void gn_print_first_break(const gn_world *world, const gn_first_break *first_bre
 /* Prints readings and counts, also when quiet, and the profile. */
 gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gneiss_error *error);
 
+/* Names of the readings that a plan can concern, NULL at the end, the best first. */
+const char *const *gn_planned_names(const char *reading);
+
+/* Prints whether the error that was asked for is reached by that of a reading, a share; `reason`
+ * stands for an error that is not known. NULL, "": no reading has one. */
+void gn_print_reached(const gn_options *options, const char *name, double error,
+                      const char *reason);
+
 /* Prints warnings on standard error, also when quiet. */
 gneiss_status gn_print_warnings(const gn_run *run, gneiss_error *error);
 

@@ -64,9 +64,17 @@ gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) 
     return start((char *[]){(char *)python, path, (char *)options->target, NULL}, error);
 }
 
+static const script calibrate = {"GNEISS_CALIBRATE", "calibrate/__main__.py",
+                                 "calibrate/__main__.py"};
+
+gneiss_status gn_calibrate_schema(gneiss_error *error) {
+    char self[SELF_SIZE], path[SCRIPT_SIZE];
+    find_self(self);
+    GN_TRY(find(&calibrate, self, path, error));
+    return start((char *[]){(char *)python, path, (char *)"--schema", NULL}, error);
+}
+
 gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error) {
-    static const script calibrate = {"GNEISS_CALIBRATE", "calibrate/__main__.py",
-                                     "calibrate/__main__.py"};
     enum { MOST = 16 };
     char self[SELF_SIZE], path[SCRIPT_SIZE], *arguments[MOST];
     const char *threads = NULL;

@@ -10,4 +10,7 @@ gneiss_status gn_command_report(const gn_options *options, gneiss_error *error);
 /* Finds the parameters of a file of targets; returns only if it cannot be started. */
 gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error);
 
+/* Prints the JSON Schema of a file of targets; returns only if it cannot be started. */
+gneiss_status gn_calibrate_schema(gneiss_error *error);
+
 #endif

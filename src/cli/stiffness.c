@@ -11,6 +11,7 @@
 #include "run/run.h"
 #include "scene/laboratory.h"
 #include "scene/stages.h"
+#include "scene/units.h"
 #include "static/first_break.h"
 #include "static/network.h"
 
@@ -57,14 +58,17 @@ typedef struct outcome {
 /* --- the scene --- */
 
 static gneiss_status read_strain(const gn_options *options, double *strain, gneiss_error *error) {
-    char *rest = NULL;
+    char reason[256];
     *strain = 0.0; /* to be chosen */
     if (!options->strain) return GNEISS_OK;
-    *strain = strtod(options->strain, &rest);
-    if (rest != options->strain && !*rest && *strain > 0.0 && *strain < strain_most)
-        return GNEISS_OK;
+    gn_units *units = gn_units_new();
+    if (!units) return gn_no_memory(error, "units");
+    const bool read =
+        gn_units_read(units, options->strain, GN_STRAIN, strain, reason, sizeof reason);
+    gn_units_free(units);
+    if (read && *strain > 0.0 && *strain < strain_most) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "--strain: expected a number in (0, 0.1), such as 1e-5, found '%s'",
+                   "--strain: expected a strain in (0, 0.1), such as 1e-5 or 0.1 %%, found '%s'",
                    options->strain);
 }
 
@@ -363,6 +367,7 @@ static void print_tensor(const char *name, const gn_elastic *tensor) {
 
 static void print_matrix(const gn_elastic *tensor) {
     const int n = gn_voigt_size(tensor->dimension);
+    const double round_off = 1e-6; /* of the largest entry: the tolerance of the solutions */
     double most = 0.0;
     for (int a = 0; a < n; a++) most = fmax(most, tensor->c[(n + 1) * a]);
     const double unit = most >= 1e8 ? 1e9 : most >= 1e5 ? 1e6 : 1.0;
@@ -372,7 +377,10 @@ static void print_matrix(const gn_elastic *tensor) {
                          : "Pa",
            n == 6 ? "xx yy zz xy yz xz" : "xx yy xy");
     for (int a = 0; a < n; a++) {
-        for (int b = 0; b < n; b++) printf(" %10.4g", tensor->c[n * a + b] / unit);
+        for (int b = 0; b < n; b++) {
+            const double c = tensor->c[n * a + b];
+            printf(" %10.4g", fabs(c) < round_off * most ? 0.0 : c / unit);
+        }
         printf("\n");
     }
 }

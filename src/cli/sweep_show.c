@@ -289,6 +289,21 @@ static void warn_of_absent(const gn_summary *summary) {
     }
 }
 
+/* Scatter and the error that all packings share are independent. */
+static void print_reached(const gn_options *options, const gn_summary *summary) {
+    if (!(options->reached > 0.0)) return;
+    for (const char *const *name = gn_planned_names(options->reading); *name; name++)
+        for (size_t r = 0; r < summary->reading_count; r++) {
+            const gn_statistics *found = &summary->statistics[r];
+            const double rest = gn_summary_rest(summary, 0, r);
+            if (strcmp(summary->readings[r].name, *name) != 0 || found->count < 2 || isnan(rest))
+                continue;
+            gn_print_reached(options, *name, hypot(found->interval, rest) / fabs(found->mean), "");
+            return;
+        }
+    gn_print_reached(options, NULL, NAN, "");
+}
+
 static void print_summary(const gn_options *options, const gn_summary *summary,
                           const gn_envelopes *envelopes) {
     enum { SHOWN = 10 };
@@ -298,11 +313,13 @@ static void print_summary(const gn_options *options, const gn_summary *summary,
         printf("and %zu more combinations\n", summary->sweep->combination_count - SHOWN);
     print_envelopes(summary, envelopes);
     print_failed(summary);
-    if (options->quiet) return;
-    char shown[GN_PATH_SIZE];
-    (void)gn_printable(summary->directory, shown, sizeof shown);
-    printf("written to %s: sweep.csv, sweep-means.csv, sweep.h5 (gneiss report %s draws it)\n",
-           shown, shown);
+    if (!options->quiet) {
+        char shown[GN_PATH_SIZE];
+        (void)gn_printable(summary->directory, shown, sizeof shown);
+        printf("written to %s: sweep.csv, sweep-means.csv, sweep.h5 (gneiss report %s draws it)\n",
+               shown, shown);
+    }
+    print_reached(options, summary);
 }
 
 void gn_sweep_print_summary(const gn_options *options, const gn_summary *summary) {

@@ -47,7 +47,8 @@ gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *s
 #define GN_PART_ROUNDING  1e-12
 #define GN_SHAPE_ROUNDING 1e-9
 
-/* Tells whether an element has all nodes that the place of a tie depends on: the place is in it. */
+/* Tells whether all nodes on which the position of a tie depends belong to an element, so that the
+ * element contains the position. */
 static bool shares_place(const gn_fem_solid *solid, const gn_tie *tie, size_t e) {
     for (int a = 0; a <= solid->dimension; a++) {
         bool found = fabs(tie->shape[a]) < GN_SHAPE_ROUNDING;
@@ -73,8 +74,8 @@ size_t gn_conversion_around(const gn_fem_solid *solid, const gn_tie *tie,
     return count;
 }
 
-/* The spin of the body at a place, 1/s: half of the curl of velocities, the mean of the elements
- * there. */
+/* Computes the spin of the body at a position, 1/s: half of the curl of velocities, averaged over
+ * the elements there. */
 static void find_spin(const gn_fem_solid *solid, const gn_tie *tie, double spin[3]) {
     int32_t element[GN_AROUND_MOST];
     const size_t count = gn_conversion_around(solid, tie, element);
@@ -92,7 +93,7 @@ static void find_spin(const gn_fem_solid *solid, const gn_tie *tie, double spin[
     }
 }
 
-/* With the motion of the element that it is in. */
+/* Activates a particle with the motion of its element. */
 static void activate(const gn_conversion *conversion, size_t p) {
     gn_particles *q = &conversion->model->dem->particles;
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
@@ -175,7 +176,8 @@ static void activate_all(gn_conversion *conversion) {
     for (size_t p = 0; p < q->soa.count; p++) {
         const double part = q->blend[2 * p + 1], before = conversion->part[2 * p + 1];
         if (part == before) continue;
-        /* Intact bonds leave 0: its springs are others than at the last look at the step. */
+        /* Intact bonds need no mark; these particles have other springs than at the last check of
+         * the step. */
         q->marks[2 * p] = q->marks[2 * p + 1] = 1;
         if (before > 0.0) {
             q->vel[4 * p + 3] *= before / part;
@@ -223,10 +225,10 @@ static gneiss_status make_lists(gn_conversion *conversion, const gn_tally *befor
     GN_TRY(gn_conversion_keep_invariants(conversion, before, error));
     gn_dem_masses_changed(model->ctx, model->dem);
     GN_TRY(gn_elements_converted(model->solids->elements[0], error));
-    GN_TRY(gn_world_check_step(model->ctx, model->dem, model->boundary, model->solids, model->zones,
-                               model->ledger, false, error));
-    return gn_world_check_lists(model->ctx, model->dem, model->boundary, model->solids,
-                                model->zones, model->ledger, error);
+    GN_TRY(gn_timestep_check(model->ctx, model->dem, model->boundary, model->solids, model->zones,
+                             model->ledger, false, error));
+    return gn_timestep_check_lists(model->ctx, model->dem, model->boundary, model->solids,
+                                   model->zones, model->ledger, error);
 }
 
 static void put_back(gn_conversion *conversion) {
@@ -238,8 +240,9 @@ static void put_back(gn_conversion *conversion) {
     conversion->acting = 0;
 }
 
-/* Front and parts, of particles that can have the mass of what goes: elements without such, as of a
- * mesh that is fine beside them, take those around them along. */
+/* Finds the front and the weights such that particles can take the mass of the converting elements.
+ * Elements that hold too few particles, as in a mesh that is fine relative to them, convert
+ * together with the elements around them. */
 static gneiss_status advance(gn_conversion *conversion, bool *stuck, gneiss_error *error) {
     enum { RINGS = 3 };
     double missing[2];

@@ -32,7 +32,7 @@ typedef struct gn_convertible {
     gn_world *world;                                                /* passed to `rebuild` */
 } gn_convertible;
 
-/* Before bonds are formed: which element each particle is in. */
+/* Finds the element that contains each particle. Must be called before bonds are formed. */
 gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gneiss_error *error);
@@ -40,15 +40,16 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
 gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
                                            const gn_boundary *boundary, const gn_solids *solids,
                                            gn_conversions *converted, gneiss_error *error);
-/* Between two steps: every so many of them looks at the stresses, and converts. */
+/* Called between two steps: evaluates the stresses at a fixed interval of steps, and converts
+ * elements beyond their limits. */
 gneiss_status gn_conversion_check_limits(const gn_convertible *model, gneiss_error *error);
-/* Returns the element that came nearest to a limit so far, including the present state. */
+/* Returns the element that was nearest to a limit so far, including the present state. */
 gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_solids *solids,
                                         const gn_most_loaded *most_loaded, gn_most_loaded *most,
                                         gneiss_error *error);
-/* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as
- * gn_conversion_kinds has it, and changed. Where more would have to go than may, nothing goes, and
- * outcome->halt says what. */
+/* gn_conversion_kinds sets kind[elements]; gn_conversion_convert converts the elements marked as
+ * GN_FRONT_LEAVING, with the neighbours that have to convert as well, and updates `kind`. If one of
+ * these may not convert, nothing is converted, and outcome->halt gives the reason. */
 gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
                                   uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(const gn_convertible *model, uint8_t *kind,
@@ -76,9 +77,9 @@ const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *s
 /* Tells whether it reports driven or loaded nodes that would keep too little mass. */
 bool gn_conversion_left_light_nodes(const gn_ending *outcome);
 
-/* Places of an unconverted body that may convert, looked at by themselves: how many there are; how
- * many of them take elements around along, and at how many particles are too few all the same;
- * those where the box ends count for nothing (conversion_limits.c). */
+/* Result of trial conversions at single places of an unconverted body: the number of places; how
+ * many of them need neighbouring elements to convert as well; how many have too few particles even
+ * so. Places at the end of the box are not counted (conversion_limits.c). */
 typedef struct gn_conversion_places_checked {
     size_t looked, along, too_few;
 } gn_conversion_places_checked;
@@ -90,17 +91,17 @@ gneiss_status gn_conversion_check_places(const gn_convertible *model,
 typedef struct gn_conversion_figures {
     size_t elements, held, particles; /* held: of motions and loads */
     double element, diameter;         /* m, means */
-    double smallest;  /* m, of elements: the least of what `element` is the mean of */
-    double side;      /* m, the shortest of the body of elements */
-    double mass;      /* of the particles over that of the elements */
-    size_t materials; /* of the elements, with the packing in each */
+    double smallest;                  /* m, smallest size of an element (`element` is the mean) */
+    double side;                      /* m, the shortest of the body of elements */
+    double mass;                      /* of the particles over that of the elements */
+    size_t materials;                 /* of the elements, with the packing in each */
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_conversion_figures;
 gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gn_conversion_figures *figures, gneiss_error *error);
 
-/* The limits that all of them would have by themselves. */
+/* Computes the limits for all elements, each by itself. */
 gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *limit,
                                   gneiss_error *error);
 

@@ -19,7 +19,7 @@
 #include <math.h>
 #include <string.h>
 
-/* As contacts have it (law.c): next to nothing at least. */
+/* Returns the weight of a contact, with the lower bound that law.c applies. */
 static double part_of(const double *part, int32_t i, int32_t j) {
     return fmax(0.5 * (part[2 * (size_t)i] + part[2 * (size_t)j]), 1e-9);
 }
@@ -54,7 +54,7 @@ typedef struct turns {
     double turn[TURNS][3][3];
 } turns;
 
-/* The mean turn of the elements at the place of a particle. */
+/* Computes the mean rotation of the elements at the position of a particle. */
 static void find_turn(const gn_conversion *conversion, int32_t p, double turn[3][3]) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const gn_tie tie = gn_tie_at(b, gn_home_of(conversion, (size_t)p),
@@ -83,7 +83,7 @@ static bool turn_of(const gn_conversion *conversion, turns *known, int32_t p, do
     return true;
 }
 
-/* Where the turns of both ends take the branch; false: neither is known. */
+/* Rotates a branch by the rotations of both ends; false: neither is known. */
 static bool turned_branch(const gn_conversion *conversion, turns *known, int32_t i, int32_t j,
                           double branch[3]) {
     const gn_convertible *model = conversion->model;
@@ -119,7 +119,7 @@ void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
     for (size_t k = 0; k < 3; k++) rate[k] = q->vel[b + k] - q->vel[a + k] - turning[k];
 }
 
-/* The step to come adds what the last interval has done. */
+/* The coming step adds the increment of the last interval. */
 static void strain_bond(const gn_conversion *conversion, turns *known, gn_contacts *list,
                         size_t k) {
     const gn_particles *q = &conversion->model->dem->particles;
@@ -144,13 +144,13 @@ static void strain_bond(const gn_conversion *conversion, turns *known, gn_contac
 
 enum { PART = 512 };
 
-/* Some of the prepared bonds, and where those that the list has already stand in it. */
+/* Some of the prepared bonds, and the rows of those that the list already has. */
 typedef struct part {
     size_t begin, count;                /* places in the new list */
     int32_t from[PART], prepared[PART]; /* in the last list, -1: it is new; -1: it is known */
 } part;
 
-/* Bonds of the last list go on, those that are new begin with what was prepared. */
+/* Copies bonds that the last list had; new ones start from the prepared bonds. */
 static void fill_part(const gn_conversion *conversion, turns *known, gn_contacts *now, part *q) {
     gn_dem *d = conversion->model->dem;
     gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds.contacts, q->from);

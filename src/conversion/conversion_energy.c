@@ -107,7 +107,7 @@ static void add_elements(const gn_conversion *conversion, bool touched, gn_held 
     for (size_t e = 0; e < b->elements.soa.count; e++)
         if (conversion->touched[conversion->place[b->elements.id[e]]] == touched)
             conversion->some[count++] = (int32_t)e;
-    /* Half a step of the power is what the difference of two energies gives. */
+    /* The difference of two energies gives half a step of the power. */
     sum->elements += gn_fem_elastic_energy(b, conversion->some, count, 0.0);
     sum->step += 0.5 * (gn_fem_elastic_energy(b, conversion->some, count, -half) -
                         gn_fem_elastic_energy(b, conversion->some, count, half));
@@ -177,7 +177,8 @@ static void gradient_at(const gn_conversion *conversion, size_t p, gradients *g)
     gn_fem_rotation(b, (size_t)e, g->turn);
 }
 
-/* J, of a whole bond of which both ends go with an element (as conversion_contacts.c has it). */
+/* J, energy of a bond of full weight both ends of which move with an element (see
+ * conversion_contacts.c). */
 static double bond_energy(const gn_conversion *conversion, size_t k, const gradients *g) {
     const gn_contacts *all = &conversion->model->dem->prepared;
     const double *start = conversion->model->dem->particles.start;

@@ -1,4 +1,5 @@
-/* Where conversion ends a run, and whether particles can have the mass of what goes. */
+/* Conditions under which conversion ends a run; checks that particles can take the mass of the
+ * converting elements. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
@@ -40,7 +41,7 @@ bool gn_conversion_left_light_nodes(const gn_ending *outcome) {
     return strstr(outcome->halt, bare);
 }
 
-/* Which side of the box an element is beyond, the first of them. */
+/* Returns the first side of the box beyond which an element lies. */
 static const char *side_beyond(const gn_conversion *conversion, int64_t e, char *text,
                                size_t size) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
@@ -56,7 +57,7 @@ static const char *side_beyond(const gn_conversion *conversion, int64_t e, char 
     return "";
 }
 
-/* At the start. */
+/* Computes the centre of an element at the start. */
 void gn_conversion_centre(const gn_fem_solid *solid, size_t e, double centre[3]) {
     memset(centre, 0, 3 * sizeof *centre);
     for (int a = 0; a <= solid->dimension; a++)
@@ -86,8 +87,8 @@ static gn_node_use use_of(const gn_fem_solid *solid, const uint8_t *use, size_t 
     return (gn_node_use)most;
 }
 
-/* Names what holds an element: a driving motion or a load if there is one, else a recording motion.
- */
+/* Names what prevents the conversion of an element: a driving motion or a load if there is one,
+ * else a recording motion. */
 static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t size) {
     const gn_element_model *q = solids->elements[0];
     uint8_t *use = gn_alloc(q->solid.nodes.soa.count + 1);
@@ -105,7 +106,7 @@ static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t
     return said;
 }
 
-/* The model stays as it was: it has all of its elements, and the run ends. */
+/* The model keeps all of its elements, and the run ends. */
 void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
     const gn_convertible *model = conversion->model;
     const gn_fem_solid *b = gn_coupled_solid(model->solids);
@@ -128,7 +129,7 @@ void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
 
 /* --- masses --- */
 
-/* kg: of an element as a whole, and by how much its part changes. */
+/* kg: mass of an element at full weight; change of its mass. */
 static double element_change(const gn_conversion *conversion, size_t e, double *whole) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
@@ -210,8 +211,8 @@ void gn_conversion_halt_without_mass(const gn_conversion *conversion, const doub
 
 /* --- what may not go --- */
 
-/* [nodes][2] kg: what elements that stay have at their nodes as whole ones; what is there of it
- * with the parts found, of them and of the particles in them. */
+/* [nodes][2] kg: the mass that the remaining elements would contribute to their nodes at full
+ * weight, and the mass that they and the particles in them contribute with the weights found. */
 static void weigh_nodes(const gn_conversion *conversion, double (*mass)[2]) {
     const gn_particles *q = &conversion->model->dem->particles;
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
@@ -242,7 +243,7 @@ static void weigh_nodes(const gn_conversion *conversion, double (*mass)[2]) {
     }
 }
 
-/* r/width of the mean radius: what masses in zones have at least (find_parts). */
+/* Returns r/width for the mean radius, the least mass weight in zones (find_parts). */
 static double least_part(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double sum = 0.0;
@@ -250,7 +251,7 @@ static double least_part(const gn_step_context *ctx, const gn_dem *dem) {
     return fmin(1.0, sum / (double)q->soa.count / ctx->scene.couple.convert.width);
 }
 
-/* Mostly the front is far from what may not go. */
+/* In most conversions the front is far from elements that may not convert. */
 static bool holds_shared(const gn_conversion *conversion) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     for (size_t e = 0; e < b->elements.soa.count; e++)
@@ -295,7 +296,8 @@ gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bo
 
 /* --- what is only watched --- */
 
-/* Marks nodes [nodes] of elements that nothing else keeps from going, then motions [motions]. */
+/* Marks the nodes [nodes] of elements that only a recording motion keeps from converting, then the
+ * motions [motions]. */
 static void find_watching(const gn_element_model *q, const uint8_t *kind, const uint8_t *use,
                           uint8_t *node, uint8_t *found) {
     const gn_elements *elements = &q->solid.elements;

@@ -23,8 +23,8 @@
 
 /* --- what converts --- */
 
-/* Below this part of the limits nothing has to be known: what was loaded as much already is not the
- * most. */
+/* Returns the fraction of the limits below which elements need no evaluation: the most loaded
+ * element so far exceeds it. */
 static double least_share(const gn_most_loaded *most_loaded) {
     return fmin(1.0, most_loaded->share);
 }
@@ -47,14 +47,14 @@ static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_s
         for (int a = 0; a <= b->dimension; a++)
             for (int k = 0; k < 6; k++)
                 mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
-        excess[e] = gn_front_excess_above(&ctx->scene.couple.convert, mean, least);
+        excess[e] = gn_front_excess(&ctx->scene.couple.convert, mean, least);
     }
     gn_free(stress);
     return status;
 }
 
-/* [elements] how far those that may go are beyond the limits; below 1: not at all, 0 as well where
- * they may not. */
+/* [elements] ratio of stress to limit of elements that may convert; 0 for those that may not, and
+ * where it is below `least`. */
 static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *solids,
                                  const gn_most_loaded *most_loaded, const uint8_t *kind,
                                  double *excess, gneiss_error *error) {
@@ -68,12 +68,12 @@ static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *so
         double stress[6];
         if (kind[e] != GN_FRONT_READY) continue;
         gn_fem_stress_of(b, e, stress);
-        excess[e] = gn_front_excess_above(def, stress, least);
+        excess[e] = gn_front_excess(def, stress, least);
     }
     return GNEISS_OK;
 }
 
-/* Bonds that break where elements hold on: these go. */
+/* Marks elements that hold a broken bond: they convert. */
 static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) {
     const gn_contacts *bonds = &dem->bonds.contacts;
     for (size_t c = 0; c < bonds->soa.count; c++) {
@@ -96,9 +96,9 @@ static size_t most_stressed(size_t count, const double *excess, double least, co
     return first;
 }
 
-/* Marks the elements that are loaded as the last marked one but for rounding, as on either side of
- * a plane of symmetry, so that the share of a look does not part them. Where more are alike than
- * were marked, as in a body under one stress, the share decides. */
+/* Marks the elements whose load equals that of the last marked one up to rounding, as on both sides
+ * of a plane of symmetry, so that the fraction per evaluation does not separate them. If more are
+ * equal than were marked, as under uniform stress, the fraction decides. */
 static void mark_alike(size_t count, const double *excess, double last, size_t marked,
                        uint8_t *kind) {
     const double least = (1.0 - 1e-6) * last;
@@ -108,8 +108,8 @@ static void mark_alike(size_t count, const double *excess, double last, size_t m
         if (kind[e] == GN_FRONT_READY && excess[e] >= least) kind[e] = GN_FRONT_LEAVING;
 }
 
-/* Marks the elements beyond the limits, the farthest first, up to the share that one look converts.
- * Few looks find any, and then few. */
+/* Marks the elements beyond the limits, the most loaded first, up to the fraction that one
+ * evaluation converts. Few evaluations find any, and those find few. */
 static void mark_stressed(const gn_convert_def *def, size_t count, const double *excess,
                           uint8_t *kind) {
     size_t ready = 0, marked = 0, e;
@@ -161,8 +161,8 @@ static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids
     gn_conversion_centre(b, at, most->place);
 }
 
-/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
- * both are the caller's whatever happens. */
+/* [elements] gn_front_kind, and the load of elements that may convert relative to their nearest
+ * limit; the caller frees both in any case. */
 static gneiss_status conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
                                                 const gn_most_loaded *most_loaded, uint8_t **kind,
                                                 double **excess, gneiss_error *error) {
@@ -253,7 +253,8 @@ static gneiss_status see(const gn_convertible *model, const uint8_t *ready, size
     return GNEISS_OK;
 }
 
-/* Evenly over the list; of large bodies fewer, as each looks at all of them. */
+/* Places are spread evenly over the list; large bodies get fewer, because each place visits all
+ * elements. */
 gneiss_status gn_conversion_check_places(const gn_convertible *model,
                                          gn_conversion_places_checked *seen, gneiss_error *error) {
     const size_t elements = gn_elements_left_count(model->solids),

@@ -16,14 +16,14 @@
 
 /* --- sums --- */
 
-/* Second moments that a rotation needs, of a place: in the plane that about the axis alone. */
+/* Second moments of a point that a rotation needs; in 2D only that about z. */
 enum { SECOND_MOST = 6, BASIS_MOST = GN_BASIS_MOST };
 static size_t second_count(size_t dimension) {
     return dimension == 3 ? 6 : 1;
 }
 
-/* m2. What a point has by its own inertia over its mass, m2, goes along: 1/2 of it along each axis
- * in space, as the inertia about one is the sum of the other two. */
+/* m2. Includes the inertia of a point about itself over its mass: half of it along each axis in
+ * space, because the inertia about an axis is the sum over the other two. */
 static void second_of(size_t dimension, const double r[3], double own, double out[SECOND_MOST]) {
     if (dimension == 2) {
         out[0] = r[0] * r[0] + r[1] * r[1] + own;
@@ -225,8 +225,8 @@ static double factor_at(const double *f, const double *b, size_t n) {
     return sum;
 }
 
-/* The first `n` of the basis, with factors f that make up for as much of what is missing; false:
- * that says too much. */
+/* Finds factors f from the first `n` basis functions that make up for as much as possible of the
+ * missing moments; false: the result is out of range. */
 static bool polynomial(const gn_conversion *conversion, gn_scaled scaled, const spread *s,
                        const gn_tally *missing, size_t n, double f[BASIS_MOST]) {
     const gn_particles *q = &conversion->model->dem->particles;
@@ -272,7 +272,7 @@ static bool scale_masses(const gn_conversion *conversion, gn_scaled scaled,
 
 /* --- all of it --- */
 
-/* Where few have another weight they cannot make up for what elements weighed. */
+/* If the weights of few particles change, these cannot make up for the mass of the elements. */
 static gneiss_status check_mass(const gn_conversion *conversion, const gn_tally *before,
                                 gneiss_error *error) {
     const double now = gn_conversion_tally(conversion).mass;

@@ -181,7 +181,8 @@ static void turning_of(size_t dimension, const double s[6], const double spin[3]
                  s[3 + (a + 2) % 3] * spin[(a + 2) % 3];
 }
 
-/* Means over those whose masses were scaled: of a rigid motion its own. */
+/* Means over the particles with scaled masses: velocity and spin of a rigid motion equal its own.
+ * */
 typedef struct means {
     double centre[3], velocity[3], spin[3]; /* m, m/s, rad/s */
 } means;
@@ -287,7 +288,7 @@ static bool find_takers(const gn_conversion *conversion, const lack *l, bool tur
     return false;
 }
 
-/* A component at which all are held takes none. */
+/* A component that is held for all of them is left out. */
 static void find_velocity(rigid *r, const lack *l) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}};
     r->count = r->dimension;
@@ -296,8 +297,8 @@ static void find_velocity(rigid *r, const lack *l) {
         r->motion[a] = m[a][a] > 0.0 ? l->momentum[a] / m[a][a] : 0.0;
 }
 
-/* As much of the angular momentum as all can take, and else the momentum alone; returns which part.
- */
+/* Finds a motion with as much of the angular momentum as the receivers can take, or with the
+ * momentum alone; returns the fraction. */
 static double find_rest(const gn_conversion *conversion, const lack *l, rigid *r) {
     double part = 0.0;
     if (find_motion(r, l, 1.0)) part = fmin(l->most / most_change(r), 1.0);
@@ -319,7 +320,7 @@ void gn_conversion_keep_momentum(const gn_conversion *conversion, const gn_tally
     change(&r);
     gn_fem_to_single(gn_coupled_solid(model->solids));
     gn_coupled_follow(model->ctx, model->dem, model->solids,
-                      model->zones); /* particles of zones go where nodes take them */
+                      model->zones); /* particles of zones follow their nodes */
     if (wider) {
         const double more = beside - gn_conversion_held_beside(conversion);
         model->ledger->energy.conversion += more;
@@ -338,15 +339,15 @@ static double polar_of(size_t dimension, const gn_tally *own) {
     return own->second[0] + (dimension == 3 ? own->second[1] + own->second[2] : 0.0);
 }
 
-/* About its own centre of mass. */
+/* Returns the tally about its own centre of mass. */
 static gn_tally about_own(const gn_tally *tally, size_t dimension, double centre[3]) {
     for (int a = 0; a < 3; a++) centre[a] = tally->moment[a] / tally->mass;
     return gn_tally_about(tally, dimension, centre);
 }
 
-/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
- * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
- * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
+/* kg m2/s: scale of a change of the angular momentum about the centre of mass: the larger of the
+ * body's own angular momentum and m v r of its vibration, with v the root mean square velocity
+ * without the rigid motion, and r from the polar moment. It is the same in any inertial frame. */
 static double tally_turns(const gn_tally *tally, size_t dimension) {
     double centre[3];
     const gn_tally own = about_own(tally, dimension, centre);
@@ -356,8 +357,8 @@ static double tally_turns(const gn_tally *tally, size_t dimension) {
                 r * (tally->mass * speed_of(dimension, tally) + least));
 }
 
-/* Whatever moves the body on between two conversions keeps what these did to its angular momentum
- * and to the place of its centre, if it flies: vectors add up. */
+/* Motion between two conversions does not change what these did to the angular momentum and the
+ * centre of mass of a free body, so that the jumps add up as vectors. */
 void gn_conversion_note_jumps(const gn_conversion *conversion, const gn_tally *before,
                               const gn_tally *now) {
     const size_t d = (size_t)conversion->model->ctx->scene.dimension;

@@ -20,44 +20,42 @@
 /* State before a conversion, and scratch. */
 typedef struct gn_conversion {
     const gn_convertible *model;
-    uint8_t *kind;      /* [elements before] gn_front_kind */
-    int32_t *place;     /* [elements of the mesh] before; -1: gone already */
-    double *part;       /* [particles][2] weights before, 0 if it was dormant */
+    uint8_t *kind;  /* [elements before] gn_front_kind */
+    int32_t *place; /* [elements of the mesh] index before the conversion; -1: converted earlier */
+    double *part;   /* [particles][2] weights before, 0 if it was dormant */
     double *node_part;  /* [nodes][2] parts and distances before (couple/front.h) */
     uint8_t *freed;     /* [particles] moves by itself from now on */
-    uint8_t *touched;   /* [elements before] leaves, or has another part of the body */
+    uint8_t *touched;   /* [elements before] converts, or gets another weight */
     int32_t *some;      /* [elements before] scratch */
     uint8_t *active;    /* [prepared bonds] acts from now on */
     size_t acting;      /* how many do */
     uint8_t *tied;      /* [particles] followed nodes at the last tally */
     uint8_t *reached;   /* [nodes] scratch */
-    bool dry_run;       /* only whether it could be: all is put back */
-    int rings;          /* of elements that those that go take along */
+    bool dry_run;       /* only tests whether conversion is possible: all is restored */
+    int rings;          /* rings of neighbours that convert with the marked elements */
     double *rate;       /* [particles][3] m/s2, of `freed`: with which their elements took them */
     double released[2]; /* J: of changed contacts, before and after relaxation */
 } gn_conversion;
 
-/* The element, by place before, that a particle is in; -1: gone already. */
+/* Returns the element (index before the conversion) that contains a particle; -1: converted
+ * earlier. */
 static inline int32_t gn_home_of(const gn_conversion *conversion, size_t p) {
     return conversion->place[gn_dormant_element(conversion->model->dem, p)];
 }
-
-/* Checks that released particles are only loaded by the strain of the body (conversion_setup.c),
- * from the bonds of all particles. */
-gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
-                                             gneiss_error *error);
 
 /* Scales present contacts to their new weight and adds the bonds of activated particles, with the
  * forces of the strain of the elements (conversion_contacts.c). Must precede the removal of
  * elements. */
 gneiss_status gn_conversion_activate_bonds(const gn_conversion *conversion, gneiss_error *error);
 
-/* m/s: at which the ends of a contact part where they meet, along and across n. */
+/* Computes the relative velocity of the ends of a contact at the contact point, along and across n,
+ * m/s. */
 void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
                      double length, const double n[3], double rate[3]);
 
-/* N, of the springs of a contact on its first particle at the instant, in the sense of leap-frog;
- * what of it is along n, from the first to the second; m, between both (conversion_energy.c). */
+/* Computes the force of the springs of a contact on its first particle at the instant, N, as
+ * defined by leap-frog, and the distance of the centres, m; returns the component along n, from the
+ * first to the second (conversion_energy.c). */
 double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                        size_t c, double n[3], double *length, double force[3]);
 
@@ -67,26 +65,26 @@ gneiss_status gn_conversion_find_rates(const gn_conversion *conversion, gneiss_e
 /* Brings them into balance, with lists made anew (conversion_relaxation.c). */
 gneiss_status gn_conversion_relax(const gn_conversion *conversion, gneiss_error *error);
 
-/* J: what elements and springs hold at the instant, walls with the latter; and what has to be added
- * for what leap-frog conserves, half a step of their powers. */
+/* J: energy of elements and springs at the instant, springs of walls included; `step`: the addition
+ * that makes it the quantity that leap-frog conserves, half a step of the power of their forces. */
 typedef struct gn_held {
     double elements, contacts, step;
 } gn_held;
 static inline double gn_held_sum(const gn_held *held) {
     return held->elements + held->contacts + held->step;
 }
-/* J (conversion_energy.c): of what is other after the conversion than before. With parts and
- * `freed` found. */
+/* Returns the energy of everything that the conversion changes, J (conversion_energy.c). To be
+ * called with weights and `freed` found. */
 gn_held gn_conversion_held(const gn_conversion *conversion);
 double gn_conversion_held_in_contacts(const gn_conversion *conversion);
-/* J: the same of all else. */
+/* Returns the energy of everything else, J. */
 double gn_conversion_held_beside(const gn_conversion *conversion);
 
-/* J: what elements, and springs instead of them, would hold of the part that particles take if
- * these went with the strains of their elements (conversion_energy.c). With parts found,
- * before elements go. */
+/* J: energy that elements, and springs in their place, would hold of the weight that particles take
+ * over if these moved with the strains of their elements (conversion_energy.c). To be called with
+ * weights found, before elements are removed. */
 void gn_conversion_find_alike(const gn_conversion *conversion, double alike[2]);
-/* Books a conversion, by what made it. */
+/* Books a conversion under its causes. */
 typedef struct gn_held_stages {
     double alike[2], released[2];
     gn_held before, after;
@@ -94,27 +92,28 @@ typedef struct gn_held_stages {
 void gn_conversion_book(gn_conversions *converted, gn_ledger *ledger, const gn_held_stages *held,
                         double kinetic);
 
-/* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
- * have to go, or be of a zone, and may not; where particles cannot have the mass. */
+/* End the run with the model unchanged (conversion_halt.c): at an element that would have to
+ * convert or join a zone, but may not; where particles cannot take the mass. */
 void gn_conversion_halt_at(const gn_conversion *conversion, int64_t element);
 void gn_conversion_halt_without_mass(const gn_conversion *conversion, const double missing[2]);
-/* With parts found: whether a node of elements that may not go would weigh less than r/width of
- * what these do as whole ones, as where they are smaller than particles and hold none: hardly
- * anything would hold it any more. Halts at the one that would weigh least. */
+/* Sets *found if a node of elements that may not convert would keep a mass below r/width of theirs
+ * at full weight, as for elements that are smaller than particles and contain none: almost nothing
+ * would support it. Halts at the lightest such node. To be called with weights found. */
 gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bool *found,
                                              gneiss_error *error);
-/* m, of an element at the start. */
+/* Computes the centre of an element at the start, m. */
 void gn_conversion_centre(const gn_fem_solid *solid, size_t e, double centre[3]);
 
 /* Largest change of a mass that is taken for a packing's scatter. */
 #define GN_MASS_SCALED_MOST 0.5
-/* With parts found: whether particles can make up for what the body's mass would change by.
- * `missing`, kg: that, and what they weigh. */
+/* Tells whether particles can make up for the change of the body's mass. `missing`, kg: that
+ * change, and the mass of the particles. To be called with weights found. */
 bool gn_conversion_fits(const gn_conversion *conversion, double missing[2]);
-/* Marks the elements beside those that go, which may, as well; false: there are none. */
+/* Marks the neighbours of the converting elements that may convert as well; false: there are none.
+ * */
 bool gn_conversion_add_ring(const gn_conversion *conversion);
 
-/* Masses (conversion_masses.c). What the model has, nodes and free particles. */
+/* Mass, momentum and their moments of the model, nodes and free particles (conversion_masses.c). */
 typedef struct gn_tally {
     double mass, moment[3], momentum[3]; /* kg, kg m, kg m/s */
     double turning[3];                   /* kg m2/s, angular momentum, spins included */
@@ -124,7 +123,7 @@ typedef struct gn_tally {
 } gn_tally;
 gn_tally gn_conversion_tally(const gn_conversion *conversion);
 gn_tally gn_tally_less(const gn_tally *now, const gn_tally *before);
-/* With moments, second moments and angular momentum about another place; m. */
+/* Returns the tally with moments, second moments and angular momentum about another point, m. */
 gn_tally gn_tally_about(const gn_tally *of, size_t dimension, const double x[3]);
 
 /* Scales the masses of particles whose weight changes, by a function of position, so that mass,
@@ -138,8 +137,8 @@ gneiss_status gn_conversion_keep_invariants(const gn_conversion *conversion, con
 typedef enum gn_scaled { GN_SCALED_CHANGED, GN_SCALED_TIED } gn_scaled;
 bool gn_conversion_scales(const gn_conversion *conversion, gn_scaled scaled, size_t particle);
 
-/* x of m x = f, in its place, for a symmetric positive m [n][n]; false: it is as good as singular.
- */
+/* Solves m x = f in place, for a symmetric positive definite m [n][n]; false: it is numerically
+ * singular. */
 enum { GN_BASIS_MOST = 10 };
 bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f);
 
@@ -147,14 +146,14 @@ bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double 
 void gn_conversion_keep_momentum(const gn_conversion *conversion, const gn_tally *before,
                                  gn_scaled scaled);
 
-/* Sums up what none of it could keep: angular momentum, centre of mass, inertia; once all of a
- * conversion is done. */
+/* Adds up the changes that remain after a conversion: of angular momentum, centre of mass and
+ * inertia. To be called when the conversion is complete. */
 void gn_conversion_note_jumps(const gn_conversion *conversion, const gn_tally *before,
                               const gn_tally *now);
 
-/* The elements that the place of a tie is in: one, or those that share the face, edge or node that
- * it is on, GN_AROUND_MOST at most. Gradients jump there; a mean over them gives mirror images of a
- * body mirrored values, whichever element comes first. */
+/* Finds the elements that contain the position of a tie: one, or those that share the face, edge or
+ * node on which it lies, at most GN_AROUND_MOST. Gradients are discontinuous there; a mean over the
+ * elements makes results independent of their order and symmetric under reflection. */
 enum { GN_AROUND_MOST = 64 };
 size_t gn_conversion_around(const gn_fem_solid *solid, const gn_tie *tie,
                             int32_t element[GN_AROUND_MOST]);

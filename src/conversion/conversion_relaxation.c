@@ -35,11 +35,11 @@
 
 /* --- accelerations before the conversion --- */
 
-/* With what acceleration elements take the particles along that a conversion frees, just before: a
- * = sum_a N_a f_a/m_a of the forces at their nodes, those of elements and of the particles that the
- * nodes carry, without weight and drag, which are proportional to masses. */
+/* Acceleration with which elements move the particles that are about to be released: a = sum_a N_a
+ * f_a/m_a, with the forces at their nodes from elements and from the particles that the nodes
+ * carry, without weight and drag, which are proportional to masses. */
 typedef struct pull {
-    uint8_t *node, *element; /* corners of what leaves; elements there */
+    uint8_t *node, *element; /* nodes of converting elements; converting elements */
     double *force;           /* [nodes][3] N */
 } pull;
 
@@ -128,7 +128,7 @@ gneiss_status gn_conversion_find_rates(const gn_conversion *conversion, gneiss_e
 
 enum { N = GN_HELD_DOFS, PASSES = 20 };
 
-/* A linear system is solved to this part of what may be left. */
+/* Relative tolerance of a linear solve, as a fraction of the tolerance of the relaxation. */
 static const double solved = 0.3;
 /* Largest displacement of a held particle in a pass, in radii. */
 static const double farthest = 0.02;
@@ -136,13 +136,14 @@ static const double farthest = 0.02;
 enum { HALVINGS = 8 };
 /* Energy changes below this fraction of the sum of magnitudes are rounding. */
 static const double least_energy = 1e-13;
-/* Forces of contacts that are below so many roundings of places are none. */
+/* Forces of contacts below this number of roundings of positions count as zero. */
 static const double roundings = 64.0;
 
 typedef struct link {
     gn_contacts *list;
     size_t at;
-    double force[3], normal, worst; /* N on its first particle; of it along n; of its strength */
+    double force[3], normal, worst; /* N, force on its first particle; its component along n;
+                                       largest ratio to its strength */
     bool bonded;
 } link;
 
@@ -154,7 +155,8 @@ typedef struct relaxation {
     gn_ledger *ledger;
     const gn_conversion *c;
     size_t count, links;
-    int32_t *particle, *local; /* [count]; [particles] its place there, -1: held */
+    int32_t *particle,
+        *local; /* [count] released particles; [particles] index among them, -1: held */
     link *link;
     gn_held_spring *spring; /* [links] */
     uint8_t *moves, *kept;  /* [count] components; 1: would break a bond */
@@ -205,7 +207,7 @@ static bool find_particles(relaxation *r) {
     return r->local && r->particle;
 }
 
-/* Counts, or takes, the contacts of a list that hold one of them. */
+/* Counts, or collects, the contacts of a list with an end among the released particles. */
 static size_t find_links(relaxation *r, gn_contacts *list, bool take) {
     size_t found = 0;
     for (size_t k = 0; k < list->soa.count; k++) {
@@ -237,7 +239,8 @@ static gneiss_status begin(relaxation *r, gneiss_error *error) {
 
 /* --- forces --- */
 
-/* J, of a contact that does not slide; of one that does what its springs hold at the limit. */
+/* Returns the energy, J, of a contact that does not slide; of one that slides, that of its springs
+ * at the limit. */
 static double stored_in(const relaxation *r, size_t k, double length, double rest) {
     const link *l = &r->link[k];
     const double *n = r->spring[k].n;
@@ -347,7 +350,7 @@ static void evaluate(relaxation *r) {
 
 /* --- where they go --- */
 
-/* By how much a contact's ends part where they meet. */
+/* Relative displacement of the two ends at a contact. */
 static void parting(const relaxation *r, size_t k, double e[3]) {
     const gn_held_spring *s = &r->spring[k];
     memset(e, 0, 3 * sizeof *e);
@@ -362,7 +365,7 @@ static void parting(const relaxation *r, size_t k, double e[3]) {
     }
 }
 
-/* Bonds that would come to their strength keep their ends; false: none does. */
+/* Holds the ends of bonds that would reach their strength; false: no bond does. */
 static bool hold_at_bonds(relaxation *r) {
     bool any = false;
     for (size_t k = 0; k < r->links; k++) {
@@ -414,7 +417,7 @@ static void turn(double *o, const double *by) {
     for (int k = 0; k < 4; k++) o[k] = q[k] / size;
 }
 
-/* Keeps what a step changes, or puts it back. */
+/* Stores the state that a step changes, or restores it. */
 static void keep_state(relaxation *r, bool back) {
     gn_particles *q = &r->dem->particles;
     for (size_t k = 0; k < r->links; k++) {
@@ -438,7 +441,7 @@ static void keep_state(relaxation *r, bool back) {
     }
 }
 
-/* By this part of the ways. */
+/* Moves particles by this fraction of the search direction. */
 static void move(relaxation *r, double part) {
     gn_particles *q = &r->dem->particles;
     for (size_t k = 0; k < r->links; k++) {
@@ -478,8 +481,8 @@ static void move_back(relaxation *r, double part) {
         }
 }
 
-/* As far along the ways as brings the energy down, by halves; false: nothing does. Ways are those
- * of the springs before, which `evaluate` looks at anew. */
+/* Line search by halving until the energy decreases; false: it never does. Directions are those of
+ * the springs before, which `evaluate` recomputes. */
 static bool descend(relaxation *r) {
     const double before = r->energy, rounding = least_energy * r->size;
     double part = 1.0;
@@ -489,7 +492,7 @@ static bool descend(relaxation *r) {
         evaluate(r);
         if (r->energy <= before + rounding) return true;
         move_back(r, part);
-        evaluate(r); /* also the springs that the ways are of */
+        evaluate(r); /* also recomputes the springs of the search direction */
     }
     return false;
 }
@@ -543,7 +546,7 @@ static void note(const relaxation *r, double before) {
     all->time = r->ctx->time;
 }
 
-/* Lists know of where they are. */
+/* Updates the displacement bounds of the lists. */
 static void update_drift(relaxation *r) {
     const gn_particles *q = &r->dem->particles;
     double most = 0.0;

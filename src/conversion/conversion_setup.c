@@ -55,7 +55,7 @@ static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) 
                   error);
 }
 
-/* Where a zone is as wide as the body no element is left with the first conversion. */
+/* If a zone is as wide as the body, no element is left after the first conversion. */
 static gneiss_status check_width(const gn_step_context *ctx, const gn_solids *solids,
                                  gneiss_error *error) {
     const double side = gn_elements_longest_side(ctx, solids);
@@ -104,8 +104,9 @@ static gneiss_status check_filled(const gn_step_context *ctx, const gn_dem *dem,
     return refuse(ctx, ctx->scene.specimen.where, "specimen", message, error);
 }
 
-/* Where a zone comes to what is outside of the box whatever converts, the first conversion would
- * end the run. What only motions and loads keep from converting is another matter. */
+/* If a zone reaches an element outside of the box at every possible conversion, the first
+ * conversion would end the run. Elements that only motions and loads keep from converting do not
+ * count here. */
 static gneiss_status check_room(const gn_step_context *ctx, const gn_solids *solids,
                                 gneiss_error *error) {
     const double width = ctx->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
@@ -144,7 +145,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
 }
 
-/* Once all has converted there is nothing left to compare. */
+/* After everything has converted no difference is left to compare. */
 static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
                                      gn_conversions *converted, gneiss_error *error) {
@@ -158,14 +159,6 @@ static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *d
         memcpy(converted->differs.tension, m->tension, sizeof m->tension);
     }
     return GNEISS_OK;
-}
-
-gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
-                                           const gn_boundary *boundary, const gn_solids *solids,
-                                           gn_conversions *converted, gneiss_error *error) {
-    GN_TRY(gn_conversion_check_neighbours(ctx, dem, error));
-    GN_TRY(gn_dormant_deactivate_all(ctx, dem, error));
-    return keep_difference(ctx, dem, boundary, solids, converted, error);
 }
 
 /* --- what is in the box --- */
@@ -214,8 +207,7 @@ typedef struct boxed {
     double tensor[GN_ZONE_MATERIALS][STRAINS][STRAINS]; /* N m, by xx yy zz 2xy 2yz 2zx */
 } boxed;
 
-/* The bonds of active particles are no longer stored. At the start, before particles are dormant,
- * all count. */
+/* Bonds of active particles are no longer stored. At the start all particles count. */
 static int32_t element_of(const boxed *q, int32_t p) {
     if (q->dem->prepared.soa.capacity && !gn_is_dormant(q->dem, (size_t)p)) return -1;
     const int32_t e = q->place[gn_dormant_element(q->dem, (size_t)p)];
@@ -293,8 +285,8 @@ static void add_bonds(boxed *q) {
     }
 }
 
-/* Pa: what it takes to stretch the packing along each axis whose sides are free; 0: nothing holds
- * it. In the plane that of plane strain. */
+/* Pa: modulus of the packing in tension along each axis with free sides (plane strain in 2D); 0: it
+ * has no stiffness. */
 static void find_tension(const boxed *q, size_t k, double volume, double tension[3]) {
     const size_t d = (size_t)q->ctx->scene.dimension, n = d == 3 ? STRAINS : 3;
     const size_t of[2][STRAINS] = {{0, 1, 3}, {0, 1, 2, 3, 4, 5}};
@@ -395,8 +387,10 @@ static gneiss_status check_free_of_stress(const gn_step_context *ctx, const gn_d
     return GNEISS_OK;
 }
 
-gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
-                                             gneiss_error *error) {
+/* Checks that released particles are only loaded by the strain of the body,
+ * from the bonds of all particles. */
+static gneiss_status check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
+                                      gneiss_error *error) {
     const gn_pair_query query = {&dem->particles, (int)ctx->scene.dimension, 0.0, 0.0, false, {0.0},
                                  ctx->threads};
     gn_pair_list pairs = {0};
@@ -405,6 +399,14 @@ gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const g
     if (status == GNEISS_OK) status = refuse_overlaps(ctx, dem, &pairs, error);
     gn_pair_list_free(&pairs);
     return status;
+}
+
+gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *dem,
+                                           const gn_boundary *boundary, const gn_solids *solids,
+                                           gn_conversions *converted, gneiss_error *error) {
+    GN_TRY(check_neighbours(ctx, dem, error));
+    GN_TRY(gn_dormant_deactivate_all(ctx, dem, error));
+    return keep_difference(ctx, dem, boundary, solids, converted, error);
 }
 
 /* --- all of them active --- */

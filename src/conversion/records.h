@@ -26,29 +26,28 @@ typedef struct gn_corrections {
     double missed, least; /* where angular momentum was not all made up for; the least part that was
                              in these */
     double energy;        /* J: kinetic, that all of this took, masses included */
-    double turned[3];     /* kg m2/s: what came of it to the angular momentum about the centre of
-                             mass, a vector sum; */
-    double most;          /* the largest that this was; */
-    double scale;         /* the largest that the body had, or m v r of it (gn_tally_turns) */
-    double centre[3];     /* m: by what the centre of mass moved, a vector sum */
-    double inertia;       /* sum of changes of the polar moment about it, each of what it was */
+    double turned[3]; /* kg m2/s: vector sum of the changes of angular momentum about the centre of
+                         mass */
+    double most;      /* the largest magnitude of `turned` */
+    double scale;     /* the largest that the body had, or m v r of it (gn_tally_turns) */
+    double centre[3]; /* m: vector sum of the displacements of the centre of mass */
+    double inertia;   /* sum of the relative changes of the polar moment about it */
 } gn_corrections;
 
-/* J: what conversions booked, by what made it (conversion_energy.c), since the start, with
- * the sign of gn_energy.conversion, which their sum is; doubles, as checkpoints have it. */
+/* J: energy booked by conversions since the start, by cause (conversion_energy.c), with the sign of
+ * gn_energy.conversion, which is their sum; doubles, as checkpoints store them. */
 typedef struct gn_conversion_parts {
-    double sampled;   /* particles stand for another volume than elements lose */
-    double stiffness; /* their springs hold another energy in the same strain */
-    double uneven;    /* and another where the strain is another at both ends, or they broke or
-                         slid before */
-    double balance;   /* taken by bringing them into balance */
-    double motion;    /* kinetic */
-    double step;      /* half a step of the powers of springs, walls left out */
-    double alike[2];  /* what elements and springs would hold of the part that changed hands in the
-                         same strain: their difference is `stiffness` */
+    double sampled;   /* the volume that particles represent differs from that of the elements */
+    double stiffness; /* springs hold another energy than elements at the same strain */
+    double uneven;   /* the strain differs between the two ends, or the bond broke or slid before */
+    double balance;  /* removed by relaxation */
+    double motion;   /* kinetic */
+    double step;     /* half a step of the power of springs, without walls */
+    double alike[2]; /* energy that elements and springs would hold at the same strain of the
+                        converted part: their difference is `stiffness` */
 } gn_conversion_parts;
 
-/* Doubles alone, as checkpoints hold it. */
+/* Doubles only, as checkpoints store them. */
 struct gn_conversions {
     gn_relaxations relaxed;
     gn_corrections corrected;

@@ -220,11 +220,7 @@ gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, doub
 
 /* The Mohr-Coulomb limit in principal stresses s1 >= s3 is (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over
  * c cos(phi), with sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2) of t = tan(phi). */
-double gn_front_excess(const gn_convert_def *def, const double s[6]) {
-    return gn_front_excess_above(def, s, 1.0);
-}
-
-double gn_front_excess_above(const gn_convert_def *def, const double s[6], double least) {
+double gn_front_excess(const gn_convert_def *def, const double s[6], double least) {
     const double pull = least * def->stress, shear = least * def->cohesion;
     double a[9] = {s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]}, principal[3], vectors[9];
     double excess = 0.0, t = def->friction, root = sqrt(1.0 + t * t), size2 = 0.0;

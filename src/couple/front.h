@@ -37,8 +37,7 @@ gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, doub
                             double *room, gneiss_error *error);
 
 /* Returns the ratio of a stress, Pa, xx yy zz xy yz zx, to the nearest limit; 0 if its norm alone
- * shows that the ratio is below 1, or below `least`. */
-double gn_front_excess(const gn_convert_def *def, const double s[6]);
-double gn_front_excess_above(const gn_convert_def *def, const double s[6], double least);
+ * shows that the ratio is below `least`. */
+double gn_front_excess(const gn_convert_def *def, const double s[6], double least);
 
 #endif

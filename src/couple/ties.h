@@ -14,7 +14,7 @@ typedef struct gn_tie {
     double shape[4];
 } gn_tie;
 
-/* An entry of a node's list: a tie and the node's corner in it. */
+/* An entry of a node's list: a tie, and which corner of the tie the node is. */
 typedef struct gn_tie_share {
     int32_t tie, corner;
 } gn_tie_share;

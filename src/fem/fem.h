@@ -276,10 +276,6 @@ void gn_fem_positions_changed(gn_fem_solid *solid);
 /* Recomputes all single precision data, if the solid has it, after records were read. */
 void gn_fem_to_single(gn_fem_solid *solid);
 
-/* Returns the stored energy minus its initial value and the work done, plus the dissipation, of
- * `reading`, J. */
-double gn_fem_energy_residual(const gn_fem_energy *energy);
-
 /* Returns a hash of the state: nodes, elements, time. */
 uint64_t gn_fem_hash(const gn_fem_solid *solid);
 

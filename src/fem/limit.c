@@ -505,7 +505,7 @@ static gneiss_status find_sharp(const linear_system *linear, double tolerance, g
                                     .metric = pressure ? gn_fem_linear_metric : NULL,
                                     .context = linear,
                                     .threads = linear->solid->threads};
-    GN_TRY(gn_eigen_largest_of(&system, tolerance, mode, &top, error));
+    GN_TRY(gn_eigen_largest(&system, tolerance, mode, &top, error));
     limit->iterations = top.vectors;
     limit->frequency = sqrt(top.value);
     limit->sharp = fmax(2.0 / limit->frequency, limit->bound);

@@ -194,12 +194,6 @@ static int64_t merge_motion(gn_fem_solid *solid, bool measure, double *speed2) {
     return bad;
 }
 
-double gn_fem_energy_residual(const gn_fem_energy *energy) {
-    return energy->kinetic + energy->elastic - energy->stored_at_start -
-           (energy->work_prescribed + energy->work_applied + energy->work_gravity) +
-           energy->damping;
-}
-
 /* --- checks --- */
 
 static gneiss_status inside_out(const gn_fem_solid *solid, gneiss_error *error) {

@@ -1,4 +1,4 @@
-/* How far forces are from balance, over all parts of a world. */
+/* Imbalance of forces over all parts of a world. */
 #ifndef GN_FRAME_BALANCE_H
 #define GN_FRAME_BALANCE_H
 

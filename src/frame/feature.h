@@ -15,8 +15,8 @@
 
 /* Places of a step, in their order. */
 typedef enum gn_hook_place {
-    /* Before the lists of the step are looked at: may change which particles and elements are
-     * there, and makes the lists anew in that case. */
+    /* Before the lists of the step are checked: may add or remove particles and elements, and
+     * rebuilds the lists in that case. */
     GN_HOOK_BEFORE_LISTS,
     /* Whenever lists were made, so that particles may have changed places: holds the blocks that
      * GN_HOOK_ACT needs (gn_hold_particle on world->dem.hold and on the hold of a body of
@@ -25,8 +25,8 @@ typedef enum gn_hook_place {
     GN_HOOK_LIMIT,   /* lists are those of the step: may lower its length */
     GN_HOOK_READING, /* may set ctx.measure, so that the instant is read, and ctx.sums */
     GN_HOOK_BEFORE_FORCES,
-    /* Forces of contacts, walls and elements are known: adds to the loads of what is held
-     * (gn_hold_load). Gravity, applied forces and background damping join them in the motion.
+    /* Forces of contacts, walls and elements are known: adds to the loads of held blocks
+     * (gn_hold_load). Gravity, applied forces and background damping are added in the motion.
      * Velocities are those of the last half step. */
     GN_HOOK_ACT,
     GN_HOOK_WORK,  /* velocities are new: books the work of the interval before the instant */
@@ -40,7 +40,7 @@ typedef enum gn_hook_place {
 typedef gneiss_status gn_hook(void *context, gn_world *world, gneiss_error *error);
 /* Head of a hook that needs no context. */
 #define GN_HOOK(name)                                                                              \
-    static gneiss_status name(__attribute__((unused)) void *context, gn_world *w,                  \
+    static gneiss_status name(__attribute__((unused)) void *context, gn_world *world,              \
                               __attribute__((unused)) gneiss_error *error)
 
 typedef struct gn_feature {
@@ -48,9 +48,9 @@ typedef struct gn_feature {
     /* Tells whether the scene, as the present stage has it, uses the feature: asked whenever lists
      * are made and when a stage begins. NULL: always, as of those that are added to a world. */
     bool (*used)(const gn_world *world);
-    gn_hook *hook[GN_HOOK_PLACES]; /* NULL: nothing to do there */
+    gn_hook *hook[GN_HOOK_PLACES]; /* NULL: no hook at this place */
     void *context;                 /* passed to the hooks */
-    void (*end)(void *context);    /* when the world is freed; NULL: nothing to do */
+    void (*end)(void *context);    /* called when the world is freed; NULL: not needed */
 } gn_feature;
 
 /* The features of scenes, in the order in which their hooks are called at every place; those that

@@ -26,7 +26,7 @@ typedef struct gn_machine {
 struct gn_step_context {
     gn_scene scene; /* of the stage; its points relative to scene.origin, as all points of the
                        world */
-    gn_scene given; /* the same as the user sees it, for files */
+    gn_scene given; /* the same in the user's coordinates, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;
     int threads;
@@ -37,7 +37,7 @@ struct gn_step_context {
     double dt_past, dt;    /* s: interval that led here, coming interval */
     double stable;         /* s: upper bound of the step: sharp limit or bound, less the share that
                             * non-viscous damping takes */
-    gn_step_choice choice; /* what is known of the limits */
+    gn_step_choice choice; /* limits found so far */
     int64_t dt_lowered;    /* number of times that the step was lowered while running */
 
     double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
@@ -57,16 +57,16 @@ static inline bool gn_converts(const gn_step_context *ctx) {
 
 /* The end of a run by the model itself. */
 struct gn_ending {
-    bool bad;       /* the run failed: its state is written as it is, for inspection */
-    char halt[256]; /* reason why the run is to end here with a valid model; "": none */
+    bool bad;       /* the run failed: its state is written for inspection */
+    char halt[256]; /* reason to end the run with a valid model; "": none */
 };
 
-/* By what the prescribed velocity of a wall, set, body or motion of elements along an axis is to be
- * multiplied: 1 for what is no end of a test that is controlled. */
+/* Returns the factor of the prescribed velocity of a wall, set, body or motion of elements along an
+ * axis: 1 unless it is an end of a controlled test. */
 double gn_control_of(const gn_step_context *ctx, const char *name, int axis);
 
-/* A point of the world as the user sees it. */
-void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]);
+/* Converts a point of the world to the user's coordinates. */
+void gn_user_point(const gn_step_context *ctx, const double point[3], double out[3]);
 
 /* Places are too coarse where the spacing of doubles there exceeds this share of a length. */
 #define GN_COARSE 1e-8
@@ -78,6 +78,6 @@ double gn_finest_reach(double radius);
 double gn_world_nonviscous_share(const gn_step_context *ctx);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
-gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
+gneiss_status gn_check_duration(const gn_step_context *ctx, gneiss_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* The energy of a world and what was read of it. */
+/* The energy of a world, and the readings taken from it. */
 #ifndef GN_FRAME_LEDGER_H
 #define GN_FRAME_LEDGER_H
 

@@ -10,25 +10,26 @@
 /* State that lasts from step to step; doubles only. */
 typedef struct gn_servo_state {
     double base;     /* u, m/s or 1/s */
-    double expected; /* N or J: what the share alone would have come to */
+    double expected; /* N or J: value expected from the share alone */
 } gn_servo_state;
 
 struct gn_periodic_box {
     double start[3];   /* m: lengths at the start */
-    double flow[3];    /* 1/s: growth of the last interval over what the lengths are now */
+    double flow[3];    /* 1/s: growth in the last interval over the present lengths */
     double spring[3];  /* J: most by which contacts that are listed answer a strain along an axis,
                           those across it held too: sum of (k_n + k_t) l^2 n_a^2 */
     double dashpot[3]; /* J s: the same of their dashpots */
     gn_servo_state servo[3];
-    double reach; /* m: the longest branch that is listed */
-    double path;  /* m: by how much such a branch may have shrunk since */
+    double reach; /* m: the longest branch in the lists */
+    double path;  /* m: the largest shortening of such a branch since the lists were made */
 };
 
 /* Tell whether the sides of the box move in the present scene, and did so in the last step. */
 bool gn_box_moves(const gn_step_context *ctx, const gn_periodic_box *box);
 bool gn_box_moved(const gn_periodic_box *box);
 
-/* m/s: the most by which the ends of a listed contact came apart with it in the last step. */
+/* Returns the largest speed, m/s, at which the box moved the ends of a listed contact apart in the
+ * last step. */
 double gn_box_speed(const gn_periodic_box *box);
 /* Returns the status of a search for neighbours: a box that is too narrow for it is an error of the
  * scene at the start, later one of the motion of its sides. */

@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-/* Rows as they are before a step of another length than the last. Without memory for them what the
- * change adds to the energy shows in the residual. */
+/* Copies rows before a step whose length differs from the last one. If memory is lacking, the
+ * change of energy appears in the residual. */
 double *gn_rows_copy(const gn_particles *of, const double *rows) {
     const size_t count = of->soa.count;
     double *copy = rows ? gn_alloc_array(count, 4 * sizeof *copy) : NULL;

@@ -11,36 +11,35 @@
 /* The shortest collision that a step has to resolve, by ids of particles; `second` < 0: wall -1 -
  * second, behind the walls surfaces. */
 typedef struct gn_resolution {
-    double step;    /* s: what it allows; INFINITY: nothing can collide */
-    double contact; /* s: how long it lasts */
+    double step;    /* s: the step that resolves it; INFINITY: no collision is possible */
+    double contact; /* s: its duration */
     int64_t first, second;
 } gn_resolution;
 
-/* Masses raised for a longer step (mass_scaling.c); gn_raised_masses has how many and by how much.
- */
+/* Masses raised for a longer step (mass_scaling.c); see also gn_raised_masses. */
 typedef struct gn_mass_scaling {
     double unscaled; /* s: the step without */
-    double step;     /* s: that masses were raised for; 0: none had to be */
-    double reached;  /* s: what came of it at the start */
+    double step;     /* s: the step for which masses were raised; 0: none was */
+    double reached;  /* s: the step reached at the start */
 } gn_mass_scaling;
 
 typedef struct gn_step_choice {
-    gn_step_limit limit;      /* of the particles, last full estimate */
-    double stable;            /* s: the limit of the particles alone, damping left out */
-    double listed;            /* s: the limit with all listed contacts in touch, where it was found
-                               * to be within a hundredth of the step or below it; else INFINITY */
-    double listed_holds;      /* s: step of the particles alone at which all that is listed holds */
-    double whole;             /* s: sharp limit of particles and elements as one; 0: not looked
-                               * for; negative: to be found anew, as nodes have lost mass */
+    gn_step_limit limit; /* of the particles, last full estimate */
+    double stable;       /* s: the limit of the particles alone, without damping */
+    double listed;       /* s: the limit with all listed contacts in touch, where it was found
+                          * to be within a hundredth of the step or below it; else INFINITY */
+    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
+    double whole;        /* s: sharp limit of the coupled system of particles and elements; 0: not
+                            searched; negative: outdated, because nodes have lost mass */
     gn_resolution resolution; /* the shortest so far */
     gn_mass_scaling scaling;
     double surface_rate;  /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
-    double vertex_rate;   /* 1/s: the same of what contacts do to nodes of finite elements */
-    double gain;          /* m/s, by how much what is driven changes in the coming step; else 0 */
-    double push;          /* m/s2, of applied forces at the last look, at most */
+    double vertex_rate;   /* 1/s: the same for nodes of finite elements in contact with particles */
+    double gain;          /* m/s, largest change of a driven velocity in the coming step; else 0 */
+    double push;          /* m/s2, largest acceleration by applied forces at the last check */
     bool debris_reported; /* while it is looked at because the ledger misses something */
     bool debris_read;     /* the step is measured because of debris */
-    int64_t broken_without_debris; /* bonds that had broken when there was none (debris.c) */
+    int64_t broken_without_debris; /* bonds that were broken when no debris was found (debris.c) */
 } gn_step_choice;
 
 #endif

@@ -19,7 +19,7 @@ double gn_control_of(const gn_step_context *ctx, const char *name, int axis) {
     return in(&t->lower, name) || in(&t->upper, name) ? ctx->machine.factor : 1.0;
 }
 
-void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]) {
+void gn_user_point(const gn_step_context *ctx, const double point[3], double out[3]) {
     for (int a = 0; a < 3; a++) out[a] = gn_point_out(ctx->scene.origin[a], point[a]);
 }
 
@@ -47,7 +47,7 @@ double gn_world_nonviscous_share(const gn_step_context *ctx) {
 /* The fastest scene takes a microsecond a step: these are thirty years. */
 static const double steps_most = 1e15;
 
-gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error) {
+gneiss_status gn_check_duration(const gn_step_context *ctx, gneiss_error *error) {
     double steps = (ctx->scene.end - ctx->time) / ctx->dt;
     if (steps <= steps_most) return GNEISS_OK;
     return gn_fail(

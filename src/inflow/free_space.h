@@ -1,4 +1,4 @@
-/* Search for places where another particle touches nothing. */
+/* Search for positions where a new particle touches nothing. */
 #ifndef GN_INFLOW_FREE_SPACE_H
 #define GN_INFLOW_FREE_SPACE_H
 
@@ -32,7 +32,7 @@ void gn_room_close(gn_room *room);
 /* Tells whether a sphere touches no particle, is on the side of all walls where particles are, and
  * touches no surface. */
 bool gn_room_free(const gn_room *room, const double sphere[4]);
-/* Occupies a place. */
+/* Marks a position as occupied. */
 gneiss_status gn_room_take(gn_room *room, const double sphere[4], gneiss_error *error);
 
 #endif

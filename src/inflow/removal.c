@@ -1,4 +1,4 @@
-/* Particles that leave the domain stop the run or leave the model with their energy; sinks take
+/* Particles that leave the domain stop the run or are removed with their energy; sinks remove
  * particles; rows of particles are added and dropped. */
 #include "inflow/removal.h"
 #include "base/ball.h"
@@ -28,7 +28,7 @@
 
 /* --- leaving particles --- */
 
-/* Beyond the reach of its coordinates a particle has left the domain, however large that is. */
+/* A particle beyond the range of coordinates has left the domain, whatever its size. */
 static bool in_domain(const gn_step_context *ctx, const double *x, double reach) {
     for (int a = 0; a < (int)ctx->scene.dimension; a++)
         if (!(x[a] >= ctx->scene.domain_min[a] && x[a] <= ctx->scene.domain_max[a] &&
@@ -55,7 +55,7 @@ static gneiss_status left_domain(const gn_step_context *ctx, const gn_dem *dem, 
 
 /* --- thin sinks: particles that pass through them between two lists --- */
 
-/* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
+/* Returns the least extent of its region, m; of a polygon an upper bound; INFINITY: a plane. */
 static double sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
     const gn_flow_region *r = &ctx->scene.sinks[sink].region;
     const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
@@ -128,8 +128,8 @@ static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, s
                            fmin(PLACES, best + 1) / PLACES) >= needed;
 }
 
-/* Tells whether a particle is where a sink has it, or was there at any time of the last step if the
- * sink is thin. */
+/* Tells whether a particle is in a sink, or was there at any time of the last step if the sink is
+ * thin. */
 static bool sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sink,
                        size_t particle) {
     return gn_sink_has(ctx, dem, sink, dem->particles.pos + 4 * particle) ||
@@ -138,7 +138,7 @@ static bool sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sin
 
 /* --- which --- */
 
-/* Ways in which a particle leaves: 0 it stays, LEFT the domain, from 1 on by a sink, base 1. */
+/* Fates of a particle: 0 it stays, LEFT the domain, from 1 on removed by a sink, base 1. */
 enum { LEFT = -1 };
 
 static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, double reach) {

@@ -81,7 +81,7 @@ bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem) {
     return false;
 }
 
-/* One particle in the unit of the rate. */
+/* Returns the amount of one particle in the unit of the rate. */
 static double one(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
     const gn_source_state *s = &dem->flow.sources[k];
     if (!(ctx->scene.sources[k].mass_rate > 0.0)) return 1.0;
@@ -133,8 +133,8 @@ static double draw_radius(const gn_step_context *ctx, gn_dem *dem, size_t k) {
     return radius;
 }
 
-/* Draws a place uniformly in the region; false: none was found, which takes a region that hardly
- * fills its box. */
+/* Draws a position uniformly in the region; false: none was found, because the region fills almost
+ * nothing of its bounding box. */
 static bool draw_place(const gn_step_context *ctx, gn_dem *dem, size_t k, double x[3]) {
     double lower[3], upper[3];
     gn_source_state *s = &dem->flow.sources[k];

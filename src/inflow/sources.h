@@ -12,18 +12,19 @@
  * it. */
 bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem);
 
-/* Lets in what is due and finds room. At the start (`first`) there must be particles then. */
+/* Inserts the particles that are due where there is room. At the start (`first`) all of them must
+ * find room. */
 gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                              gn_ledger *ledger, bool first, gneiss_error *error);
 
-/* s by which what came in is behind what should have; whether that is more than a hundredth of the
- * time and more than one particle. */
+/* s by which the inflow is late; whether that is more than a hundredth of the time and more than
+ * one particle. */
 double gn_flow_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 
 bool gn_flow_is_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 
-/* Particles that source k brings between two looks, which lack at the end of a run in which it
- * still feeds; 0: at most one, or a hundredth of what it brings. */
+/* Particles that source k brings between two checks, which are missing at the end of a run during
+ * which it is still active; 0: at most one, or a hundredth of all that it brings. */
 double gn_flow_late(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 
 /* Particles that source k brings until time.end by its rate, at most its total. */

@@ -85,8 +85,8 @@ static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
     return -1;
 }
 
-/* Makes the groups on the way to `name` that are missing. HDF5 would make them by itself
- * (H5Pset_create_intermediate_group), but with the times of their making. */
+/* Makes the missing groups of the path `name`. HDF5 would make them by itself
+ * (H5Pset_create_intermediate_group), but with time stamps. */
 static void make_groups(gn_h5 *file, const char *name) {
     char part[512];
     for (size_t k = 1; k < sizeof part && name[k - 1] && name[k]; k++) {

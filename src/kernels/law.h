@@ -216,7 +216,7 @@ bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double sh
 gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
                                      double damping_fraction, double overlap);
 double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2);
-/* Returns the normal force alone, without `other`, and stores nothing. */
+/* Returns the normal force alone, without other_acceleration, and stores nothing. */
 double gn_linear_press(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch);
 double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                        double *fd, double *shear, size_t stride, double t[3],

@@ -262,8 +262,10 @@ static __attribute__((noinline)) motion prescribe(const gn_motion_args *args, si
     return state;
 }
 
-/* The AND of all slots is negative only if all are. */
-GN_INLINE bool any_prescribed(const gn_motion_args *args, size_t p) {
+/* Returns the prescribed components of GN_W particles together, as bits of a mask, and DRIVEN if
+ * one of them is prescribed at all. The AND of all slots is negative only if all are. */
+enum { DRIVEN = 1 << 6 };
+GN_INLINE unsigned prescribed_components(const gn_motion_args *args, size_t p) {
     const int32_t *slot = args->particles->slot + p;
     const size_t left = args->particles->soa.count - p;
     int32_t common = -1;
@@ -271,7 +273,11 @@ GN_INLINE bool any_prescribed(const gn_motion_args *args, size_t p) {
         for (int lane = 0; lane < GN_W; lane++) common &= slot[lane];
     else
         for (size_t lane = 0; lane < left; lane++) common &= slot[lane];
-    return common >= 0;
+    if (common < 0) return 0;
+    unsigned held = DRIVEN;
+    for (size_t lane = 0; lane < GN_W && lane < left; lane++)
+        if (slot[lane] >= 0) held |= args->prescribed->mask[slot[lane]];
+    return held;
 }
 
 /* Returns 1 for lanes whose resultant counts (free particles), else 0. */
@@ -303,7 +309,7 @@ static void turn_orientation(double q[4], const double spin[3], double dt) {
 }
 
 GN_INLINE void translate(const gn_motion_args *args, size_t p, const double *sum, size_t k,
-                         bool prescribed, lane_sums *sums, gn_motion_sums *total, variant with) {
+                         unsigned held, lane_sums *sums, gn_motion_sums *total, variant with) {
     gn_particles *q = args->particles;
     double interval = 0.5 * (args->dt_past + args->dt);
     gn_v x[4], v[4];
@@ -327,8 +333,7 @@ GN_INLINE void translate(const gn_motion_args *args, size_t p, const double *sum
     }
     m.v_new = m.v;
     kick(args, args->damping, &m, interval, 1, with);
-    if (prescribed)
-        m = prescribe(args, p, 0, with.vector ? args->damping : 0.0, interval, m, total);
+    if (held & 7) m = prescribe(args, p, 0, with.vector ? args->damping : 0.0, interval, m, total);
 
     if (with.energy) {
         book_loss(sums->damping, args, &m);
@@ -338,7 +343,7 @@ GN_INLINE void translate(const gn_motion_args *args, size_t p, const double *sum
     if (args->measure) {
         sums->kinetic = sums->kinetic + kinetic(args, &m, 1);
         sums->resultant =
-            sums->resultant + free_lanes(args, p, prescribed) * gn_sqrt(gn_dot(m.f, m.f, 1));
+            sums->resultant + free_lanes(args, p, held != 0) * gn_sqrt(gn_dot(m.f, m.f, 1));
     }
     gn_v speed2 = gn_dot(m.v_new, m.v_new, 1);
     sums->speed2 = gn_max(sums->speed2, speed2);
@@ -363,7 +368,7 @@ GN_INLINE void translate(const gn_motion_args *args, size_t p, const double *sum
 }
 
 GN_INLINE void rotate(const gn_motion_args *args, size_t p, const double *sum, size_t k,
-                      bool prescribed, lane_sums *sums, gn_motion_sums *total, variant with) {
+                      unsigned held, lane_sums *sums, gn_motion_sums *total, variant with) {
     gn_particles *q = args->particles;
     double interval = 0.5 * (args->dt_past + args->dt);
     gn_v o[4];
@@ -371,7 +376,7 @@ GN_INLINE void rotate(const gn_motion_args *args, size_t p, const double *sum, s
     motion m = {.inverse = o[3], .v = {o[0], o[1], o[2]}, .f = load_of(sum, k, 1, with)};
     m.v_new = m.v;
     kick(args, args->damping_spin, &m, interval, 1, with);
-    if (prescribed)
+    if (held >> 3 & 7)
         m = prescribe(args, p, 3, with.vector ? args->damping_spin : 0.0, interval, m, total);
     if (with.energy) book_loss(sums->damping, args, &m);
     if (args->measure) {
@@ -395,9 +400,10 @@ GN_INLINE void motion_block(const gn_motion_args *args, size_t begin, size_t end
     if (slot < 0 || args->pass == GN_PASS_GATHER) gather_block(args, begin, end, sum, with);
     if (slot >= 0 && args->pass == GN_PASS_GATHER) return;
     for (size_t p = begin; p < end; p += GN_W) {
-        bool prescribed = GN_BUILT(PRESCRIBED) && args->prescribed && any_prescribed(args, p);
-        translate(args, p, sum, p - begin, prescribed, sums, total, with);
-        if (with.rotation) rotate(args, p, sum, p - begin, prescribed, sums, total, with);
+        unsigned held = 0;
+        if (GN_BUILT(PRESCRIBED) && args->prescribed) held = prescribed_components(args, p);
+        translate(args, p, sum, p - begin, held, sums, total, with);
+        if (with.rotation) rotate(args, p, sum, p - begin, held, sums, total, with);
     }
 }
 

@@ -187,8 +187,8 @@ static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_
     hold(r, key, given, low, high, "the specimen has");
 }
 
-/* Depth of the deepest corner of an outline between the supports that is neither lowest nor
- * highest; below 0: nothing is known of a notch. */
+/* Returns the depth of the deepest corner of an outline between the supports that is neither lowest
+ * nor highest; below 0: no notch is recognised. */
 static double notch_of(const gn_step_context *ctx, size_t along, const places *supports) {
     const gn_scene *s = &ctx->scene;
     const gn_pack_def *pack = &s->specimen.pack;

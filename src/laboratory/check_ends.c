@@ -25,7 +25,7 @@
  * bodies, points of walls across it. */
 typedef struct reach {
     double low, high, sum; /* m */
-    size_t count;          /* 0: nothing is known */
+    size_t count;          /* 0: no extent is known */
     bool bodies;           /* alone */
 } reach;
 

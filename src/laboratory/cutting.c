@@ -95,7 +95,7 @@ static gneiss_status check_inside(const gn_step_context *ctx, const gn_dem *dem,
     double place[3];
     GN_TRY(gn_body_holds(dem, boundary, tool_of(ctx), &count, &first, error));
     if (!count) return GNEISS_OK;
-    gn_world_point_out(ctx, dem->particles.pos + 4 * first, place);
+    gn_user_point(ctx, dem->particles.pos + 4 * first, place);
     return fail(ctx, "test.tool", error,
                 "expected a tool that begins outside of the rock, found %zu particles with their "
                 "centres inside '%s', the first one at (%.4g, %.4g, %.4g) m",
@@ -107,14 +107,14 @@ gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn
     double lower[3], upper[3];
     const int normal = (int)ctx->scene.test.normal;
     if (!gn_scene_test(&ctx->scene)->tool) return GNEISS_OK;
-    gn_world_body(ctx, solids, lower, upper);
+    gn_tested_extent(ctx, solids, lower, upper);
     const double place = boundary->bodies[tool_of(ctx)].start[normal];
     *c = (gn_cutting){.direction = direction_of(ctx)};
     c->outward = place > 0.5 * (lower[normal] + upper[normal]) ? 1.0 : -1.0;
     c->surface = c->outward > 0.0 ? upper[normal] : lower[normal];
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         c->solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
-    c->loose = c->solid - gn_world_anchored_volume(ctx, dem);
+    c->loose = c->solid - gn_dem_anchored_volume(ctx, dem);
     GN_TRY(check_inside(ctx, dem, boundary, error));
     return c->direction != 0.0 ? find_path(ctx, boundary, c, error) : GNEISS_OK;
 }
@@ -171,7 +171,7 @@ gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_b
                              gn_cutting *c, gneiss_error *error) {
     double force[GN_CUT_AXES];
     if (c->direction == 0.0 && (c->direction = direction_of(ctx)) != 0.0) {
-        c->loose = c->solid - gn_world_anchored_volume(ctx, dem);
+        c->loose = c->solid - gn_dem_anchored_volume(ctx, dem);
         GN_TRY(find_path(ctx, boundary, c, error));
     }
     gn_cutting_force(ctx, boundary, c, force);
@@ -189,7 +189,7 @@ gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_b
 
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     if (!(c->solid > 0.0)) return 0.0;
-    return (c->solid - gn_world_anchored_volume(ctx, dem) - c->loose) * ctx->volume / c->solid;
+    return (c->solid - gn_dem_anchored_volume(ctx, dem) - c->loose) * ctx->volume / c->solid;
 }
 
 static int ascending(const void *a, const void *b) {

@@ -260,7 +260,7 @@ static double end_gap(const gn_step_context *ctx, const gn_boundary *boundary,
                       const gn_solids *solids, const gn_test_end *end, double sense) {
     const gn_scene *s = &ctx->scene;
     double lower[3], upper[3], gap = INFINITY;
-    gn_world_body(ctx, solids, lower, upper);
+    gn_tested_extent(ctx, solids, lower, upper);
     const double surface = sense > 0.0 ? lower[s->test.axis] : upper[s->test.axis];
     for (size_t k = 0; k < end->count; k++) {
         const int wall = gn_scene_find_wall(s, end->name[k]),

@@ -81,7 +81,7 @@ gn_tested_shape gn_test_shape(const gn_step_context *ctx, const gn_dem *dem,
                             .axis = (int)t->axis,
                             .length = t->given.length,
                             .section = given_section(ctx)};
-    gn_world_body(ctx, solids, lower, upper);
+    gn_tested_extent(ctx, solids, lower, upper);
     for (int a = 0; a < 3; a++) x.side[a] = upper[a] - lower[a];
     if (d->prism) add_prism(ctx, dem, boundary, solids, &x);
     if (d->sheared) add_sheared(ctx, dem, boundary, solids, &x);
@@ -106,12 +106,13 @@ static region region_of(const gn_step_context *ctx, const gn_dem *dem, const gn_
     gn_tested_shape s = gn_test_shape(ctx, dem, boundary, solids);
     region r = {.radius = 0.5 * s.diameter * ctx->scene.test.centre};
     double lower[3], upper[3];
-    gn_world_body(ctx, solids, lower, upper);
+    gn_tested_extent(ctx, solids, lower, upper);
     for (int a = 0; a < 2; a++) r.centre[a] = 0.5 * (lower[a] + upper[a]);
     return r;
 }
 
-/* Share of the way from x along l that lies in the region: |x + q l - centre| < radius. */
+/* Returns the fraction of the segment from x along l inside the region: |x + q l - centre| <
+ * radius. */
 static double share_inside(const region *r, const double x[3], const double l[3]) {
     double d[2] = {x[0] - r->centre[0], x[1] - r->centre[1]};
     double a = l[0] * l[0] + l[1] * l[1], b = d[0] * l[0] + d[1] * l[1];
@@ -222,8 +223,8 @@ static bool cut_by_groups(const gn_scene *s) {
     return cut;
 }
 
-/* Section across an axis: at most that of the bounding box. Of prismatic shapes it is the mean one;
- * of others, which may have a waist, no lower limit is known. */
+/* Section across an axis: at most that of the bounding box. For prismatic shapes it is the mean
+ * section; for others, which may have a waist, there is no lower limit. */
 static size_given section_across(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_solids *solids, int axis) {
     const gn_test *t = &ctx->scene.test;
@@ -334,8 +335,8 @@ gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
-                   double upper[3]) {
+void gn_tested_extent(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
+                      double upper[3]) {
     memcpy(lower, ctx->lower, sizeof ctx->lower);
     memcpy(upper, ctx->upper, sizeof ctx->upper);
     if (ctx->scene.has_couple) gn_elements_extent(solids, lower, upper);
@@ -343,7 +344,7 @@ void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double l
 
 double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis) {
     double lower[3], upper[3];
-    gn_world_body(ctx, solids, lower, upper);
+    gn_tested_extent(ctx, solids, lower, upper);
     return upper[axis] - lower[axis];
 }
 

@@ -37,10 +37,10 @@ gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, const gn_solids *solids,
                                 gneiss_error *error);
 
-/* Extent, m, of the specimen at the start: of the particles, radii included, and of the elements
- * that are one body with them (`couple`), of which they may fill a part. */
-void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
-                   double upper[3]);
+/* Computes the extent, m, of the specimen at the start: of the particles, radii included, and of
+ * the elements of the same body (`couple`), of which they may fill a part. */
+void gn_tested_extent(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
+                      double upper[3]);
 
 double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis);
 
@@ -50,7 +50,7 @@ struct gn_bar_section {
     double uneven;          /* mean of A times mean of 1/A */
     double length;          /* m, strained length */
     double waist;           /* 1: narrower than on both sides */
-    double guessed;         /* 1: no shape gives its volume and areas */
+    double guessed;         /* 1: volume and areas are not given by a shape */
     double spread;          /* share by which a slender bar is stiffer */
 };
 
@@ -75,7 +75,7 @@ bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 bool gn_bending_outside(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids);
 
-/* The way in which the volume of the specimen is known. */
+/* How the volume of the specimen is determined. */
 typedef enum gn_volume_source {
     GN_VOLUME_OF_ELEMENTS,
     GN_VOLUME_OF_BOX,
@@ -86,7 +86,7 @@ typedef enum gn_volume_source {
     GN_VOLUME_OF_HULL
 } gn_volume_source;
 
-/* Returns how the volume of the specimen is known. */
+/* Returns how the volume of the specimen is determined. */
 gn_volume_source gn_volume_source_of(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids);
 /* Names it: "the shape", "the convex hull of the particles", ... */

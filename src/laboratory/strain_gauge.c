@@ -63,7 +63,8 @@ static int32_t largest_of(const int32_t *members, size_t count) {
 void gn_gauge_note_apart(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
     const gn_particles *q = &dem->particles;
     if (!gauge->weights.count || !tells_bodies(ctx, gauge)) return;
-    const int32_t *members = gn_world_bodies(ctx, dem), largest = largest_of(members, q->soa.count);
+    const int32_t *members = gn_dem_body_sizes(ctx, dem),
+                  largest = largest_of(members, q->soa.count);
     for (size_t p = 0; p < q->soa.count; p++) {
         int32_t *belongs = &gauge->belongs[q->id[p]];
         if (*belongs == BELONGS && GN_CHIP * members[p] < largest) *belongs = APART;
@@ -73,7 +74,8 @@ void gn_gauge_note_apart(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gaug
 static void mark_off(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
     const gn_particles *q = &dem->particles;
     if (!tells_bodies(ctx, gauge)) return;
-    const int32_t *members = gn_world_bodies(ctx, dem), largest = largest_of(members, q->soa.count);
+    const int32_t *members = gn_dem_body_sizes(ctx, dem),
+                  largest = largest_of(members, q->soa.count);
     for (size_t p = 0; p < q->soa.count; p++) {
         int32_t *belongs = &gauge->belongs[q->id[p]];
         const bool large = GN_CHIP * members[p] >= largest;
@@ -137,7 +139,7 @@ static gneiss_status renew(const gn_step_context *ctx, gn_dem *dem, gn_gauge *ga
 
 gneiss_status gn_gauge_update(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                               gneiss_error *error) {
-    if (!gauge->weights.count || ctx->step % LOOK_INTERVAL != 0 || !gn_world_has_loosened(dem))
+    if (!gauge->weights.count || ctx->step % LOOK_INTERVAL != 0 || !gn_dem_has_loosened(dem))
         return GNEISS_OK;
     mark_off(ctx, dem, gauge);
     return renew(ctx, dem, gauge, error);

@@ -17,7 +17,7 @@ struct gn_gauge {
     size_t count;     /* 0: without bonds */
 };
 
-/* Makes the gauge of the start (gn_strain_gauge_create). Writes the gauge alone. */
+/* Makes the gauge of the start. Writes the gauge alone. */
 gneiss_status gn_gauge_create(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                               gneiss_error *error);
 
@@ -25,11 +25,11 @@ gneiss_status gn_gauge_create(const gn_step_context *ctx, gn_dem *dem, gn_gauge 
  * belonged to the specimen and do not detach from it. */
 void gn_gauge_note_apart(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge);
 
-/* Every 100 steps: particles detached from a bonded specimen are left out permanently, and the
- * gauge is rebuilt from the rest, with the positions of the start; there is none once less than
- * half of the volume is left. Before any bond has broken, been dissolved or removed nothing has
- * detached. Beside finite elements, which may hold separate parts together, only removed particles
- * are left out. */
+/* Updates the gauge every 100 steps: particles detached from a bonded specimen are left out
+ * permanently, and the gauge is rebuilt from the rest, with the positions of the start; it is empty
+ * when less than half of the volume is left. Nothing can detach before a bond has broken, been
+ * dissolved or been removed. In a model with finite elements, which may connect separate parts,
+ * only removed particles are left out. */
 gneiss_status gn_gauge_update(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                               gneiss_error *error);
 

@@ -11,7 +11,7 @@
 
 typedef struct gn_coarse {
     size_t particles, groups, n; /* n = 6 groups */
-    double *arm;                 /* [particles][3] from the centre of its group, m */
+    double *arm;                 /* [particles][3] arm from the centre of its group, m */
     double *factor;              /* [n][n] Cholesky factor, lower triangle */
     double *x;                   /* [n] right-hand side and solution */
 } gn_coarse;

@@ -49,7 +49,7 @@ static gneiss_status search(const gn_damped *damped, double tau, double toleranc
     const instant at = {damped, 2.0 * tau};
     gn_eigen_top found;
     const gn_eigen_system system = eigen_system(damped, &at);
-    GN_TRY(gn_eigen_largest_of(&system, tolerance, x, &found, error));
+    GN_TRY(gn_eigen_largest(&system, tolerance, x, &found, error));
     double a = found.value, b = 0.0;
     if (damped->damped) {
         a = tau == 0.0 ? found.value : quotient(damped, 1.0, 0.0, x, scratch);

@@ -130,8 +130,8 @@ static bool settle_round(gn_springs *system, double tau, const uint8_t *marked, 
  * transfers more of its springs to its neighbours. Initially only those with mark 1 [particles of
  * the specimen] are above; those with the highest mark have neighbours outside. Returns whether
  * weights were found. With `left` [particles, zero] it marks the particles without such weights,
- * and returns false only without memory: all others are below, whatever weights the marked ones
- * have up to theirs. */
+ * and returns false only if memory is lacking: all others are below, for any weights of the marked
+ * ones up to theirs. */
 static bool springs_find_weights(gn_springs *system, double tau, const uint8_t *marked,
                                  uint8_t highest, uint8_t *left) {
     enum { ROUNDS = 24 };

@@ -566,11 +566,6 @@ gneiss_status gn_springs_limits(gn_springs *system, double tolerance, gn_step_li
     return found ? GNEISS_OK : set_sharp_of_all(system, tolerance, limit, error);
 }
 
-gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit,
-                            gneiss_error *error) {
-    return gn_step_limits(spectrum, 0.0, limit, error);
-}
-
 gneiss_status gn_step_limits(const gn_spectrum *spectrum, double tolerance, gn_step_limit *limit,
                              gneiss_error *error) {
     gn_springs y;

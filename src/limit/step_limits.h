@@ -51,13 +51,10 @@ typedef struct gn_step_limit {
 /* Computes both limits. With contact damping c_n the explicit scheme (forces from the last
  * half-step velocity) is stable if M - dt/2 C - dt^2/4 K is positive definite: the sharp limit
  * solves dt^2/4 lambda_max(M^-1 (K + (2/dt) C)) = 1. Without any active spring every limit is
- * INFINITY. `tolerance`: relative residual at which Lanczos stops (1e-4 is ample). The result is
- * the same for any number of threads. */
+ * INFINITY. `tolerance`: relative residual at which Lanczos stops (1e-4 is ample); 0: only the
+ * rigorous bound, in one cheap pass. The result is the same for any number of threads. */
 gneiss_status gn_step_limits(const gn_spectrum *spectrum, double tolerance, gn_step_limit *limit,
                              gneiss_error *error);
-
-/* Computes only the rigorous bound (one cheap pass), damping included: to monitor a run. */
-gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit, gneiss_error *error);
 
 /* The result of gn_step_holds. */
 typedef struct gn_step_verdict {

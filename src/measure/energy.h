@@ -17,6 +17,7 @@
     X(work_prescribed, INPUT, "work of prescribed motions")                                        \
     X(work_applied, INPUT, "work of applied forces")                                               \
     X(work_gravity, INPUT, "work of gravity")                                                      \
+    X(work_user, INPUT, "work of forces and changes of velocity by programs")                      \
     X(inserted, INPUT, "energy of particles inserted by sources")                                  \
     X(step_change, INPUT, "change of kinetic energy by changes of the step and by mass scaling")   \
     X(stage_change, INPUT, "change of stored energy of contacts at the start of a stage")          \

@@ -45,9 +45,6 @@ gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *c
  * by another surface through the outer particles, which reads a uniform gradient as exactly. */
 gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t *counts,
                                    int dimension, gn_strain_gauge *gauge, gneiss_error *error);
-/* Makes a gauge of the particles that count initially. */
-gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
-                                     gn_strain_gauge *gauge, gneiss_error *error);
 void gn_strain_gauge_free(gn_strain_gauge *gauge);
 
 /* Computes the displacement gradient g[3*a + b] = <du_a/dx_b>, a, b = x y z; `index_of_id[id]` is
@@ -61,11 +58,6 @@ void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *part
 void gn_strain_of(const double gradient[9], double strain[9]);
 
 /* --- stress --- */
-
-/* sigma[3*a + b] = (1/V) sum_c f_a l_b, not symmetrised: f on the first particle, l = x_j - x_i,
- * and for walls from the particle's centre to the contact point. `volume` in m3 (m2 x unit
- * thickness in 2D). */
-void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]);
 
 /* Computes the stress per particle: the sum over its contacts of the force on it times the vector
  * from its centre to the contact point, over V_p/(1 - porosity). `sigma` [count][6]: xx yy zz xy yz

@@ -1,4 +1,4 @@
-/* The hull of a packing, and its extent. */
+/* The convex hull of a packing, and its extent. */
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "measure/assembly.h"

@@ -445,16 +445,6 @@ gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t 
     return gauge_of(particles, counts, dimension, true, gauge, error);
 }
 
-gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
-                                     gn_strain_gauge *gauge, gneiss_error *error) {
-    uint8_t *counts = NULL;
-    GN_TRY(gn_new(&counts, particles->soa.count + 1, "a strain gauge of particles", error));
-    gn_strain_gauge_select(particles, dimension, counts);
-    gneiss_status status = gn_strain_gauge_of(particles, counts, dimension, gauge, error);
-    gn_free(counts);
-    return status;
-}
-
 void gn_strain_gauge_free(gn_strain_gauge *gauge) {
     gn_free(gauge->id);
     gn_free(gauge->weight);

@@ -23,11 +23,6 @@ static contact contact_at(const gn_assembly *assembly, const gn_contacts *list, 
     return x;
 }
 
-static void add_outer(double sigma[9], const double f[3], const double l[3]) {
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) sigma[3 * a + b] += f[a] * l[b];
-}
-
 /* Computes the force on the particle and the vector from its centre to the wall. The overlap is not
  * part of the arm: walls are stiff and their distance is not part of an assembly. */
 static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], double l[3]) {
@@ -45,24 +40,6 @@ static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], 
     double scale = !facet ? x[3] : size2 > 0 ? x[3] / sqrt(size2) : 0;
     for (int a = 0; a < 3; a++) l[a] = scale * away[a];
     for (int a = assembly->dimension; a < 3; a++) f[a] = 0;
-}
-
-void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]) {
-    memset(sigma, 0, 9 * sizeof *sigma);
-    for (int l = 0; l < GN_LISTS_MOST; l++) {
-        const gn_contacts *list = assembly->list[l];
-        for (size_t c = 0; list && c < list->soa.count; c++) {
-            contact x = contact_at(assembly, list, c);
-            add_outer(sigma, x.f, x.l);
-        }
-    }
-    size_t walls = assembly->wall_contacts ? assembly->wall_contacts->soa.count : 0;
-    for (size_t c = 0; c < walls; c++) {
-        double f[3], l[3];
-        wall_contact_at(assembly, c, f, l);
-        add_outer(sigma, f, l);
-    }
-    for (int k = 0; k < 9; k++) sigma[k] /= volume;
 }
 
 /* Adds the symmetric part of f arm n, order xx yy zz xy yz xz. */

@@ -28,7 +28,7 @@ void gn_start_grid_free(gn_start_grid *g) {
     gn_free(g->item);
 }
 
-/* Where they were at the start lies within w->lower and w->upper. */
+/* Particles were within w->lower and w->upper at the start. */
 gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                  const bool *of, gn_start_grid *g, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
@@ -56,7 +56,7 @@ gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, 
     return GNEISS_OK;
 }
 
-/* How much further away it is across than along. */
+/* Factor of squared distances across the direction. */
 static const double across = 4.0;
 
 /* Never less than the length of d. */
@@ -124,7 +124,7 @@ void gn_start_grid_visit(const gn_start_grid *g, const double x[3], double reach
             }
 }
 
-/* Voxels along a side at most. */
+/* Largest number of voxels along a side. */
 enum { MOST = 48 };
 
 typedef struct view {
@@ -180,7 +180,7 @@ typedef struct cube {
     size_t n[3];
 } cube;
 
-/* Where voxels begin is drawn, so that those of a lattice are not all wrong alike. */
+/* The origin of the voxels is random, so that the errors for a lattice do not all have one sign. */
 static cube cube_about(const gn_cell *cell, int dimension, size_t particle) {
     const gn_particles *q = cell->all->particles;
     const double radius = q->pos[4 * particle + 3], side = 2.0 * (radius + cell->around);

@@ -1,6 +1,6 @@
-/* The share of space that a particle had at the start: what was nearer to its surface than to that
- * of any other, found by voxels. Their faces lie along the axes, but what matters is their sum as
- * vectors, which over a part of any surface is a function of its edge alone. */
+/* The cell of a particle at the start: the points that were nearer to its surface than to that of
+ * any other particle, found by voxels. Voxel faces are parallel to the axes, but only their vector
+ * sum is used, which over a part of any surface depends on its edge alone. */
 #ifndef GN_MEMBRANE_CELLS_H
 #define GN_MEMBRANE_CELLS_H
 
@@ -25,8 +25,8 @@ gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, 
                                  const bool *of, gn_start_grid *grid, gneiss_error *error);
 void gn_start_grid_free(gn_start_grid *grid);
 
-/* The particle whose surface was nearest to x, of two alike that of the smaller id; -1: none. With
- * `along`, a vector, what lies along it from x: ways across count four times. */
+/* Returns the particle whose surface was nearest to x, the one with the smaller id of two at equal
+ * distance; -1: none. With `along`, a vector, distances across it count four times. */
 int32_t gn_start_grid_nearest(const gn_start_grid *grid, const double x[3], const double *along);
 
 /* Calls with every particle of the cells within `reach` of x along each axis. */
@@ -38,22 +38,22 @@ typedef struct gn_cell_face {
     int32_t particle; /* the neighbour */
     double area[3];   /* m2, out of the cell; 2D: 1 m thick */
     double point[3];  /* m, its middle */
-    double sum;       /* m2, of the faces of its voxels; 0: they have nothing in common */
+    double sum;       /* m2, area of the faces of its voxels; 0: it is empty */
 } gn_cell_face;
 
 typedef struct gn_cell {
     const gn_start_grid *all; /* with every particle */
-    double around;            /* m: how far beyond its particle a cell goes at most */
-    double width;             /* m, of the voxels of fine particles */
-    size_t count, capacity;   /* faces */
+    double around; /* m: largest distance of a point of a cell from the surface of its particle */
+    double width;  /* m, of the voxels of fine particles */
+    size_t count, capacity; /* faces */
     gn_cell_face *face;
     size_t voxels;
     int32_t *owner; /* [voxels]: place in `face`, or one of the below */
 } gn_cell;
 enum { GN_CELL_OWN = -1, GN_CELL_OUTSIDE = -2 };
 
-/* The faces of the cell of a particle, of which nothing is beyond the planes: rows of an outward
- * normal and of how far along it they are. The room of *cell is used again. */
+/* Finds the faces of the cell of a particle, clipped by planes: rows of an outward normal and the
+ * offset along it. The memory of *cell is reused. */
 gneiss_status gn_cell_find(gn_cell *cell, int dimension, size_t particle, size_t plane_count,
                            const double (*plane)[4], gneiss_error *error);
 void gn_cell_free(gn_cell *cell);

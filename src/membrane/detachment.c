@@ -18,12 +18,12 @@
 #include <math.h>
 #include <string.h>
 
-/* In mean radii: cells of grids, how far a cell goes beyond its particle, and its voxels. */
+/* In mean radii: cell size of grids, reach of a cell beyond its particle, and voxel size. */
 static const double cell_size = 2.5, around = 1.0, voxel = 0.25;
 
-/* Sizes in q->skin of what came off. A grain that was loose inside while others lay upon it stays
- * where it is for the membrane, which does not reach into what is closed: what it would bear goes
- * to what lies beneath. */
+/* Markers in the size column of q->skin for detached particles. An inner particle that was loose
+ * while others covered it keeps its position for the membrane, which does not reach into closed
+ * cavities: its share of the surface passes to particles beneath. */
 static const double inside = -1.0, bare = -2.0, going = -3.0;
 
 enum { NONE = -1, PLANES = 8 };
@@ -34,15 +34,16 @@ typedef struct transfer {
     gn_dem *dem;
     gn_membrane *membrane;
     gn_start_grid left, all;
-    bool *of; /* [particles] that are left */
+    bool *of; /* [particles] those that remain */
     gn_cell cell;
     gn_patch *patch;
     int32_t *next, *head; /* [capacity], [particles] */
     size_t count, capacity;
 } transfer;
 
-/* Tells whether a particle is farther than its radius from its place on the skin as a whole: a
- * particle that was never held is detached then, and not where the packing left a gap. */
+/* Tells whether a particle is farther than its radius from its position on the moving skin: a
+ * particle that was never supported is detached then, and a gap of the packing does not detach one.
+ * */
 static bool has_left(const gn_dem *dem, const double mean[3], size_t p) {
     const gn_particles *q = &dem->particles;
     double way[3];
@@ -50,7 +51,7 @@ static bool has_left(const gn_dem *dem, const double mean[3], size_t p) {
     return gn_dot3(way, way) > q->pos[4 * p + 3] * q->pos[4 * p + 3];
 }
 
-/* How the skin has moved, by the mean of its particles. */
+/* Computes the mean displacement of the particles of the skin. */
 static void mean_way(const gn_particles *q, double mean[3]) {
     double count = 0.0;
     for (int a = 0; a < 3; a++) mean[a] = 0.0;
@@ -66,8 +67,8 @@ static void mean_way(const gn_particles *q, double mean[3]) {
  * ones. */
 static bool mark_detached(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
-    const int32_t *members = gn_world_bodies(ctx, dem);
-    const bool loosened = gn_world_has_loosened(dem);
+    const int32_t *members = gn_dem_body_sizes(ctx, dem);
+    const bool loosened = gn_dem_has_loosened(dem);
     int32_t largest = 0;
     bool found = false;
     double mean[3];
@@ -153,7 +154,7 @@ static gneiss_status collect_patches(const gn_step_context *ctx, gn_dem *dem, gn
     return GNEISS_OK;
 }
 
-/* Back into the world, those of one particle one after the other. */
+/* Stores the patches in the world, sorted by particles. */
 static gneiss_status store_patches(const transfer *h, gneiss_error *error) {
     const gn_particles *q = &h->dem->particles;
     gn_membrane *membrane = h->membrane;
@@ -178,7 +179,7 @@ static gneiss_status give(transfer *h, int32_t p, const gn_patch *patch, gneiss_
     return p < 0 ? GNEISS_OK : add_patch(h, p, patch, error);
 }
 
-/* Planes of the surface at a particle: of its patches of the start. */
+/* Finds the planes of the surface at a particle from its original patches. */
 static size_t planes_at(const transfer *h, size_t p, double (*plane)[4]) {
     size_t count = 0;
     for (int32_t k = h->head[p]; k != NONE && count < PLANES; k = h->next[k]) {
@@ -192,7 +193,7 @@ static size_t planes_at(const transfer *h, size_t p, double (*plane)[4]) {
     return count;
 }
 
-/* Adds area and area times place. */
+/* Adds an area, and area times position. */
 static void add_sums(const gn_patch *patch, double sign, double area[3], double arms[9]) {
     for (int a = 0; a < 3; a++) area[a] += sign * patch->area[a];
     for (int k = 0; k < 9; k++)
@@ -218,9 +219,9 @@ static gneiss_status give_faces(transfer *h, double area[3], double arms[9], gne
     return GNEISS_OK;
 }
 
-/* A cell is closed, so that what it bore has the sum and the moment of the faces that it bares.
- * What these miss, by the size of voxels and where the surface was no plane, all of the skin bears.
- */
+/* The faces of a cell are closed, so that the area that its particle carried equals the sum and
+ * moment of the faces that become surface. The difference that voxels and a non-planar surface
+ * leave is spread over the whole skin. */
 static void keep_sums(gn_membrane_state *m, const double area[3], const double arms[9]) {
     for (int a = 0; a < 3; a++) m->missing[a] += area[a];
     for (int k = 0; k < 9; k++) m->rest[k] += 0.5 * (arms[k] - arms[k % 3 * 3 + k / 3]);
@@ -239,7 +240,8 @@ static gneiss_status expose_faces(transfer *h, size_t p, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* By their numbers, again and again while one that goes was given something. */
+/* Visits detached particles in the order of their indices, and repeats while one of them received a
+ * patch. */
 static gneiss_status transfer_patches(transfer *h, gneiss_error *error) {
     gn_dem *d = h->dem;
     double *skin = d->particles.skin;

@@ -1,9 +1,9 @@
-/* The skin of particles that came without a shape: the surface over which a ball of the mean radius
- * rolls (rolling_ball.h), and of those parallel to it the one of a body all of which bears the
- * pressure. What it encloses is the volume to which the mean stress of the specimen refers then.
- * Bodies between which the ball passes have surfaces of their own; a particle by itself is pressed
- * from all sides alike, which is not at all, and so are particles in a row or (in space) in one
- * layer, whose shape tells nothing of how it turns and stretches. */
+/* The skin of particles without a given shape: the surface over which a ball of the mean radius
+ * rolls (rolling_ball.h), and of the surfaces parallel to it the one that bounds a body loaded by
+ * the pressure everywhere. The mean stress of the specimen then refers to the enclosed volume.
+ * Bodies between which the ball passes have separate surfaces. The pressure on a single particle
+ * has no resultant; so it is for particles in a row or (in space) in one layer, whose shape does
+ * not determine a rotation and a strain. */
 #include "membrane/membrane.h"
 
 #include "base/ball.h"
@@ -23,11 +23,11 @@
 #include <string.h>
 
 typedef struct view {
-    int32_t *body;    /* [particles] one that stands for what the ball does not pass between */
-    int32_t *members; /* [particles] of the body that one stands for */
+    int32_t *body;    /* [particles] representative of the body, which the ball does not divide */
+    int32_t *members; /* [particles] number of particles of the body of a representative */
     size_t bodies;
     gn_rolled rolled;
-    double *borne; /* [particles] m3: sections of contacts that bear times their half lengths */
+    double *borne; /* [particles] m3: sum over load-bearing contacts of section times half length */
 } view;
 
 static int32_t standing_for(int32_t *body, int32_t p) {
@@ -133,7 +133,8 @@ static void weigh_layers(double at, double weight[GN_ROLLED_LAYERS]) {
     }
 }
 
-/* m3, of each layer of a body: areas times places of their particles, and what it encloses. */
+/* m3, of each layer of a body: sum of areas times positions of their particles, and enclosed
+ * volume. */
 typedef struct volumes {
     double at_centres[GN_ROLLED_LAYERS], enclosed[GN_ROLLED_LAYERS];
 } volumes;
@@ -164,8 +165,8 @@ static double sum_at(const double sums[GN_ROLLED_LAYERS], double at) {
     return sum;
 }
 
-/* Where a sum, which falls towards larger distances, is `wanted`; at most half a radius of the ball
- * from what it touches. */
+/* Returns the distance at which a sum, which decreases with it, is `wanted`; at most half a radius
+ * of the ball from the touched surface. */
 static double layer_at(const double sums[GN_ROLLED_LAYERS], double wanted) {
     double low = 0.5, high = 1.5;
     for (int k = 0; k < 50; k++) {
@@ -175,10 +176,11 @@ static double layer_at(const double sums[GN_ROLLED_LAYERS], double wanted) {
     return 0.5 * (low + high);
 }
 
-/* m3, of a body by what its particles inside have around them; 0: there are too few inside. */
+/* m3, volumes of a body from the cells of its inner particles; 0: it has too few inner particles.
+ * */
 typedef struct body_space {
-    double bearing; /* through which its contacts bear a pressure that is everywhere the same */
-    double filled;  /* that its particles fill */
+    double bearing; /* volume in which the contacts transmit a uniform pressure */
+    double filled;  /* volume filled by its particles */
 } body_space;
 
 static body_space space_of(const gn_step_context *ctx, const gn_dem *dem, const view *v,
@@ -199,10 +201,10 @@ static body_space space_of(const gn_step_context *ctx, const gn_dem *dem, const 
     return (body_space){borne[0] / borne[1] * space, solid[0] / solid[1] * space};
 }
 
-/* Where the surface of a body lies, in radii of the ball from its centre. A ball sinks in between
- * the particles of a lattice, and rides on those that stand out of what a cut has left, to which
- * fewer contacts lead: what it touches is not where the body ends that bears. An area that is given
- * says itself where that is. */
+/* Returns the position of a body's surface, in radii of the ball from its centre. The ball sinks in
+ * between particles of a lattice, and rests on single particles that protrude from a cut and have
+ * few contacts: the touched surface is not the boundary of the load-bearing body. A given area
+ * determines the position by itself. */
 static double surface_at(const gn_step_context *ctx, const gn_dem *dem, const view *v,
                          gn_skin_body body, double given, double bearing) {
     const volumes sums = volumes_of(ctx, dem, v, body);
@@ -225,8 +227,8 @@ static void set_surface(gn_dem *dem, const view *v, gn_skin_body body, double at
     }
 }
 
-/* The surface of a body, in balance with its particles at their centres. Ways end where it encloses
- * what the body fills. */
+/* Sets the surface of a body, in balance with its particles at their centres. Arms end where the
+ * surface encloses the volume of the body. */
 static void finish(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                    const gn_boundary *boundary, const gn_solids *solids, const view *v,
                    gn_skin_body body, double *arms) {

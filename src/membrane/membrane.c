@@ -1,5 +1,5 @@
-/* The membrane in a step: how its skin has moved as a whole, and the forces. All of it follows from
- * the state, so that a run that goes on has the same bits. */
+/* The membrane in a step: the mean motion of its skin, and the forces. Everything follows from the
+ * state, so that a resumed run has the same bits. */
 #include "membrane/membrane.h"
 
 #include "base/eigen.h"
@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Steps between looks for what came off, and for how the skin has moved from place to place. */
+/* Steps between searches for detached particles and updates of the local motion of the skin. */
 enum { LOOK_INTERVAL = 100, ALL = -1 };
 
 double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_membrane *membrane) {
@@ -221,7 +221,8 @@ gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_memb
         gn_cofactor3(gn_membrane_gradient_at(ctx, membrane, p), turn);
         for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
-    /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
+    /* Needed between updates as well, or a motion that differs from the mean one would exert a
+     * moment on the skin. */
     if (m->follow && membrane->state->bodies == 1)
         gn_membrane_rebalance(ctx, dem, membrane, q->applied);
     for (size_t p = 0; p < q->soa.count; p++)

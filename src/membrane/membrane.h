@@ -12,33 +12,34 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* State of a membrane, as checkpoints have it. Areas act where they are; tensors
- * are sums of areas times places or ways, m3. */
+/* State of a membrane, as checkpoints store it. Areas act at their present positions; tensors are
+ * sums of areas times positions or arms, m3. */
 typedef struct gn_membrane_state {
     double pressure;    /* Pa, in the last step */
-    double gradient[9]; /* of the skin in the last step: how it has moved as a whole; of several
-                           bodies at the last look */
-    double missing[3];  /* m2, that the patches do not have of the area of the surface */
-    double rest[9];     /* what they do not have of its moment */
-    double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
+    double gradient[9]; /* mean displacement gradient of the skin in the last step; of several
+                           bodies at the last update */
+    double missing[3];  /* m2, area of the surface minus that of the patches */
+    double rest[9];     /* moment of the surface minus that of the patches */
+    double arms[9];     /* arms from the centres of the bearers, rotated back by the gradient */
     double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
                         shape */
-    double from;     /* Pa, that it comes from while its ramp lasts */
-    double since;    /* s, when that began */
-    double unlike;   /* share of it that followed it as a whole as what is around would have
-                        stretched it out of all measure; the most at any look */
-    int64_t bodies;  /* that the skin is of, at the last look; those that are not closed as one */
+    double from;     /* Pa, pressure at the start of a ramp */
+    double since;    /* s, start of the ramp */
+    double unlike;  /* largest share of the skin at any update that followed the mean motion because
+                       its surroundings would have stretched it excessively */
+    int64_t bodies; /* number of bodies of the skin at the last update; those with an open surface
+                       count as one */
 } gn_membrane_state;
 
-/* A part of the surface that one particle bears, where things were at the start:
- * what it had of a side of the body, or a face of its cell that was bared. */
+/* A part of the surface that one particle carries, at the start: its share of a side of the body,
+ * or an exposed face of its cell. */
 typedef struct gn_patch {
     double point[3]; /* m, its middle */
     double area[3];  /* m2, outward */
-    double rest[9];  /* m3, sum of areas times ways from the middle */
-    double size;     /* m2; 0: a face, whose size is that of its area */
-    int32_t owner;   /* id of the particle that bears it; -1: none is left */
-    int32_t body;    /* of those of the skin the one that it was of at the last look */
+    double rest[9];  /* m3, sum of areas times arms from the middle */
+    double size;     /* m2; 0: a face, whose size is the magnitude of its area */
+    int32_t owner;   /* id of the particle that carries it; -1: none is left */
+    int32_t body;    /* its body among those of the skin at the last update */
 } gn_patch;
 
 struct gn_membrane {
@@ -57,20 +58,21 @@ gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem, gn_mem
                                  const gn_boundary *boundary, const gn_solids *solids,
                                  gneiss_error *error);
 
-/* Shares the surface out again among those that the contacts of now hold (skin.c), if
- * others bear some of it; once something has come off it stays as it is. Call with bonds formed. */
+/* Distributes the surface again among the particles that the present contacts support (skin.c), if
+ * they differ; after a particle was detached the distribution stays. Must be called after bonds are
+ * formed. */
 gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem,
                                          gn_membrane *membrane, const gn_boundary *boundary,
                                          const gn_solids *solids, gneiss_error *error);
 
-/* [particles] those that contacts hold against being pushed any way, of what has not come off;
- * without bonds, and where none is, all of that. */
+/* Marks [particles] those that contacts support against a push in any direction, detached ones
+ * excepted; without bonds, or if there is none, all of these. */
 gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_dem *dem, bool *held,
                                          gneiss_error *error);
 
-/* The skin of particles without a shape, over which a ball of the radius `ball` rolls
- * (free_surface.c). Areas go to q->skin; `arms` [particles] are the trace of areas times ways from
- * the centres, m3, and begin as 0. */
+/* Makes the skin of particles without a given shape, over which a ball of the radius `ball` rolls
+ * (free_surface.c). Areas go to q->skin; `arms` [particles] are the traces of areas times arms from
+ * the centres, m3, and must be 0 initially. */
 gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     double ball, double *arms, gneiss_error *error);
@@ -83,17 +85,17 @@ gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, gn_mem
 /* Tells whether the membrane covers a surface with this area vector. */
 bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]);
 
-/* The particle that bears a patch; -1: none is left. */
+/* Returns the particle that carries a patch; -1: none is left. */
 int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 
-/* Areas of the skin from its patches, each as what is around it has moved, in balance as those of
- * the surface are (patches.c). At the start and at every look: then a part of the way, but
- * for those that are laid anew. */
+/* Updates the areas of the skin from its patches, each deformed with its surroundings, and balances
+ * them to the moment of the closed surface (patches.c). Called at the start and at every update,
+ * where areas change only by a fraction of the difference, unless `anew`. */
 gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem,
                                        gn_membrane *membrane, bool anew, gneiss_error *error);
 
-/* Finds how each of several bodies of the skin has moved as a whole; what that of a particle of the
- * skin has. */
+/* Finds the mean motion of each of several bodies of the skin; gn_membrane_gradient_at returns that
+ * of the body of a particle. */
 gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                      gneiss_error *error);
 const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_membrane *membrane,
@@ -114,9 +116,9 @@ void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_
 void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_membrane *membrane, double *area);
 
-/* Pa, of the instant: from what there was when it was given, over the ramp, to what is given. */
+/* Pa, present value: ramps from the pressure when it was prescribed to the prescribed one. */
 double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_membrane *membrane);
-/* The scene is that of the stage that begins; `pressure`, what was due before. */
+/* Takes over the scene of the stage that begins; `pressure`: the one prescribed before. */
 void gn_membrane_enter(const gn_step_context *ctx, gn_membrane *membrane, size_t stage,
                        double pressure);
 
@@ -124,18 +126,17 @@ void gn_membrane_enter(const gn_step_context *ctx, gn_membrane *membrane, size_t
 gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                 gneiss_error *error);
 
-/* m3: that the mean stress of the specimen refers to; of particles without a shape what the
- * membrane encloses at the start. */
+/* Returns the volume to which the mean stress of the specimen refers, m3; without a given shape
+ * that enclosed by the membrane at the start. */
 double gn_membrane_volume(const gn_step_context *ctx, const gn_membrane *membrane);
 
-/* Pa: of the last step; what it adds to the mean stress of the specimen, between centres and
- * surface.
- */
+/* gn_membrane_pressure returns the pressure of the last step, Pa; gn_membrane_stress adds the
+ * stress between centres and surface to the mean stress of the specimen. */
 double gn_membrane_pressure(const gn_membrane *membrane);
 void gn_membrane_stress(const gn_step_context *ctx, const gn_membrane *membrane, double volume,
                         double stress[9]);
 
-/* m2: what it covers, at the last look; of one body. */
+/* m2: area that it covers, at the last update; gn_membrane_area_of: of one body. */
 double gn_membrane_area(const gn_dem *dem);
 double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body);
 
@@ -157,16 +158,17 @@ static inline bool gn_is_loaded_of(const gn_particles *particles, gn_skin_body b
 /* x = F X by least squares of places that were at X and are at x, both from their means on. */
 typedef struct gn_gradient_fit {
     int dimension;
-    double sum, from[3], to[3]; /* of weights; of places times them */
+    double sum, from[3], to[3]; /* sum of weights; weighted sums of positions */
     double moved[9], spread[9];
 } gn_gradient_fit;
 void gn_gradient_add(gn_gradient_fit *fit, double weight, const double from[3], const double to[3]);
-/* m2: of weights times squares of ways from the mean, along the axis where it is least. */
+/* Returns the weighted sum of squared distances from the mean, m2, along the axis where it is
+ * least. */
 double gn_gradient_spread(const gn_gradient_fit *fit);
 /* False, and the identity, where the places do not span space. */
 bool gn_gradient_of(const gn_gradient_fit *fit, double gradient[9]);
 
-/* c = adj(a)^T: what turns and stretches areas as a does lengths (Nanson: J F^-T dA). */
+/* c = adj(a)^T: maps area vectors if `a` maps lengths (Nanson: J F^-T dA). */
 void gn_cofactor3(const double a[9], double c[9]);
 /* r = a b, r = a b^T, r = a^T b. */
 void gn_product3(const double a[9], const double b[9], double r[9]);

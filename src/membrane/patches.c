@@ -1,7 +1,7 @@
-/* A look at the skin, every so many steps. The surface is kept as patches of the start, each borne
- * by what of the body lies beneath it, and as the faces that what came off left bare, so that
- * together they are the surface of what is left. In a body that deforms every patch turns and
- * stretches as the particles around its bearer have moved. */
+/* Update of the skin at a fixed interval of steps. The surface consists of the patches of the
+ * start, each carried by a particle beneath it, and of the faces that detached particles exposed,
+ * so that together they bound the remaining body. In a deforming body every patch rotates and
+ * stretches with the particles around its bearer. */
 #include "base/new.h"
 #include "membrane/membrane.h"
 
@@ -17,7 +17,7 @@
 #include <math.h>
 #include <string.h>
 
-/* In mean radii: what is around a particle; cells of the grid. */
+/* In mean radii: radius of the surroundings of a particle; cell size of the grid. */
 static const double around = 5.0, cell_size = 2.5;
 
 /* Share of the change to the present areas that an update applies: areas that followed waves of
@@ -28,7 +28,7 @@ static const double pace = 1.0 / 8.0;
 enum { OPEN = -1, WIDENED = 3 };
 static const double wider = 1.5;
 
-/* How much more or less than as a whole a patch may be stretched. */
+/* Limits of the stretch of a patch relative to that of the whole skin. */
 static const double stretch_most = 3.0;
 
 /* --- how the surroundings have moved --- */
@@ -54,8 +54,8 @@ static void see(void *context, int32_t particle) {
     gn_gradient_add(&v->fit, weight, from, to);
 }
 
-/* Tells whether the surroundings determine a deformation along all axes: with a small extent along
- * one, a particle that has shifted alone would turn and stretch what is beside it. */
+/* Tells whether the surroundings determine a deformation along all axes: if their extent along one
+ * is small, a single displaced particle would rotate and stretch the patches beside it. */
 static bool determines_gradient(const view *v, double radius, double gradient[9]) {
     const double enough = 1.5;
     double cofactor[9];
@@ -78,8 +78,8 @@ static const double *whole_of(const gn_membrane *membrane, const look *l, size_t
     return l->whole ? l->whole[l->group[p]] : membrane->state->gradient;
 }
 
-/* Wider where few are left or the body is thin; that of the skin as a whole where nothing says it.
- */
+/* Widens the surroundings if few particles remain or the body is thin; falls back to the gradient
+ * of the whole skin. */
 static void gradient_around(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_membrane *membrane, const look *l, size_t p,
                             double gradient[9]) {
@@ -126,8 +126,8 @@ static double size_of(const gn_patch *patch) {
     return patch->size > 0.0 ? patch->size : sqrt(gn_dot3(patch->area, patch->area));
 }
 
-/* Adds a patch to the area of its bearer, and its way from there to `arms`; what was bared to
- * `bared`, as it counts by what it is together, and what was surface to the size. */
+/* Adds a patch to the area of its bearer, and its arm to `arms`; an exposed face also to `bared`,
+ * whose resultant determines its size, and an original patch to the size. */
 static void add_patch(gn_dem *dem, const gn_patch *patch, size_t p, const double gradient[9],
                       double bared[3], double arms[9]) {
     gn_particles *q = &dem->particles;
@@ -147,7 +147,8 @@ static void add_patch(gn_dem *dem, const gn_patch *patch, size_t p, const double
     q->skin[4 * p + 3] += patch->size * (size > 0.0 ? sqrt(gn_dot3(area, area) / size) : 1.0);
 }
 
-/* Over the size of a patch as the skin has moved as a whole: that as what is around has. */
+/* Returns the size of a patch deformed with its surroundings over that deformed with the whole
+ * skin. */
 static double stretch_of(const gn_patch *patch, const double turn[9], const double whole[9]) {
     double here = 0.0, all = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -179,8 +180,8 @@ static double limit_stretch(const double as_whole[9], const gn_membrane *membran
     return size;
 }
 
-/* All patches, of which those of one particle follow one another; as what is around them has moved
- * or as at the start. */
+/* Adds all patches, which are sorted by their particles, deformed with their surroundings or as at
+ * the start. */
 static void add_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                         const look *l, double arms[9]) {
     gn_particles *q = &dem->particles;
@@ -230,7 +231,7 @@ static void surface_sums(const gn_dem *dem, const gn_membrane *membrane, gn_skin
     gn_product3_bt(half, m->gradient, tensor);
 }
 
-/* About 0, of sums from a place `base` on. */
+/* Converts a moment about `base` to one about 0. */
 static void moment_of(const double base[3], const double area[3], const double tensor[9],
                       double moment[3]) {
     gn_cross3(base, area, moment);
@@ -314,8 +315,9 @@ static int64_t number_bodies(gn_dem *dem, gn_membrane *membrane, const int32_t *
     return (int64_t)count + open;
 }
 
-/* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
- * crack has opened together with what it was parted from. */
+/* Balances every body with a closed surface separately, because separate bodies would otherwise
+ * push and rotate each other; bodies with open surfaces, as on two sides of a crack, are balanced
+ * together. */
 static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                     int32_t *group, const double *place, gneiss_error *error) {
     const size_t n = dem->particles.soa.count;
@@ -336,7 +338,7 @@ static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, gn_
     return GNEISS_OK;
 }
 
-/* J^-1 F^T: what turns areas back. */
+/* J^-1 F^T: maps deformed area vectors back. */
 static void back_of(const double gradient[9], double back[9]) {
     double cofactor[9];
     gn_cofactor3(gradient, cofactor);
@@ -344,8 +346,8 @@ static void back_of(const double gradient[9], double back[9]) {
     for (int k = 0; k < 9; k++) back[k] = gradient[k % 3 * 3 + k / 3] / det;
 }
 
-/* Areas as they would be had their body not moved as a whole, and ways had the skin not: steps turn
- * and stretch them. */
+/* Reduces areas to the undeformed state of their body, and arms to that of the skin: steps deform
+ * them again. */
 static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                      double arms[9], gneiss_error *error) {
     gn_particles *q = &dem->particles;
@@ -368,8 +370,8 @@ static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, gn
     return GNEISS_OK;
 }
 
-/* The areas and ways of the last look as bodies have moved as a whole since, [4 particles] and 9.
- */
+/* Deforms the areas and arms of the last update with the mean motion of their bodies since; area
+ * [particles][4], arms [9]. */
 static void advance_areas(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_membrane *membrane, double *area, double arms[9]) {
     const gn_particles *q = &dem->particles;
@@ -385,7 +387,7 @@ static void advance_areas(const gn_step_context *ctx, const gn_dem *dem,
     }
 }
 
-/* A part of the way to the areas of now. */
+/* Moves areas and arms by a fraction of the difference to the present ones. */
 static void blend(gn_dem *dem, const double *was, const double had[9], double arms[9]) {
     gn_particles *q = &dem->particles;
     for (size_t p = 0; p < q->soa.count; p++)
@@ -394,7 +396,7 @@ static void blend(gn_dem *dem, const double *was, const double had[9], double ar
     for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
 }
 
-/* Grains that roll by themselves do not say how a body moves. */
+/* Grains that roll independently do not show how a body moves. */
 static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                   gn_start_grid *grid, gneiss_error *error) {
     bool *held = NULL;
@@ -405,7 +407,7 @@ static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem,
     return status;
 }
 
-/* As what is around the bearers has moved. */
+/* Adds patches deformed with the surroundings of their bearers. */
 static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                const int32_t *group, double arms[9], gneiss_error *error) {
     gn_start_grid grid = {0};
@@ -420,7 +422,8 @@ static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, gn_membr
     return status;
 }
 
-/* From what was, which is room for it, or all of the way. */
+/* Sets areas from patches, starting from `was` (scratch with the areas before), or at once if it is
+ * NULL. */
 static gneiss_status lay(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                          int32_t *group, double *was, gneiss_error *error) {
     const gn_membrane_state *m = membrane->state;
@@ -450,7 +453,7 @@ gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem,
             ? gn_membrane_fit_bodies(ctx, dem, membrane, error)
             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     if (status == GNEISS_OK) {
-        const size_t bodies = gn_world_body_groups(ctx, dem, GN_CHIP, group);
+        const size_t bodies = gn_dem_body_groups(ctx, dem, GN_CHIP, group);
         status = lay(ctx, dem, membrane, bodies > 1 ? group : NULL, was, error);
     }
     gn_free(group);

@@ -11,9 +11,9 @@
 
 static const double turn = 2.0 * M_PI;
 
-/* Where the centre of the ball can be while it touches a particle is a sphere (2D: a circle); those
- * of neighbours hide parts of it. Of what is this much smaller nothing is made: spheres that touch,
- * and gaps (rad) that rounding leaves between hidden parts. */
+/* The possible centres of a ball that touches a particle form a sphere (2D: a circle); those of
+ * neighbours hide parts of it. Relative tolerances below which features are ignored: tangent
+ * spheres, and gaps (rad) that rounding leaves between hidden parts. */
 static const double contact = 1e-9, gap = 1e-9;
 
 /* Hidden angles of a circle, from `begin` in [0, 2 pi) on. */
@@ -27,16 +27,17 @@ typedef struct roll {
     int32_t *neighbour;
     hidden *hidden; /* of the circle at hand */
     size_t hidden_count;
-    bool *bounded;     /* [particles] neighbours hide parts of its sphere */
-    bool *touched;     /* [particles] by the ball */
-    double *direction; /* [particles] sr, in which the ball can touch it */
+    bool *bounded; /* [particles] neighbours hide parts of its sphere */
+    bool *touched; /* [particles] the ball touches it */
+    double
+        *direction; /* [particles] sr, solid angle of directions from which the ball can touch it */
 } roll;
 
 static double reach_of(const roll *v, size_t p) {
     return v->rolled->particles->pos[4 * p + 3] + v->rolled->ball;
 }
 
-/* How far from the ball's centre a layer is, m. */
+/* Returns the distance of a layer from the ball's centre, m. */
 static double layer_of(const roll *v, int k) {
     return gn_rolled_layer[k] * v->rolled->ball;
 }
@@ -51,7 +52,7 @@ static void way_between(const roll *v, size_t from, size_t to, double way[3]) {
 
 /* --- hidden angles --- */
 
-/* Where cos(angle - at) > limit. */
+/* Hides the angles at which cos(angle - at) > limit. */
 static void hide(roll *v, double at, double limit) {
     if (limit >= 1.0) return;
     const double half = limit <= -1.0 ? M_PI : acos(limit);
@@ -71,7 +72,8 @@ typedef struct arc {
     bool whole; /* without ends */
 } arc;
 
-/* The next free arc behind the k-th hidden part; those up to there end at *end. */
+/* Finds the next free arc after the k-th hidden part; all hidden parts before it end at or before
+ * *end. */
 static bool next_arc(const roll *v, size_t *k, double *end, arc *free) {
     while (*k < v->hidden_count) {
         const hidden *h = &v->hidden[(*k + 1) % v->hidden_count];
@@ -108,7 +110,8 @@ typedef struct circle {
     size_t member[2];
     double axis[3], e1[3], e2[3], radius;
     double height[2]; /* m, from each towards the other */
-    double angle[2];  /* rad, between the way from each to the ball and the plane of the circle */
+    double angle[2];  /* rad, between the direction from each particle to the ball and the plane of
+                         the circle */
 } circle;
 
 static void frame_of(circle *c) {
@@ -123,7 +126,7 @@ static void frame_of(circle *c) {
     gn_cross3(c->e2, l, c->e1);
 }
 
-/* How far the sphere of j cuts that of i, towards j; false: it does not. */
+/* Finds the plane in which the sphere of j cuts that of i; false: they do not intersect. */
 static bool cuts(const roll *v, size_t i, size_t j, double *length, double *height) {
     const double s = reach_of(v, i), t = reach_of(v, j);
     double way[3];
@@ -189,7 +192,8 @@ static double triangle(const double a[3], const double b[3], const double c[3]) 
     return 2.0 * atan2(gn_dot3(a, across), 1.0 + gn_dot3(a, b) + gn_dot3(b, c) + gn_dot3(c, a));
 }
 
-/* Solid angle between a pole and an arc that is the edge of what is free of one side's sphere. */
+/* Returns the solid angle between a pole and an arc that bounds the free part of one particle's
+ * sphere. */
 static double edge_direction(const circle *c, int side, const arc *free) {
     static const double pole[3] = {0.48, 0.36, 0.8};
     const int parts = 1 + (int)((free->to - free->from) / 2.0);
@@ -205,8 +209,8 @@ static double edge_direction(const circle *c, int side, const arc *free) {
     return sum;
 }
 
-/* Mean of the unit vectors to a ball from what it touches, i among them, from which it is `first`.
- */
+/* Computes the mean of the unit vectors from the touched particles to a ball; `first`: that from i.
+ * */
 static void middle_of_cap(const roll *v, size_t i, const double first[3], double middle[3]) {
     const double near = 1e-6;
     memcpy(middle, first, 3 * sizeof *middle);
@@ -242,11 +246,13 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
         between[a] = n[0][a] + n[1][a];
         size += between[a] * between[a];
     }
-    if (!(size > 0.0)) return; /* the ball passes between two that are as far apart as it is wide */
+    if (!(size > 0.0))
+        return; /* the ball passes between two particles whose gap equals its diameter */
     for (int a = 0; a < 3; a++) between[a] /= sqrt(size);
     for (int side = 0; side < 2; side++) {
         const size_t p = c->member[side];
-        const double sign = (side == 0) != begins ? 1.0 : -1.0; /* the way the arc's edge goes */
+        const double sign =
+            (side == 0) != begins ? 1.0 : -1.0; /* sense in which the arc's edge is traversed */
         const double solid = triangle(middle, between, n[side]);
         double area[3] = {0};
         add_sector(middle, between, area);
@@ -260,7 +266,7 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
 }
 
 /* Integrals over the meridian of a ring up to an angle: of areas along the radius and along the
- * axis, and of areas times ways from the centre. */
+ * axis, and of areas times arms from the centre. */
 static void meridian(const circle *c, int side, double t, double angle, double sign,
                      double sum[3]) {
     const double r = c->radius, h = c->height[side], x = cos(angle), y = sin(angle);
@@ -330,7 +336,7 @@ static bool is_enclosed(const roll *v, size_t p) {
     return false;
 }
 
-/* Edges tell what is free of a sphere but for whole spheres. */
+/* Edges determine the free part of a sphere unless it is free as a whole. */
 static void add_touched(roll *v, size_t p) {
     const double sphere = 2.0 * turn;
     double sum = v->bounded[p] || is_enclosed(v, p) ? v->direction[p] : sphere;
@@ -401,8 +407,8 @@ static void direction_of(int k, int dimension, double u[3]) {
     u[2] = z;
 }
 
-/* How far a cell goes: where the surface of a neighbour is as near as its own. Beyond `ball` from
- * all of them there would be room for it. */
+/* Returns the reach of a cell: the distance at which the surface of a neighbour is as near as its
+ * own. Another particle would have room farther than `ball` from all of them. */
 static double extent(const roll *v, size_t i, const double u[3]) {
     double least = reach_of(v, i);
     for (size_t n = v->start[i]; n < v->start[i + 1]; n++) {

@@ -23,8 +23,8 @@ typedef struct gn_rolled {
     const gn_pair_list *pairs; /* all whose gap is less than twice that */
     /* [particles] of each layer: m2 outward, as a vector; 2D: 1 m thick */
     double (*area[GN_ROLLED_LAYERS])[3];
-    /* [particles] m3, of areas times ways from the centre the trace; the volume within is
-     * (sum of area x + arms) / dimension */
+    /* [particles] m3, trace of areas times arms from the centre; the enclosed volume is (sum of
+     * area x + arms) / dimension */
     double *arms[GN_ROLLED_LAYERS];
     double *cell; /* [particles] m3 of space that is nearest to one of those deep inside, or where
                    * these are too few that the ball does not touch; of others 0, and of some of

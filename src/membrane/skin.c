@@ -22,11 +22,10 @@
 
 /* --- particles that bear the membrane --- */
 
-/* Which particles bear a membrane. Bonds without moments hold what they join at a point: a grain on
- * one of them (2D), on one or two (3D), pivots about its neighbours under a force that does not go
- * through them, and so do those that hang on it. Such grains, on edges and at corners, bear
- * nothing; what of the surface is nearest to them goes to what is nearest of those that are held.
- */
+/* Selects the particles that carry a membrane. Bonds without moments are pinned joints: a grain on
+ * one of them (2D), or on one or two (3D), rotates about its neighbours under a force that does not
+ * pass through them, and so do grains attached to it. Such grains, at edges and corners, carry
+ * nothing; their part of the surface passes to the nearest supported particle. */
 /* Sums over the contacts of a particle with supported ones, for a normal stiffness of 1. */
 typedef struct footing {
     double normal[3];   /* n */
@@ -80,7 +79,8 @@ static void push_of(const footing *f, int dimension, double t, double push[9]) {
     if (dimension == 2) {
         for (int k = 0; k < 9; k++) inverse[k] = k == 8 ? 1.0 / f->count : 0.0;
     } else {
-        /* A pivot about the axis through all contacts: none of it, but for rounding. */
+        /* Removes rounding of a pivot about the axis through all contacts, which has no stiffness.
+         * */
         for (int a = 0; a < 3; a++) turn[4 * a] += 1e-9 * f->count;
         gn_cofactor3(turn, inverse);
         const double det = gn_dot3(turn, inverse);
@@ -108,8 +108,8 @@ static bool can_pivot(const gn_dem *dem, size_t p) {
     return dem->particles.group[p] != 0;
 }
 
-/* Removes unsupported particles until none is left: each takes support from others. The result does
- * not depend on the order. */
+/* Removes unsupported particles repeatedly, because each removal takes support from others. The
+ * result does not depend on the order. */
 static void remove_unsupported(const gn_step_context *ctx, const gn_dem *dem, footing *all,
                                bool *held) {
     const size_t n = dem->particles.soa.count;
@@ -169,7 +169,7 @@ static gn_patch *side_of(gn_patch *patches, const double area[3], double size) {
     return &patches[SIDES - 1];
 }
 
-/* A piece of the surface goes to a patch of a particle. Ways are from its centre as yet. */
+/* Adds a piece of the surface to the patch of a particle. Arms are from its centre here. */
 static void distribute(const gn_step_context *ctx, const gn_dem *dem,
                        const gn_boundary_pieces *pieces, const gn_start_grid *g,
                        gn_patch *patches) {
@@ -254,14 +254,14 @@ static gneiss_status keep_patches(gn_dem *dem, gn_membrane *membrane, const gn_p
     return GNEISS_OK;
 }
 
-/* The middle of a patch at a way from the particle's centre, and what it cannot tell of `rest`, the
- * sum of areas times ways from there. */
+/* Sets the middle of a patch to an arm from the particle's centre, and `rest` to the remainder of
+ * the sum of areas times arms. */
 static void set_middle(gn_patch *patch, const double centre[3], const double way[3]) {
     for (int k = 0; k < 9; k++) patch->rest[k] -= patch->area[k / 3] * way[k % 3];
     for (int a = 0; a < 3; a++) patch->point[a] = centre[a] + way[a];
 }
 
-/* Shares of the surface of the shape. */
+/* Divides the surface of the given shape among particles. */
 static gneiss_status skin_of_shape(const gn_step_context *ctx, gn_dem *dem, double radius,
                                    const bool *held, gn_patch *all, gneiss_error *error) {
     gn_boundary_pieces pieces;
@@ -298,8 +298,8 @@ static void set_patch(gn_patch *patch, const double area[3], double size, const 
     set_middle(patch, at, way);
 }
 
-/* Without a shape. As of any closed surface the areas times places add up to what they enclose,
- * alike along all axes, and turn nothing, however it deforms. */
+/* Skin of particles without a given shape. As for any closed surface the areas times positions sum
+ * to the enclosed volume times the identity and exert no moment, however it deforms. */
 static void skin_of_particles(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                               const double *arms, gn_patch *all) {
     const gn_particles *q = &dem->particles;
@@ -367,8 +367,8 @@ gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem, gn_mem
 
 /* --- bearers --- */
 
-/* Without a shape: patches of those that are not held, where any of their body is, go to what is
- * nearest of it. `body` [particles]: the leading particle of the body of each. */
+/* Without a given shape: moves the patches of unsupported particles to the nearest supported
+ * particle of their body, if it has any. `body` [particles]: representative of each body. */
 static gneiss_status reassign_patches(const gn_step_context *ctx, gn_dem *dem,
                                       gn_membrane *membrane, const bool *held, const int32_t *body,
                                       gneiss_error *error) {
@@ -398,7 +398,7 @@ static gneiss_status redistribute(const gn_step_context *ctx, gn_dem *dem, gn_me
                                   const bool *held, int32_t *body, gneiss_error *error) {
     gn_dem *d = dem;
     if (!gn_scene_membrane_on_shape(&ctx->scene)) {
-        gn_world_body_groups(ctx, dem, INT32_MAX, body);
+        gn_dem_body_groups(ctx, dem, INT32_MAX, body);
         GN_TRY(reassign_patches(ctx, dem, membrane, held, body, error));
         qsort(membrane->patches, membrane->patch_count, sizeof *membrane->patches, by_owner);
     } else {

@@ -47,7 +47,7 @@ static void face_nodes(const gn_joint_search *search, size_t element, int face, 
     for (int k = 0; k < search->dimension; k++) node[k] = all[opposite[face][k + 1]];
 }
 
-/* Returns the side of its face on which an element is, by the order of the face's nodes alone; 0:
+/* Returns the side of its face on which an element lies, by the order of the face's nodes alone; 0:
  * it has no volume. */
 static int side_of(const gn_joint_search *search, size_t element, int face) {
     int32_t node[3];

@@ -88,7 +88,7 @@ static gneiss_status size_grid(search *state, grid *cells, double radius, gneiss
                 2.0 * reach, "xyz"[a], q -> period[a]);
         total *= fmax(1.0, floor(state->extent[a] / reach));
     }
-    /* A few large cells do no harm, but more cells than particles waste memory. */
+    /* A few large cells are harmless, but more cells than particles waste memory. */
     double limit = 2.0 * (double)cells->count + 64.0;
     double widen = total > limit ? pow(total / limit, 1.0 / q->dimension) : 1.0;
     for (int a = 0; a < q->dimension; a++) {

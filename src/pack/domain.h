@@ -26,10 +26,10 @@ gneiss_status gn_domain_cylinder(const double base[3], double radius, double hei
                                  gn_domain **domain, gneiss_error *error);
 /* Makes a body from a closed surface oriented outward by gn_mesh_close_surface or gn_mesh_boundary
  * (dimension 3: its triangles; 2: its lines with the body on their left, holes allowed, z ignored).
- * It copies what it needs; `name` is the prefix of messages. Triangles with a height below 1e-7 of
- * the extent are treated as lines. GNEISS_ERROR_INPUT: not closed, not oriented outward, no volume,
- * or two triangles without common node that intersect by more than 1e-6 of the extent (lines: cross
- * or touch), with their positions. */
+ * It copies the data that it needs; `name` is the prefix of messages. Triangles with a height below
+ * 1e-7 of the extent are treated as lines. GNEISS_ERROR_INPUT: not closed, not oriented outward, no
+ * volume, or two triangles without common node that intersect by more than 1e-6 of the extent
+ * (lines: cross or touch), with their positions. */
 gneiss_status gn_domain_surface(const gn_mesh *mesh, int dimension, const char *name,
                                 gn_domain **domain, gneiss_error *error);
 /* Checks only that facets [count][corners] (3 corners: triangles; 2: edges in 2D) do not intersect,

@@ -71,7 +71,7 @@ static void nearest(const gn_step_context *ctx, double d[3]) {
         if (ctx->period[a] > 0.0) d[a] -= ctx->period[a] * rint(d[a] / ctx->period[a]);
 }
 
-/* Where three of five touch, finding them costs what it saves. */
+/* If three of five pairs touch, the search costs as much as it saves. */
 static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_contacts *list = &dem->pairs.contacts;
     const double *ref = dem->particles.ref, *pos = dem->particles.pos;
@@ -86,9 +86,9 @@ static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
     return 5 * touching < 3 * list->soa.count;
 }
 
-/* Where bonds are, unbonded pairs are few. Where something else moves particles (a box, finite
- * elements) the way of a step is more than its velocities. In mixed precision places would be read
- * twice, in either precision. */
+/* With bonds, unbonded pairs are few. If other parts move particles (a box, finite elements), the
+ * path of a step exceeds velocity times dt. In mixed precision positions would be read twice, once
+ * in each precision. */
 static bool worth_while(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box) {
     const gn_effects against = GN_FX_BONDS | GN_FX_CONTACT_FORCES | GN_FX_MIXED;
     return !dem->near.disabled && !(ctx->effects & against) && !ctx->scene.has_couple &&
@@ -121,7 +121,7 @@ void gn_near_free(gn_near *near) {
     *near = (gn_near){0};
 }
 
-/* Behind the pairs of a block there is room for what vectors read and write beyond them. */
+/* Blocks end with room for vectors that extend past their last pair. */
 static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
     gn_near *n = &dem->near;
     const gn_partials *q = &dem->pairs.partials;
@@ -130,7 +130,7 @@ static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
     const size_t needed = n->blocks * n->stride, streams = streams_of(n);
     if (needed <= n->room && streams <= n->streams) return GNEISS_OK;
     free_room(n);
-    n->room = needed + needed / 8; /* lists that are made anew differ little */
+    n->room = needed + needed / 8; /* rebuilt lists differ little in length */
     n->streams = streams;
     n->i = gn_alloc_array_raw(n->room, sizeof *n->i);
     n->j = gn_alloc_array_raw(n->room, sizeof *n->j);
@@ -160,7 +160,7 @@ gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     n->on = n->packed = false;
     if (!worth_while(ctx, dem, box)) return GNEISS_OK;
     GN_TRY(make_paths(dem, error));
-    find_columns(n, &dem->pairs.contacts, &(gn_uniform){0}); /* more are never asked for */
+    find_columns(n, &dem->pairs.contacts, &(gn_uniform){0}); /* no more columns are ever needed */
     GN_TRY(make_room(dem, error));
     find_columns(n, &dem->pairs.contacts, &dem->pairs.uniform);
     n->listed = (double)dem->pairs.contacts.soa.count;
@@ -182,8 +182,8 @@ size_t gn_near_bytes(const gn_dem *dem) {
 /* Room for rounding. */
 static const double more = 1.0 + 1e-6;
 
-/* Returns the path within a span of `steps` steps if velocities go on changing by `change` in each.
- */
+/* Returns the path within a span of `steps` steps if velocities continue to change by `change` per
+ * step. */
 static double drift(const gn_near_past *past, double change, int steps) {
     return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
 }
@@ -194,9 +194,9 @@ static double largest_change(const gn_near *near) {
     return most;
 }
 
-/* Begins a span: the pairs found now are to hold for `steps` steps if velocities go on changing by
- * 1.5 times as much as in the last step. Where little happens a collision may begin, but seldom the
- * fiercest. */
+/* Begins a span: the pairs found now must be valid for `steps` steps if velocities change by 1.5
+ * times as much per step as in the last one. In a quiet system a collision may begin, but seldom
+ * the most violent one. */
 static void begin_span(gn_near *near, int steps) {
     static const double reserve = 1.5, of_largest = 0.2;
     const double least = of_largest * largest_change(near);
@@ -209,12 +209,12 @@ static void begin_span(gn_near *near, int steps) {
     near->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
 }
 
-/* Looking costs about half of what the kernel does with as many pairs; the longer it is to hold,
- * the more pairs do not touch. So many steps that both together cost least are gone up to and down
- * from again: pairs and not seconds decide. */
+/* A search costs about half of what the kernel takes for as many pairs; the longer its result is to
+ * be valid, the more of its pairs do not touch. The number of steps with the least total cost is
+ * found by varying it up and down; the cost is counted in pairs, not in seconds. */
 static void tune_steps(gn_near *near) {
     enum { MOST = 64 };
-    static const double look = 0.5; /* of what the kernel takes for a pair */
+    static const double look = 0.5; /* relative cost of the search for a pair, the kernel being 1 */
     double act = 0.0;
     for (size_t b = 0; b < near->blocks; b++) act += near->count[b];
     const double cost = act + look * near->listed / fmax(near->span.steps, 1.0);
@@ -225,15 +225,15 @@ static void tune_steps(gn_near *near) {
     if (near->steps > MOST) near->steps = MOST;
 }
 
-/* A sweep at other velocities than those that led to the positions does not show which pairs
- * touched a step ago. All pairs of new lists are processed once: zeros that changed their sign with
- * the places of their ends lose it, see put. */
+/* A sweep with velocities other than those that led to the positions does not show which pairs
+ * touched a step ago. All pairs of new lists are processed once: zeros whose sign changed when
+ * their ends were exchanged become positive, see put. */
 void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
     gn_near *n = &dem->near;
     if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
     if (!n->on) return;
     if (memcmp(&n->uniform, &pairs->uniform, sizeof n->uniform) != 0) {
-        if (!n->again) gn_near_repack(ctx, dem); /* else nothing is packed as yet */
+        if (!n->again) gn_near_repack(ctx, dem); /* else nothing is packed yet */
         find_columns(n, pairs->contacts, &pairs->uniform);
     }
     const gn_near_span *s = &n->span;
@@ -297,7 +297,7 @@ static size_t take_all(const block_of_pairs *block) {
     return count;
 }
 
-/* Which of the block act. */
+/* Finds the active pairs of a block. */
 static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
                  const block_of_pairs *block) {
     const gn_partials *q = pairs->partials;
@@ -323,7 +323,7 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
         (int32_t)(n->whole ? take_all(block) : kernels->find(&args, block->act));
 }
 
-/* Their ends and places. */
+/* Packs their ends and places. */
 static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_contact_args *pairs,
                       const block_of_pairs *block) {
     const gn_near_kernels *kernels = ctx->kernels->near;
@@ -345,7 +345,7 @@ typedef struct packed_before {
     uint8_t act[GN_CONTACT_BLOCK / GN_NEAR_GROUP];
 } packed_before;
 
-/* Columns of pairs that were not packed are zero; see put. */
+/* Columns of pairs that were not packed before are zero; see put. */
 static void move_packed(const gn_step_context *ctx, double *data, const packed_before *was,
                         const block_of_pairs *block) {
     double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
@@ -449,7 +449,7 @@ void gn_near_forget(const gn_step_context *ctx, gn_dem *dem) {
 
 /* --- checkpoints --- */
 
-/* Behind the last pair of a block nothing is marked. */
+/* Clears the marks after the last pair of a block. */
 static void clear_ends(gn_near *near, const gn_contacts *list, size_t length) {
     for (size_t k = 0; k < near->blocks; k++) {
         const block_of_pairs b = block_at(near, list, length, k);
@@ -476,7 +476,7 @@ gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *group
                           .packed = n->packed};
 }
 
-/* How many of a block; false where there is a mark behind its pairs. */
+/* Counts the marked pairs of a block; false if a mark is after its last pair. */
 static bool count_block(gn_near *near, const block_of_pairs *block) {
     int32_t count = 0;
     bool good = true;

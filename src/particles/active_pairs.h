@@ -1,10 +1,10 @@
-/* Pairs that act. In grains that flow two of three listed pairs do not touch, and a kernel that
- * works on vectors cannot leave them out one by one. So the pairs of a block that touch, did in the
- * last two steps (which acted for a part of a step, or have to be forgotten), or may do within the
- * next few are found, with the velocities that they have; their columns are packed together, and
- * for these steps the kernel works on them, in the order of the list. What is left out would have
- * added zeros: no bit of any sum is another. By how much velocities changed since is followed in
- * every step: where that could bring together what was left out, all is found anew. */
+/* Active pairs. In flowing grains two of three listed pairs do not touch, and a vector kernel
+ * cannot skip single pairs. Therefore the pairs of a block are found that touch, touched in the
+ * last two steps (they may have acted for a part of a step, or their state must be reset), or may
+ * touch within the next few steps at their velocities. Their columns are packed together, and for
+ * these steps the kernel processes them alone, in the order of the list. Omitted pairs would have
+ * added zeros, so that every bit of every sum is the same. The change of velocities is followed in
+ * every step: when it could bring an omitted pair into contact, the search is repeated. */
 #ifndef GN_PARTICLES_ACTIVE_PAIRS_H
 #define GN_PARTICLES_ACTIVE_PAIRS_H
 
@@ -34,20 +34,21 @@ typedef struct gn_near_past {
     double dt[2]; /* s, of the last one and the one before that */
 } gn_near_past;
 
-/* For how long what was found holds. */
+/* Validity of the last search. */
 typedef struct gn_near_span {
-    double ahead;   /* s, see gn_near_args */
-    double elapsed; /* s since */
-    bool over;      /* some particle may have gone further besides than its margin */
+    double ahead;   /* s, duration for which the search holds, see gn_near_args */
+    double elapsed; /* s, time since the search */
+    bool over;      /* some particle may have moved beyond its margin */
     int steps;      /* sweeps that worked on it */
 } gn_near_span;
 
-/* The part of it in checkpoints besides `act`, in doubles. The pairs that are packed beside each
- * other determine the order in which losses are summed, so a resumed run packs the same ones. */
+/* The part of the state in checkpoints apart from `act`, in doubles. The pairs that are packed
+ * beside each other determine the order in which losses are summed, so that a resumed run must pack
+ * the same ones. */
 typedef struct gn_near_kept {
     double known, dt[2];                        /* gn_near_past */
     double ahead, elapsed, over, worked;        /* gn_near_span */
-    double steps, towards, cost, fresh, packed; /* gn_near; cost -1: none as yet */
+    double steps, towards, cost, fresh, packed; /* gn_near; cost -1: not measured yet */
 } gn_near_kept;
 
 typedef struct gn_near {
@@ -58,15 +59,16 @@ typedef struct gn_near {
     bool unsettled; /* columns of the list that the kernel writes are not up to date */
     bool whole;     /* in this sweep: all pairs are worked on */
     bool look;      /* in this sweep: the active pairs are found again, */
-    bool move;      /* and packed columns stay packed, in other places */
+    bool move;      /* and columns that stay packed move to their new places */
     bool again;     /* in the next sweep: those of `act` are packed from the list, */
     bool take;      /* in this one */
     gn_near_past past;
     gn_near_span span;
-    int steps, towards;  /* that what is found is to hold for; which way that goes, 1 or -1 */
+    int steps, towards;  /* steps for which a search is to hold; 1 or -1: direction in which their
+                            number is varied */
     double listed, cost; /* pairs; of the last span, in pairs worked on per step */
-    gn_near_kept kept;   /* of a checkpoint that was read, until lists are there; */
-    uint8_t *kept_act;   /* [kept_groups], NULL: of none */
+    gn_near_kept kept;   /* state of a checkpoint that was read, until lists exist; */
+    uint8_t *kept_act;   /* [kept_groups], NULL: none */
     size_t kept_groups;
     gn_near_path *kept_paths; /* [kept_path_count] */
     size_t kept_path_count;
@@ -74,43 +76,46 @@ typedef struct gn_near {
     gn_near_path *paths; /* [path_count + 1] of blocks of particles; null particles have zeros */
     size_t path_count;
 
-    size_t blocks, stride; /* of blocks in what follows, in pairs */
-    size_t room;           /* pairs, with padding */
-    size_t streams;        /* columns of data that there is room for */
-    int32_t *i, *j;        /* [room] */
-    uint16_t *place;       /* [room][2] of their rows, see gn_partials */
-    double *data;          /* [streams][room] */
-    uint8_t *act;          /* [room/GN_NEAR_GROUP] bits: which of a block */
-    int32_t *count;        /* [blocks] */
+    size_t blocks,
+        stride;  /* of pairs in the arrays below: number of blocks, distance between two blocks */
+    size_t room; /* pairs, with padding */
+    size_t streams;  /* columns of data that there is room for */
+    int32_t *i, *j;  /* [room] */
+    uint16_t *place; /* [room][2] of their rows, see gn_partials */
+    double *data;    /* [streams][room] */
+    uint8_t *act;    /* [room/GN_NEAR_GROUP] bits: which of a block */
+    int32_t *count;  /* [blocks] */
 
     gn_uniform uniform; /* that `column` was made for */
     gn_near_column column[GN_NEAR_COLUMNS];
     int columns;
 } gn_near;
 
-/* Whenever lists were made or read: whether it is worth while, by the places when they were made,
- * so that a run that goes on decides as it did. */
+/* Decides whether active pairs are worth searching, from the positions when the lists were made, so
+ * that a resumed run decides alike. Called whenever lists were made or read. */
 gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
                             gneiss_error *error);
 void gn_near_free(gn_near *near);
 size_t gn_near_bytes(const gn_dem *dem);
 
 /* Writes packed columns back into the list of pairs, before shear, fd, closeness or roll are read
- * there. The list is then as if nothing had been packed, so that a constant world may be settled.
- */
+ * there. The list is then as without packing; as this does not change the state, a constant world
+ * may be settled. */
 void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
 /* Columns of pairs were or will be changed by others than the kernel; also velocities or places, by
  * others than a step. */
 void gn_near_repack(const gn_step_context *ctx, gn_dem *dem);
 void gn_near_forget(const gn_step_context *ctx, gn_dem *dem);
-/* For a checkpoint, besides `paths`: settles, says what there is, and goes on as a run does that
- * reads it. `groups`: of `act`, 0 when nothing is packed. */
+/* Prepares a checkpoint, which also holds `paths`: settles the list, returns the state, and
+ * continues as a run does that reads it. `groups`: number of groups of `act`, 0 if nothing is
+ * packed. */
 gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups);
-/* After lists were read: as it was when `kept` was. Marks of other pairs than there are are an
- * error (GNEISS_ERROR_INPUT). */
+/* Restores the state `kept` after lists were read. GNEISS_ERROR_INPUT: marks of pairs that do not
+ * exist. */
 gneiss_status gn_near_resume(gn_dem *dem, gneiss_error *error);
 
-/* Before a sweep; a block of pairs, in place of the kernel on all of it; after the motion. */
+/* Begins a sweep; processes a block of pairs in place of the kernel; follows the motion at the end
+ * of the sweep. */
 void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs);
 void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
                   size_t block, gn_contact_sums *sums);

@@ -1,6 +1,7 @@
-/* The springs of rigid bodies on plane walls and on each other: those of both one behind the other,
- * along and across. By Hertz's law, where walls and bodies have materials or are rigid, a body may
- * have a stiffness for these contacts besides; what has none is rigid in them. */
+/* Springs of rigid bodies in contact with plane walls and with each other: the springs of both
+ * sides in series, normal and tangential. Under Hertz's law, where walls and bodies have materials
+ * or are rigid, a body may have an additional stiffness for these contacts; without one it is rigid
+ * in them. */
 #ifndef GN_PARTICLES_BODY_SPRINGS_H
 #define GN_PARTICLES_BODY_SPRINGS_H
 
@@ -11,7 +12,7 @@
 
 /* Walls and bodies are counted through, as by gn_scene_surface_at. */
 typedef struct gn_body_spring {
-    gn_touch_side side; /* stiffness 0: they do not meet; kratio 0: no tangential spring */
+    gn_touch_side side; /* stiffness 0: they have no contact; kratio 0: no tangential spring */
     double damping;     /* of critical, of dashpots */
 } gn_body_spring;
 gn_body_spring gn_body_spring_of(const gn_scene *scene, size_t place, size_t other);

@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-/* Free overlaps that were never bonds stand in the same list, and fill no part of the body. */
+/* Stress-free overlaps that were never bonds are in the same list, and fill no part of the body. */
 static bool is_section(const gn_contacts *bonds, size_t c) {
     return bonds->cause[c] != GN_BOND_NEVER;
 }
@@ -48,7 +48,7 @@ static double filled_by_dempack(const gn_step_context *ctx, const gn_dem *dem) {
     return sum;
 }
 
-/* Without bonds there is no body to measure it by: 1. */
+/* Returns 1 without bonds, because there is no body to measure. */
 static double gamma_of(const gn_step_context *ctx, const gn_dem *dem) {
     if (ctx->scene.gamma > 0.0) return ctx->scene.gamma;
     if (!count_sections(&dem->bonds.contacts)) return 1.0;
@@ -85,7 +85,7 @@ static gneiss_status list_bonds(const gn_dem *dem, faces *f, gneiss_error *error
     f->free = gn_alloc_array(n + 1, sizeof *f->free);
     f->open = gn_alloc(n + 1);
     bool held = f->start && f->bond && f->scale && f->free && f->open;
-    /* Counted two places on, so that filling leaves the starts where they belong. */
+    /* Counts are stored two places ahead, so that filling leaves the starts in their places. */
     for (size_t c = 0; held && c < b->soa.count; c++) {
         if (!is_section(b, c)) continue;
         f->start[b->i[c] + 2]++;
@@ -140,7 +140,8 @@ static gneiss_status find_faces(const gn_step_context *ctx, const gn_dem *dem, f
     return GNEISS_OK;
 }
 
-/* The mean of both ends; where one of them alone has holes about it the other's. */
+/* Sets a section to the mean of both ends; if only one end has missing neighbours, to that of the
+ * other end. */
 static void set_polyhedra(const gn_step_context *ctx, gn_dem *dem, const faces *f) {
     gn_contacts *b = &dem->bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {

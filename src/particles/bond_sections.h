@@ -11,18 +11,18 @@
  * other laws. */
 gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
-/* How the sections fill the body. */
+/* Ratio of the volume of the bonds to that of the body. */
 typedef struct gn_area_check {
     double filled;        /* sum of sections times lengths over dimension times volume: 1 wanted */
     double free;          /* the same of the faces that no bond has; with polyhedron */
     size_t open;          /* particles with such faces */
-    double dempack_gamma; /* 40 e/n_c, what the source takes for gamma */
+    double dempack_gamma; /* 40 e/n_c, the value of the source for gamma */
 } gn_area_check;
 gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem, gn_area_check *check,
                              gneiss_error *error);
 
-/* Bond area that a plane through the specimen cuts over its own, in the mean over directions, of
- * any law (law.c). */
+/* Returns the area of bonds, of any law, that a plane through the specimen cuts, over the area of
+ * the plane, averaged over directions (law.c). */
 double gn_law_cut(const gn_step_context *ctx, const gn_dem *dem);
 
 #endif

@@ -11,7 +11,6 @@
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/lists.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/bond_causes.h"
@@ -34,9 +33,9 @@ static bool bondable(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
            *distance >= sum * (1.0 - ctx->scene.overlap_range);
 }
 
-/* Least length of a bond over the smaller radius. A bond turns with the line of its centres: where
- * these are hardly farther apart than what it is stretched and sheared before it breaks (some
- * thousandths of a radius), the line turns by large angles in a step and the energy goes wrong. */
+/* Least length of a bond over the smaller radius. A bond rotates with the line between its centres:
+ * if their distance is hardly larger than the deformation at which it breaks (some thousandths of a
+ * radius), that line rotates by large angles in a step, and energy is not conserved. */
 static const double bond_least = 0.01;
 
 static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
@@ -126,9 +125,9 @@ static void add_overlap(free_overlaps *overlaps, int32_t i, int32_t j, double re
 /* Overlaps below this share of r_i + r_j are rounding of the places. */
 static const double overlap_least = 1e-9;
 
-/* Tells whether overlaps of the start are those of a packing that bonds take as they are. Where a
- * later stage forms the bonds this is known of packings that were made to overlap. Elements that
- * convert refuse overlaps without a bond (conversion/conversion_setup.c). */
+/* Tells whether the overlaps at the start are those of a packing, which bonds take as stress-free.
+ * If a later stage forms the bonds, this holds for packings that were made with overlaps. Elements
+ * that convert refuse overlaps without a bond (conversion/conversion_setup.c). */
 static bool overlaps_are_free(const gn_step_context *ctx) {
     const gn_scene *s = &ctx->scene;
     const bool made = s->specimen.pack.overlap == GN_OVERLAP_PASSIVE || gn_scene_from_packing(s);
@@ -168,8 +167,8 @@ static int by_ends(const void *a, const void *b) {
     return (x->j > y->j) - (x->j < y->j);
 }
 
-/* The bonds of another run in the order of this one: pairs, and in from->rest_length what belongs
- * to each. Those that do not hold keep the distance at which they have no force. */
+/* Takes over the bonds of another run in the order of this one: pairs, and in from->rest_length
+ * their data. Those that are broken keep their stress-free distance. */
 static gneiss_status take_bonds(const gn_step_context *ctx, const gn_dem *dem, gn_from_run *from,
                                 gn_pair_list *pairs, free_overlaps *loose, gneiss_error *error) {
     GN_TRY(gn_from_run_read(&ctx->scene, from, error));
@@ -231,8 +230,8 @@ static size_t count_known(const gn_contacts *list, const gn_pair_list *pairs) {
     return known;
 }
 
-/* Both lists are sorted; `fresh` [in all]: whether a bond is a new one, which takes the place of a
- * free overlap of that pair. */
+/* Merges two sorted lists; `fresh` [in all]: the bond is new, and replaces a stress-free overlap of
+ * that pair. */
 static gneiss_status merge(gn_dem *dem, const gn_pair_list *pairs, uint8_t *fresh,
                            gneiss_error *error) {
     gn_contacts *old = &dem->bonds.contacts, now = {0};
@@ -257,7 +256,8 @@ static gneiss_status merge(gn_dem *dem, const gn_pair_list *pairs, uint8_t *fres
     return GNEISS_OK;
 }
 
-/* As if a bond had broken there: it presses below its distance of no force, and never pulls. */
+/* Gives a contact the state of a broken bond: it presses below its stress-free distance, and never
+ * pulls. */
 static void set_overlap(const gn_step_context *ctx, gn_dem *dem, size_t c, double rest) {
     gn_contacts *b = &dem->bonds.contacts;
     b->length0[c] = rest;
@@ -267,8 +267,8 @@ static void set_overlap(const gn_step_context *ctx, gn_dem *dem, size_t c, doubl
     b->cause[c] = GN_BOND_NEVER;
 }
 
-/* Overlaps that are free of stress stand in the list of bonds, which keeps distances of no force;
- * they count as none. */
+/* Stores overlaps that are free of stress in the list of bonds, which holds stress-free distances;
+ * they do not count as bonds. */
 static gneiss_status keep_overlaps(const gn_step_context *ctx, gn_dem *dem, const free_overlaps *o,
                                    gneiss_error *error) {
     const size_t most = dem->bonds.contacts.soa.count + o->pairs.count;
@@ -331,7 +331,7 @@ static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem, gneiss_
 
 /* --- in a later stage --- */
 
-/* m: by how much the ends came apart in the last step. */
+/* m: by how much the distance of the ends grew in the last step. */
 static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                         int32_t i, int32_t j, const double d[3], double length) {
     const double *a = dem->particles.vel + 4 * (int64_t)i, *b = dem->particles.vel + 4 * (int64_t)j;
@@ -341,8 +341,8 @@ static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return length - sqrt(gn_dot3(before, before));
 }
 
-/* J: what a tangential force on the first particle did in the last step, n from it to the second.
- */
+/* Returns the work, J, of a tangential force on the first particle in the last step, n from it to
+ * the second. */
 static double last_slide(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
                          const double n[3], double gap, const double force[3]) {
     const gn_particles *q = &dem->particles;
@@ -358,12 +358,12 @@ static double last_slide(const gn_step_context *ctx, const gn_dem *dem, int32_t 
     return ctx->dt_past * sum;
 }
 
-/* J, what contacts of a list hold at the present places, less what the normal force does over half
- * of the last path: of the work of that the other half was booked with the force that was there,
- * this one will be with the force that is found now. What a change of the law is worth is then k
- * u u', with the stretch before and after the path, whatever the step. Tangential forces are still
- * those of before the path, which has half of its work to come. A pair that has become a bond stays
- * listed until the lists are made. */
+/* Returns the energy, J, of the contacts of a list at the present positions, less the work of the
+ * normal force over half of the last path: the first half was booked with the force of that
+ * instant, the second will be booked with the force found next. The energy of a change of the law
+ * is then k u u', with the stretch before and after the path, for any step. Tangential forces still
+ * are those before the path, half of whose work is not booked yet. A pair that has become a bond
+ * remains in the list of pairs until the lists are made. */
 static double stored_in(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                         const gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
@@ -387,9 +387,10 @@ static double stored_in(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return sum;
 }
 
-/* Against rounding of places and the last overlaps of a fitted packing: what is stored lets the
- * particles go, as one, farther than this share of the smallest radius in the longest stable step.
- * A wave crosses about that radius in it, so that this is a strain. */
+/* Compares the velocity that the stored energy could give to all particles together with the
+ * rounding of positions and the last overlaps of a fitted packing: it matters if they would move by
+ * more than this fraction of the smallest radius in the longest stable step. In that step a wave
+ * crosses about that radius, so that the fraction is a strain. */
 bool gn_stored_matters(const gn_step_context *ctx, const gn_dem *dem, double stored) {
     const double strain = 1e-5, speed = sqrt(2.0 * fmax(0.0, stored) / dem->mass);
     return isfinite(ctx->stable) && speed * ctx->stable > strain * dem->radius_min;
@@ -403,8 +404,8 @@ double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
     return sum;
 }
 
-/* A contact that is no bond any more bears no more across it than friction lets it, and where it is
- * not pressed nothing: what the bond bore beyond that goes with the bond and slides nowhere. */
+/* Limits the tangential force of a dissolved bond to friction, which is zero where it is not
+ * pressed; the excess is released with the bond and does no frictional work. */
 static void leave_to_friction(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *contacts,
                               size_t c) {
     const double *x = dem->particles.pos + 4 * (int64_t)contacts->i[c],
@@ -474,7 +475,7 @@ static void take_shear(const gn_step_context *ctx, const gn_dem *dem, gn_contact
     }
 }
 
-/* Sections are those of all bonds together; what was there before keeps its own. */
+/* Computes sections from all bonds together; bonds that existed before keep theirs. */
 static gneiss_status find_new_areas(const gn_step_context *ctx, gn_dem *dem, const uint8_t *fresh,
                                     gneiss_error *error) {
     gn_contacts *b = &dem->bonds.contacts;

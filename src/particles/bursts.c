@@ -15,8 +15,8 @@
 
 /* --- how far and how long --- */
 
-/* Means over the bonds: of the diameters, and of what a wave takes for a length in a chain of equal
- * masses m and springs k of length L, sqrt(m/k)/L. */
+/* Computes means over the bonds: of the diameters, and of the time per length of a wave in a chain
+ * of equal masses m and springs k of length L, sqrt(m/k)/L. */
 static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *bursts) {
     const gn_contacts *list = &dem->bonds.contacts;
     const double *pos = dem->particles.pos, *vel = dem->particles.vel;

@@ -10,11 +10,11 @@
 #include <stdint.h>
 
 typedef struct gn_burst {
-    double time, duration; /* s, of its first break; to its last */
-    double place[3];       /* m, mean of its breaks, as the user sees it */
+    double time, duration; /* s, of its first break; from that to its last one */
+    double place[3];       /* m, mean position of its breaks in the user's coordinates */
     double energy;         /* J, that its breaks released; NaN: without the ledger */
-    int32_t size, tension; /* breaks, and those of them in tension */
-    int64_t first;         /* place in the list of events of its first break */
+    int32_t size, tension; /* number of breaks, and of breaks in tension */
+    int64_t first;         /* index of its first break in the list of events */
 } gn_burst;
 
 typedef struct gn_bursts {
@@ -24,11 +24,12 @@ typedef struct gn_bursts {
     double reach, window; /* m, s */
 } gn_bursts;
 
-/* Breaks no farther than `reach` and no longer than `window` apart belong together, and what
- * belongs to one of a burst to all of it. Reach is a number of mean diameters of the particles that
- * are bonded (output.burst_reach), the window the time in which a wave runs so far along bonds
- * (Hazzard & Young 2000; both as in Caulk 2018). Follows from the list of events, whatever rows a
- * history has. The caller frees, also on failure. */
+/* Groups breaks into bursts: two breaks belong together if they are at most `reach` apart and at
+ * most `window` apart in time, and so do all breaks that are linked through others. Reach is a
+ * multiple of the mean diameter of bonded particles (output.burst_reach), the window the time in
+ * which a wave travels it along bonds (Hazzard & Young 2000; both as in Caulk 2018). The result
+ * follows from the list of events, whatever the rows of the history. The caller frees it, also on
+ * failure. */
 gneiss_status gn_bursts_find(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *bursts,
                              gneiss_error *error);
 void gn_bursts_free(gn_bursts *bursts);

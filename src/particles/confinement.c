@@ -1,12 +1,11 @@
-/* The pressure around bonds, for `law.confinement: mean` (Santasusana 2013 lets friction see the
- * normal force of the bond alone, so that bonds across the direction of pressure gain nothing).
- *
+/* The pressure around bonds, for `law.confinement: mean` (in Santasusana 2013 friction uses the
+ * normal force of the bond alone, so that bonds across the direction of pressure gain no strength).
  * The stress of a particle is 1/V sum f (x) l over its bonds, with l its share of the branch, of
- * length r, and V = sum A r/d: its mean, tr/d, is sum f_n/sum A whatever the dimension d. A bond
- * gets the mean of its two particles times its own section. Bonds that broke count as they press;
- * what else touches a particle has no section and does not count. */
+ * length r, and V = sum A r/d: its mean, tr/d, is sum f_n/sum A for any dimension d. A bond uses
+ * the mean of its two particles times its own section. Broken bonds count with their pressure;
+ * other contacts have no section and do not count. */
 #include "frame/frame.h"
-#include "particles/parameters.h"
+#include "particles/law.h"
 #include "particles/particles.h"
 #include "soa/records.h"
 
@@ -32,7 +31,8 @@ static double get(const gn_contacts *contacts, size_t c) {
     return contacts->confined ? contacts->confined[c] : (double)contacts->confined_f[c];
 }
 
-/* Sums go by the order of the list, on one thread, so that they are the same for any number. */
+/* Sums are formed in the order of the list, on one thread, so that they are the same for any number
+ * of threads. */
 static void add_up(const gn_dem *dem, const gn_contacts *contacts, double *around) {
     for (size_t p = 0; p < 2 * dem->particles.soa.count; p++) around[p] = 0.0;
     for (size_t c = 0; c < contacts->soa.count; c++) {

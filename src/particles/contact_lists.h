@@ -1,5 +1,6 @@
-/* The contact lists of a model. What does not depend on the meaning of a list loops over them: the
- * sweep, the step limit, checkpoints, the state hash, the removal and renumbering of particles. */
+/* The contact lists of a model. Code that does not depend on the meaning of a list loops over them:
+ * the sweep, the step limit, checkpoints, the state hash, the removal and renumbering of particles.
+ * */
 #ifndef GN_PARTICLES_CONTACT_LISTS_H
 #define GN_PARTICLES_CONTACT_LISTS_H
 

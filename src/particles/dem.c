@@ -1,4 +1,4 @@
-/* Particles: from a packing to records, and what is asked of them as a whole. */
+/* Creation of particles from a packing, and sums over all particles. */
 #include "base/ball.h"
 #include "base/error.h"
 #include "base/new.h"
@@ -16,8 +16,8 @@
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/observe.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
+#include "particles/sets.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
@@ -65,7 +65,7 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
     for (size_t p = 0; p < packing->count; p++) {
         dem->radius_min = fmin(dem->radius_min, packing->sphere[4 * p + 3]);
         q->id[p] = (int32_t)p;
-        q->vel[4 * p + 3] = 1.0; /* there; the mass comes when materials are known */
+        q->vel[4 * p + 3] = 1.0; /* placeholder; masses are set when materials are known */
         q->material[p] = material < 0 ? 0 : material;
         q->group[p] = (int32_t)ctx->scene.specimen.group;
         if (q->slot) q->slot[p] = -1;
@@ -100,7 +100,7 @@ static void set_masses(const gn_step_context *ctx, gn_dem *dem) {
     }
 }
 
-/* Particles from another run keep the velocities that they had there. */
+/* Particles from another run keep their velocities. */
 static gneiss_status take_velocities(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_particles *q = &dem->particles;
     gn_from_run from;

@@ -56,10 +56,10 @@ gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
     return GNEISS_OK;
 }
 
-/* Overlap over radius from which Hertz's theory and any spring between hardly touching particles
- * are misleading, for particles that were not bonded at the start. Bonded specimens are pressed
- * further by platens and among debris without harm to their readings; beyond this value a particle
- * is passing through. */
+/* Overlap over radius beyond which Hertz's theory and any spring between hardly touching particles
+ * are misleading, for particles that were not bonded at the start. In bonded specimens larger
+ * overlaps at platens and among debris do not affect the readings; beyond this value a particle is
+ * passing through. */
 #define GN_DEPTH_LOOSE  0.1
 #define GN_DEPTH_BONDED 0.5
 

@@ -10,12 +10,12 @@
 /* Finds the loose particles, dem->loose, when it is first called. */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
-/* Begins a look at overlaps, with the loose particles known. */
+/* Begins a check of overlaps, with the loose particles known. */
 gneiss_status gn_depth_begin(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Returns the overlap, m, below which a contact is pressed less than the one in dem->depth. */
 double gn_depth_known(const gn_dem *dem, double radius);
-/* Takes an overlap, m, into dem->depth if it is the largest so far; `radius`: the smaller one of
- * the contact, `second`: see gn_depth. */
+/* Stores an overlap, m, in dem->depth if it is the largest so far; `radius`: the smaller one of the
+ * contact, `second`: see gn_depth. */
 void gn_depth_note(const gn_step_context *ctx, gn_dem *dem, double overlap, double radius, size_t p,
                    double second);
 

@@ -1,5 +1,5 @@
 /* Kernels mark what happens to a bond (columns happened, released); here the marks of a step become
- * rows of the list. Only blocks whose sums say that something happened are looked at. */
+ * rows of the list. Only blocks whose sums report an event are visited. */
 #include "particles/events.h"
 
 #include "base/error.h"
@@ -40,7 +40,7 @@ static void place_of(const gn_step_context *ctx, const gn_dem *dem, size_t c, do
     double length = sqrt(gn_dot3(d, d));
     double arm = 0.5 * (length + q->pos[4 * i + 3] - q->pos[4 * j + 3]);
     for (size_t a = 0; a < 3 && length > 0.0; a++) at[a] += arm / length * d[a];
-    gn_world_point_out(ctx, at, place);
+    gn_user_point(ctx, at, place);
 }
 
 static void add_event(const gn_step_context *ctx, gn_dem *dem, size_t c, int cause, double energy) {

@@ -9,14 +9,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Kinds of events besides gn_cause, with the numbers of the states of bonds in output. */
+/* Kinds of events in addition to gn_cause, with the numbers of the states of bonds in output. */
 enum { GN_EVENT_SOFTENING = 4, GN_EVENT_YIELD = 5 };
 
 typedef struct gn_event {
     int64_t step;    /* whose forces did it */
     double time;     /* s */
-    double place[3]; /* m, of the contact, as the user sees it */
-    double energy;   /* J, what the break released; 0 of other events */
+    double place[3]; /* m, position of the contact in the user's coordinates */
+    double energy;   /* J, energy released by the break; 0 for other events */
     int32_t i, j;    /* ids of the particles, i < j */
     int32_t cause;   /* gn_cause, GN_EVENT_SOFTENING, GN_EVENT_YIELD */
     int32_t unused;
@@ -27,7 +27,7 @@ typedef struct gn_events {
     size_t count, capacity;
 } gn_events;
 
-/* After the motion of a step, before its time is counted: adds what happened in it. */
+/* Appends the events of a step, after its motion and before its time is counted. */
 gneiss_status gn_events_note(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_events_free(gn_events *events);
 

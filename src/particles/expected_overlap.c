@@ -13,8 +13,8 @@ static double fall(const gn_step_context *ctx, const gn_dem *dem) {
     return (pull + ctx->choice.push) * dem->verlet.skin;
 }
 
-/* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
- * things meet at a speed of square `speed2`. That is 4/15 kn u^(5/2). */
+/* Returns over `radius` the overlap at which a contact of stiffness kn sqrt(overlap) stores the
+ * kinetic energy of a collision at a speed of square `speed2`. That energy is 4/15 kn u^(5/2). */
 double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
                            double inverse_mass, double speed2, double radius, double known) {
     if (!(inverse_mass > 0.0)) return known;

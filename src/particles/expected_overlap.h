@@ -19,8 +19,8 @@ double gn_relative_speed2(const double *a, const double *b);
  * energy of a collision at the square `speed2` of a speed; `known` where that is larger. */
 double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
                            double inverse_mass, double speed2, double radius, double known);
-/* How far contacts of Hertz's law are expected to be pressed, m: of two particles
- * whose stiffness is kn sqrt(overlap), and of one with walls and surfaces. */
+/* Returns the expected overlap of contacts with Hertz's law, m: of two particles whose stiffness is
+ * kn sqrt(overlap), and of one with walls and surfaces. */
 double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
                           double kn);
 double gn_pressed_touch(const gn_dem *dem, size_t particle);

@@ -1,4 +1,4 @@
-/* Sources and sinks: what they are made of, and what is counted. */
+/* Sources and sinks: their regions and sizes, and counts of particles. */
 #include "particles/flow.h"
 
 #include "base/error.h"
@@ -205,7 +205,7 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
     gn_lost *l = &f->lost[f->lost_count++];
     dem->lost++;
     *l = (gn_lost){.id = q->id[p], .time = ctx->time};
-    gn_world_point_out(ctx, q->pos + 4 * p, l->place);
+    gn_user_point(ctx, q->pos + 4 * p, l->place);
     memcpy(l->velocity, q->vel + 4 * p, sizeof l->velocity);
     return GNEISS_OK;
 }

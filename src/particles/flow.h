@@ -1,7 +1,6 @@
-/* Particles that come and go: sources, sinks, and those that left the domain. The part of particles
- * (particles.h) owns all of it. Both act when lists are made, so that nothing else has to know:
- * what is near, what touches and what the step must hold follow as for particles that were there
- * before. */
+/* Particles that enter and leave: sources, sinks, and particles that left the domain. The part of
+ * particles (particles.h) owns all of it. Sources and sinks act when lists are made, so that other
+ * code treats new particles like all others. */
 #ifndef GN_PARTICLES_FLOW_H
 #define GN_PARTICLES_FLOW_H
 
@@ -16,15 +15,15 @@
 
 /* Doubles only: checkpoints store them as they are. */
 typedef struct gn_source_state {
-    double number, mass;  /* that came in; kg */
+    double number, mass;  /* particles that entered; kg */
     double momentum[3];   /* N s */
     double energy;        /* J */
     double sizes, places; /* random numbers used for radii, and for places */
     double radius;        /* m, of the next one, which waits for room; 0: not drawn yet */
-    double full;          /* looks at which there was no room for it */
+    double full;          /* number of checks at which there was no room for it */
 } gn_source_state;
 typedef struct gn_sink_state {
-    double number, mass;       /* that went out; kg */
+    double number, mass;       /* particles that left; kg */
     double momentum[3];        /* N s */
     double energy;             /* J, kinetic */
     double row_mass, row_time; /* at the last row of the history: no state */
@@ -32,7 +31,7 @@ typedef struct gn_sink_state {
 
 /* A particle that left the domain. */
 typedef struct gn_lost {
-    double id, time, place[3], velocity[3]; /* s; m, as the user sees it; m/s */
+    double id, time, place[3], velocity[3]; /* s; m, in the user's coordinates; m/s */
 } gn_lost;
 
 typedef struct gn_flow {
@@ -54,7 +53,7 @@ typedef struct gn_arrival {
 
 /* Regions, from the scene: also of a world that is resumed. */
 gneiss_status gn_flow_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
-/* Nothing has come nor gone. */
+/* Sets all counts to zero. */
 gneiss_status gn_flow_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_flow_free(gn_flow *flow);
 
@@ -78,7 +77,7 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
                                 gneiss_error *error);
 /* A row of the history has been written. */
 void gn_flow_row(const gn_step_context *ctx, gn_dem *dem);
-/* Particles that are there. */
+/* Returns the number of particles in the model. */
 size_t gn_world_present(const gn_dem *dem);
 
 uint64_t gn_flow_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);

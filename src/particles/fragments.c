@@ -38,7 +38,7 @@ static gn_fragments measure(const gn_step_context *ctx, const gn_dem *dem, int32
     gn_fragments found = {0, 0};
     double all = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (gn_is_dormant(dem, p)) continue; /* no part of the body as yet */
+        if (gn_is_dormant(dem, p)) continue; /* not a part of the body yet */
         size_t root = (size_t)gn_set_root(parent, (int32_t)p);
         double own = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         volume[root] += own;
@@ -71,7 +71,7 @@ static void start(const gn_pieces *pieces, size_t n) {
     }
 }
 
-const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
+const int32_t *gn_dem_body_sizes(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *p = &dem->particles;
     const gn_pieces *q = &dem->pieces;
     if (!(ctx->effects & GN_FX_BONDS)) return NULL;
@@ -80,13 +80,14 @@ const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
         join_touching(ctx, dem, &dem->list[l].contacts, q->parent);
     for (size_t k = 0; k < p->soa.count; k++)
         if (gn_particle_is_active(p, k)) q->members[gn_set_root(q->parent, (int32_t)k)]++;
-    for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
+    for (size_t k = p->soa.count;
+         k-- > 0;) /* processed last, so that the first particle of a body sets its values */
         q->members[k] =
             gn_particle_is_active(p, k) ? q->members[gn_set_root(q->parent, (int32_t)k)] : 0;
     return q->members;
 }
 
-bool gn_world_has_loosened(const gn_dem *dem) {
+bool gn_dem_has_loosened(const gn_dem *dem) {
     const gn_dem *d = dem;
     if (d->broken_tension + d->broken_shear + d->lost > 0) return true;
     for (size_t c = 0; c < d->bonds.contacts.soa.count; c++)
@@ -94,14 +95,14 @@ bool gn_world_has_loosened(const gn_dem *dem) {
     return false;
 }
 
-size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
-                            int32_t *group) {
+size_t gn_dem_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
+                          int32_t *group) {
     const size_t n = dem->particles.soa.count;
     int32_t *parent = dem->pieces.parent, lead = 0;
     size_t groups = 0;
     memset(group, 0, n * sizeof *group);
     if (!parent || !dem->bonds.contacts.soa.count) return 1;
-    const int32_t *members = gn_world_bodies(ctx, dem);
+    const int32_t *members = gn_dem_body_sizes(ctx, dem);
     for (size_t p = 0; p < n; p++)
         if (members[p] > members[lead]) lead = (int32_t)p;
     for (size_t p = 0; p < n; p++) {
@@ -112,7 +113,7 @@ size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32
     return groups;
 }
 
-gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem) {
+gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem) {
     const size_t n = dem->particles.soa.count;
     const gn_pieces *q = &dem->pieces;
     if (!(ctx->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
@@ -129,13 +130,13 @@ static bool is_anchor(const gn_dem *dem, size_t p) {
     return (slot >= 0 && dem->prescribed.mask[slot] & 7) || (q->blend && q->blend[2 * p] < 1.0);
 }
 
-double gn_world_anchored_volume(const gn_step_context *ctx, const gn_dem *dem) {
+double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const gn_pieces *pieces = &dem->pieces;
     double sum = 0.0, dormant = 0.0, largest = 0.0;
     bool anchored = false;
     if (!(ctx->effects & GN_FX_BONDS) || !q->soa.count) return 0.0;
-    (void)gn_world_fragments(ctx, dem);
+    (void)gn_dem_fragments(ctx, dem);
     for (size_t p = 0; p < q->soa.count; p++) {
         largest = fmax(largest, pieces->volume[p]);
         if (gn_is_dormant(dem, p))
@@ -179,7 +180,7 @@ static void finish(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *f
         centre[a] = dem->particles.pos[4 * at + a] + fragment->centre[a] / fragment->mass;
         fragment->velocity[a] /= fragment->mass;
     }
-    gn_world_point_out(ctx, centre, fragment->centre);
+    gn_user_point(ctx, centre, fragment->centre);
 }
 
 static int by_volume(const void *a, const void *b) {
@@ -188,8 +189,9 @@ static int by_volume(const void *a, const void *b) {
     return (x->first > y->first) - (x->first < y->first);
 }
 
-/* Pieces in the order of the least of their ids, particles in that of their ids: the sums do not
- * depend on how particles are sorted. *place: of each piece by its first particle's id. */
+/* Sums fragments in the order of their smallest ids, and particles in the order of ids, so that the
+ * sums do not depend on the sorting of particles. *place: index of each fragment by its first
+ * particle's id. */
 static void sum_pieces(const gn_step_context *ctx, const gn_dem *dem, gn_fragment_list *list,
                        int32_t *piece) {
     const gn_dem *d = dem;

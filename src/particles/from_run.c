@@ -12,15 +12,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double light = 299792458.0, far = 1e30; /* m/s, m: bounds of what a file may hold */
+static const double light = 299792458.0, far = 1e30; /* m/s, m: bounds of values in a file */
 
 /* Data of all particles in the file; removed ones are left out of *from. */
 typedef struct source {
     gn_h5 *file;
     size_t all, bonds;
     uint8_t *removed;
-    int32_t *place; /* [all] among those that are left, -1: removed */
-    double *vector; /* [all][3] what was read last */
+    int32_t *place; /* [all] index among the remaining particles, -1: removed */
+    double *vector; /* [all][3] the vector read last */
 } source;
 
 static gneiss_status no_memory(gneiss_error *error) {
@@ -175,7 +175,7 @@ static gneiss_status take_spheres(source *s, gn_from_run *from, gneiss_error *er
     return check_sizes(from, error);
 }
 
-/* All of its particles are there, at rest. */
+/* A packing holds all of its particles, at rest. */
 static gneiss_status read_packing(const gn_scene *scene, source *s, gn_from_run *from,
                                   gneiss_error *error) {
     if (scene->specimen.from_bonds)

@@ -10,10 +10,10 @@
 #include <stdint.h>
 
 typedef struct gn_from_run {
-    size_t count;        /* particles, without those that had been removed */
-    double *sphere;      /* [count][4] x y z r, m, as the user sees them */
-    double *motion;      /* [count][6] m/s, rad/s; NULL unless asked for, and of a packing */
-    size_t bonds;        /* and overlaps that are free of stress; 0 unless asked for */
+    size_t count;        /* particles, without removed ones */
+    double *sphere;      /* [count][4] x y z r, m, in the user's coordinates */
+    double *motion;      /* [count][6] m/s, rad/s; NULL unless requested, and for a packing */
+    size_t bonds;        /* bonds, and overlaps that are free of stress; 0 unless requested */
     int32_t (*bond)[2];  /* [bonds] by place in `sphere` */
     double *rest_length; /* [bonds] m, at which there is no normal force */
     uint8_t *holds;      /* [bonds] 0: it broke, was dissolved or never was a bond */

@@ -7,7 +7,6 @@
 #include "particles/body_springs.h"
 #include "particles/bond_sections.h"
 #include "particles/expected_overlap.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
@@ -18,7 +17,7 @@
 
 double gn_restitution_fraction(double restitution) {
     if (restitution >= 1.0) return 0.0;
-    if (restitution == 0.0) return 1.0; /* critical: it closes and does not come back */
+    if (restitution == 0.0) return 1.0; /* critical damping: it closes and does not rebound */
     double l = log(restitution);
     return -l / sqrt(M_PI * M_PI + l * l);
 }
@@ -36,7 +35,7 @@ gneiss_status gn_hertz_renew(const gn_step_context *ctx, gn_dem *dem, gn_hertz_p
     return gn_hertz_prepare(ctx, dem, error);
 }
 
-/* All pairs of materials that may meet. */
+/* Computes the parameters of all pairs of materials that may come into contact. */
 gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     size_t sides = gn_scene_sides(s), count = s->material_count;
@@ -69,7 +68,7 @@ double gn_inverse_mass_along(const gn_dem *dem, size_t p, const double n[3]) {
     return slot < 0 ? inverse : gn_free_share(dem->prescribed.mask[slot], n) * inverse;
 }
 
-/* Returns the inverse mass of a particle; one that shares its place with elements counts with its
+/* Returns the inverse mass of a particle; one whose mass is shared with elements counts with its
  * whole mass, because its contacts are weighted as a whole. */
 static double own_inverse_along(const gn_dem *dem, size_t p, const double n[3]) {
     const double *blend = dem->particles.blend;
@@ -120,8 +119,8 @@ static gn_law_pair pair_of_contact(const gn_step_context *ctx, const gn_dem *dem
     return pair;
 }
 
-/* The part that contacts have where elements are at their place as well: the mean of both ends. A
- * bond between two particles that have none keeps next to nothing, so that it still is a bond. */
+/* Returns the weight of contacts where elements occupy the same space: the mean of both ends. A
+ * bond between two particles of weight zero keeps a tiny weight, so that it remains a bond. */
 static double part_of(const gn_dem *dem, const gn_contacts *list, size_t c) {
     const double *blend = dem->particles.blend;
     if (!blend) return 1.0;
@@ -137,7 +136,7 @@ void gn_contact_set(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *
     if (part != 1.0) law->weigh(list, c, part);
 }
 
-/* Without a given area, laws by area take that of a pair that was never bonded. */
+/* Without a given area, laws by area use that of an unbonded pair. */
 static double area_of(const gn_step_context *ctx, const gn_dem *dem, const gn_law *law,
                       const gn_law_pair *pair, double overlap) {
     gn_law_model model = model_of(ctx, dem);
@@ -191,7 +190,7 @@ static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->cause && !(list->kn[c] > 0.0)) return; /* released with a removed particle */
     list->kn[c] = now->kn[c];
     if (list->kt) list->kt[c] = now->kt[c];
-    if (list->kappa) { /* strengths are those that damage has left, of materials that stay */
+    if (list->kappa) { /* strengths are those remaining after damage, of the former materials */
         double kappa = list->kappa[c], last = list->mu ? list->mu[c] : 0.0;
         list->mu1[c] = (1.0 - kappa) * now->mu1[c] + kappa * last;
         return;

@@ -8,7 +8,7 @@
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/dormant.h"
-#include "particles/parameters.h"
+#include "particles/law.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/field.h"
@@ -65,8 +65,8 @@ static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_l
 
 enum { PART = 512 };
 
-/* Up to PART pairs found. Parameters depend on the two particles alone: a pair that was there keeps
- * them, and its history. */
+/* Fills up to PART pairs. Parameters depend on the two particles alone: a pair that was in the old
+ * list keeps them, and its history. */
 static void fill_part(const gn_step_context *ctx, const gn_dem *dem, const gn_pair_list *found,
                       gn_contacts *now, size_t begin, size_t end, size_t *at) {
     int32_t from[PART], *first = now->i, *second = now->j;
@@ -153,8 +153,8 @@ gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn
     return status;
 }
 
-/* Contacts sorted by their new keys take these, and those whose ends changed places are mirrored;
- * `swapped` [count] is scratch. */
+/* Gives contacts, which are sorted by their new keys, these keys, and mirrors those whose ends
+ * exchanged places; `swapped` [count] is scratch. */
 static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swapped) {
     size_t turned = 0;
     for (size_t c = 0; c < list->soa.count; c++) {

@@ -12,12 +12,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Numbers of particles (lists.c): null particles behind the last one, index_of_id, and the ends of
- * contacts, which are sorted again; place[old] is the new one, NULL: numbers stay. */
+/* gn_dem_null_particles sets the null particles after the last one; gn_dem_number_ids sets
+ * index_of_id; gn_contacts_rename gives the ends of contacts new indices, place[old] (NULL:
+ * unchanged), and sorts the contacts again. */
 void gn_dem_null_particles(const gn_step_context *ctx, gn_dem *dem);
 void gn_dem_number_ids(gn_dem *dem);
 gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error);
-/* Adapts what depends on masses after they have changed; gn_dem_sum_masses only adds them up. */
+/* Updates everything that depends on masses after they have changed; gn_dem_sum_masses only adds
+ * them up. */
 void gn_dem_sum_masses(gn_dem *dem);
 void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem);
 /* Contacts whose particles have other numbers: i, j and where the contact was. Sorts the keys and
@@ -28,7 +30,7 @@ typedef struct gn_renamed {
 } gn_renamed;
 gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn_renamed *keys,
                               gneiss_error *error);
-/* The first contact of a sorted list that does not come before (i, j) (lists.c). */
+/* Returns the first contact of a sorted list that does not precede (i, j). */
 size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j);
 size_t gn_blocks(size_t count, size_t block);
 

@@ -4,8 +4,8 @@
 #include "frame/frame.h"
 #include "frame/step_change.h"
 #include "particles/active_pairs.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
+#include "particles/sets.h"
 
 #include <math.h>
 

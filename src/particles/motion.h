@@ -1,4 +1,4 @@
-/* Motion of blocks of particles, and what a step sums up to. */
+/* Motion of blocks of particles, and the sums of a step. */
 #ifndef GN_PARTICLES_MOTION_H
 #define GN_PARTICLES_MOTION_H
 
@@ -23,12 +23,12 @@ void gn_dem_clear_past(gn_dem *dem, size_t particle, bool spin);
 gn_contact_sums gn_contact_sums_of(const gn_contact_sums *blocks, size_t count);
 /* Sets dem->done from the sums of blocks; `walls`: of contacts with walls and facets. */
 void gn_dem_add_up(gn_dem *dem, const gn_contact_sums *walls);
-/* After the motion of all blocks: sums, bounds on paths and counts of the step. */
+/* Computes sums, bounds on paths and counts of the step, after the motion of all blocks. */
 void gn_dem_moved(const gn_step_context *ctx, gn_dem *dem, const gn_contact_sums *walls);
 /* Raises the bounds on paths in the last step from those of the speed `counted`, m/s, to `speed`.
  */
 void gn_dem_count_speed(const gn_step_context *ctx, gn_dem *dem, double speed, double counted);
-/* Forgets the speed of the last step, when velocities are not those that a step left. */
+/* Discards the speed of the last step, if velocities do not result from a step. */
 void gn_dem_forget_speed(const gn_step_context *ctx, gn_dem *dem);
 
 #endif

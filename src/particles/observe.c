@@ -1,4 +1,4 @@
-/* The contacts as they are at the present positions, for output. */
+/* Evaluates the contacts at the present positions, for output. */
 #include "particles/observe.h"
 #include "base/ball.h"
 #include "base/effects.h"
@@ -7,7 +7,7 @@
 #include "kernels/dispatch.h"
 #include "kernels/partials.h"
 #include "particles/active_pairs.h"
-#include "particles/parameters.h"
+#include "particles/law.h"
 #include "particles/particles.h"
 #include "soa/field.h"
 #include "soa/records.h"
@@ -24,14 +24,14 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
     gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &dem->particles);
-    /* The pressure needs all bonds; for some alone it stays that of the last step. */
+    /* The pressure needs all bonds; for a part of them that of the last step is used. */
     if (list == &dem->bonds.contacts) gn_dem_confine(ctx, dem, copy);
     gn_contact_list alone = {.contacts = *copy};
     gn_contact_args args = gn_dem_contact_args(ctx, dem, box, &alone, false);
     args.contacts = copy;
     args.partials = partials;
     args.dt = 0.0;
-    /* Without partial sums any cut into blocks will do. */
+    /* Without partial sums any division into blocks is valid. */
     size_t count = copy->soa.count, length = partials ? partials->length : GN_CONTACT_BLOCK;
 #pragma omp parallel for schedule(static) num_threads(ctx->threads)
     for (size_t c = 0; c < count; c += length) {
@@ -82,7 +82,7 @@ double gn_dem_mean_radius(const gn_dem *dem) {
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
     double solid = 0.0;
     if (ctx->scene.has_specimen && !ctx->scene.specimen_given && !(ctx->effects & GN_FX_PERIODIC))
-        return 0.0; /* grains of sources alone have no volume but their own */
+        return 0.0; /* grains of sources have no volume but their own */
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
     return 1.0 - solid / ctx->volume;

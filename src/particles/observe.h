@@ -4,14 +4,15 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
+#include "kernels/partials.h"
 #include "particles/contact_lists.h"
 #include "soa/records.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* Some contacts of a list (observe.c), with the forces of the present places in their rows; the
- * caller's, also on failure. */
+/* Some contacts of a list, with the forces at the present positions in their rows;
+ * owned by the caller, also on failure. */
 gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_periodic_box *box, const gn_contacts *list,
                                   const int32_t *chosen, size_t count, gn_contacts *seen,
@@ -31,5 +32,13 @@ double gn_dem_mean_radius(const gn_dem *dem);
 
 /* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem);
+
+/* Performs a step of zero length on a copy of a list, in double: failures of bonds stay
+ * in the copy, which the caller owns, also on failure. `partials`: of the list, with rows of
+ * double; NULL: forces are in the rows of the copy alone. */
+gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_periodic_box *box, const gn_contacts *list,
+                                   const gn_partials *partials, gn_contacts *copy,
+                                   gneiss_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* The part of a world that is particles: their records, contacts and lists, what drives them, and
- * the step that they allow. */
+/* The part of a world that consists of particles: their records, contacts and lists, prescribed
+ * motions, and the step that they allow. */
 #ifndef GN_PARTICLES_PARTICLES_H
 #define GN_PARTICLES_PARTICLES_H
 
@@ -26,11 +26,12 @@
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
-    double skin;       /* m, as it is now */
-    double skin_start; /* m, as it was at the start */
+    double skin;       /* m, present value */
+    double skin_start; /* m, value at the start */
     double widened;    /* m, the widest that it had to be beyond the scene's; 0: never */
     double drift;      /* m, bound on any particle's path since `ref` was set */
-    double closed;     /* m, bound on how much closer two came since then that were not listed */
+    double closed; /* m, bound on how much two unlisted particles have approached each other since
+                      then */
     int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */
     bool forced;       /* the lists are made for a source or a thin sink alone */
@@ -45,7 +46,7 @@ typedef struct gn_dem_sums {
     double step_change[2]; /* J, halves */
 } gn_dem_sums;
 
-/* Masses of which a part is added for a longer step, when the lists were made. */
+/* Masses that are raised for a longer step, when the lists were made. */
 typedef struct gn_raised_masses {
     double added;   /* kg */
     double largest; /* mass over own mass, the most */
@@ -67,13 +68,13 @@ typedef struct gn_pieces {
 
 /* The contact of a particle that was pressed furthest, in doubles, as checkpoints have it. */
 typedef struct gn_depth {
-    double excess;        /* overlap over the smaller radius, and over what is too much of it */
-    double share;         /* overlap over the smaller radius; 0: none was pressed */
-    double overlap;       /* m */
-    double time;          /* s, when it was seen */
+    double excess;  /* overlap over the smaller radius, divided by the ratio that is too large */
+    double share;   /* overlap over the smaller radius; 0: none */
+    double overlap; /* m */
+    double time;    /* s, when it was seen */
     double first, second; /* id of the particle; of another one, or -1 less the place of a wall,
                              behind the walls of a surface */
-    double looked;        /* step of the last look */
+    double looked;        /* step of the last check */
 } gn_depth;
 
 struct gn_dem {
@@ -89,22 +90,23 @@ struct gn_dem {
     gn_contacts prepared;         /* bonds of all particles, whole, with couple.convert */
     gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
     uint8_t *still; /* [motion_blocks] it has no active particle, with couple.convert; else NULL */
-    int32_t *index_of_id; /* [ids] -1: gone, its row as well */
-    int64_t ids, made;    /* given so far; of them those of the specimen come first */
+    int32_t *index_of_id; /* [ids] -1: removed together with its row */
+    int64_t ids, made;    /* ids given so far; those of the specimen, which come first */
     gn_derived derived;
     gn_prescription prescribed;
     int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
-    double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
+    double *set_reaction; /* [scene.set_count][6] N, N m: reactions to the prescribed motion */
     gn_verlet verlet;
-    void *ways; /* of src/particles/travel.c, kept from look to look */
+    void *ways; /* displacements per cell, scratch of src/particles/travel.c */
     size_t ways_room;
     double radius_min; /* m */
-    double mass;       /* kg, own, of those that were there when the lists were made */
+    double mass; /* kg, without added mass, of the particles present when the lists were made */
     gn_raised_masses raised;
     double
         damping_fraction; /* of critical, of contacts that are pressed; by Hertz's law the most */
     double damping_least; /* the same of the contacts that are damped least */
-    /* [materials][gn_scene_sides] with what particles touch; NULL without GN_FX_HERTZ */
+    /* [materials][gn_scene_sides] pairs of materials with walls, bodies and other sides; NULL
+     * without GN_FX_HERTZ */
     gn_hertz_pair *hertz;
     /* [walls, bodies, sets] m/s, the largest speed of each that contacts were looked at with; NULL
      * without GN_FX_HERTZ */
@@ -123,7 +125,7 @@ struct gn_dem {
     gn_pieces pieces;
     double *around; /* [particles][2] N, m2: of their bonds, with law.confinement mean; else NULL */
     bool pressed;   /* a contact was pressed further in the last step than expected */
-    double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
+    double speed_most; /* m/s, largest in the last step; 0: unknown (start, resume) */
 
     gn_depth depth; /* the furthest so far */
     uint8_t *loose; /* [ids]: not bonded at the start, see collisions.c */
@@ -143,23 +145,23 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
                             gneiss_error *error);
 /* Masses, sets and skin, once the specimen is measured. */
 gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
-/* Without particles: empty records, so that nothing else needs to know. */
+/* Creates empty records, so that other code needs no special case. */
 gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Takes the kernel and the parameters of contacts from the scene of another stage. */
 gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_dem_free(gn_dem *dem);
 
-/* Looks how far the particles came since the lists were made, for verlet.drift and verlet.closed
- * (travel.c). */
+/* Computes how far particles have moved since the lists were made, for verlet.drift and
+ * verlet.closed (travel.c). */
 void gn_dem_look_at_travel(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box);
 
-/* After the step has changed (lists.c): the coefficients of dashpots that depend on it. */
+/* Updates the coefficients of dashpots after the step has changed (lists.c). */
 void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem);
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);
 size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem);
 
-/* From x to the nearest image of y, m; returns the square of its length. */
+/* Writes the vector from x to the nearest image of y, m; returns the square of its length. */
 static inline double gn_branch(const gn_step_context *ctx, const double *x, const double *y,
                                double d[3]) {
     double d2 = 0.0;

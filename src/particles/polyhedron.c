@@ -81,7 +81,7 @@ static double above(const double a[3], const double b[3], const double c[3], con
     return gn_dot3(n, ak);
 }
 
-/* The third corner of the triangle left of the edge from a to b of the hull. */
+/* Returns the third corner of the triangle to the left of the edge from a to b of the hull. */
 static size_t third(size_t n, double (*d)[3], size_t a, size_t b) {
     size_t c = n;
     double normal[3];
@@ -100,8 +100,9 @@ static double corner(const double a[3], const double b[3], const double c[3]) {
     return atan2(fabs(gn_dot3(a, side)), along);
 }
 
-/* The triangles at neighbour a of the hull of all, which is their Delaunay triangulation on the
- * sphere: round from its nearest neighbour, which is joined to it in any case. */
+/* Visits the triangles at neighbour a of the convex hull of all directions, which is their Delaunay
+ * triangulation on the sphere, starting from its nearest neighbour, to which it is always joined.
+ * */
 static void go_round(size_t n, double (*d)[3], size_t a, cover *found) {
     size_t first = a ? 0 : 1;
     for (size_t k = 0; k < n; k++)
@@ -121,7 +122,7 @@ static void go_round(size_t n, double (*d)[3], size_t a, cover *found) {
     }
 }
 
-/* On lattices four or more neighbours lie on one circle: tiny shifts decide between them. */
+/* On lattices four or more neighbours are on one circle: tiny shifts select a triangulation. */
 static void shift(size_t n, double (*d)[3]) {
     for (size_t k = 0; k < n; k++) {
         for (size_t a = 0; a < 3; a++) d[k][a] += 1e-8 * gn_random_symmetric(1, 3 * k + a);

@@ -14,8 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Particles that flow are sorted again now and then; a bonded specimen by itself keeps its order.
- * The decision rests on counts alone, so that it falls at the same step in every run. */
+/* Flowing particles are sorted again occasionally; a bonded specimen keeps its order. The decision
+ * depends on counts alone, so that it is made at the same step in every run. */
 bool gn_dem_order_is_old(const gn_step_context *ctx, const gn_dem *dem) {
     enum { REBUILDS_PER_SORT = 16 };
     return (!(ctx->effects & GN_FX_BONDS) || gn_scene_has_flow(&ctx->scene)) &&

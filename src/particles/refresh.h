@@ -1,4 +1,4 @@
-/* Neighbour lists: their skin, and what is made with them. */
+/* Neighbour lists: their skin, and their construction. */
 #ifndef GN_PARTICLES_REFRESH_H
 #define GN_PARTICLES_REFRESH_H
 
@@ -20,8 +20,8 @@ void gn_dem_tune_skin(const gn_step_context *ctx, gn_dem *dem);
 void gn_dem_widen_skin(const gn_step_context *ctx, gn_dem *dem, double gap);
 /* Makes the next lists keep the skin, because they are not due to motion. */
 void gn_dem_keep_skin(const gn_step_context *ctx, gn_dem *dem);
-/* Notes whether the next lists are made without need by the motion, so that their life tells
- * nothing of the skin. */
+/* Records whether the next lists are made without need by the motion, so that their lifetime does
+ * not affect the skin. */
 void gn_dem_force_lists(gn_dem *dem, bool forced);
 /* Sets the bounds on paths since the lists were made, from the longest one, m. */
 void gn_dem_set_paths(gn_dem *dem, double most);

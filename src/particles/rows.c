@@ -17,7 +17,7 @@
 #include <math.h>
 #include <string.h>
 
-/* `order` [count]: old places, -1: a new one. */
+/* `order` [count]: old indices, -1: a new particle. */
 static gneiss_status take_rows(const gn_step_context *ctx, gn_dem *dem, const int32_t *order,
                                size_t count, gneiss_error *error) {
     gn_particles now = {0};

@@ -1,5 +1,5 @@
-/* Number and order of the rows of particles. What points at rows from other parts is renumbered by
- * the caller, from the places that these functions return. */
+/* Number and order of the rows of particles. The caller renumbers references to rows in other
+ * parts, by the indices that these functions return. */
 #ifndef GN_PARTICLES_ROWS_H
 #define GN_PARTICLES_ROWS_H
 
@@ -10,16 +10,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Sorts particles along the Morton curve, with what points at them in the lists; place[rows]: the
- * new place of each. */
+/* Sorts particles along the Morton curve, and renumbers the lists; place[rows]: the new index of
+ * each. */
 gneiss_status gn_dem_sort(const gn_step_context *ctx, gn_dem *dem, int32_t *place,
                           gneiss_error *error);
-/* Appends rows for particles that come in. Lists are to be made next. */
+/* Appends rows for new particles. Lists must be made next. */
 gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *arrivals,
                           size_t count, gneiss_error *error);
 /* Drops the rows of removed particles, except those in persistent lists, if they are more than a
- * sixteenth. *place [rows]: the new place of each, -1: none, for the caller to free; NULL: all rows
- * stay. Lists are to be made next. */
+ * sixteenth. *place [rows]: the new index of each row, -1: none, freed by the caller; NULL: all
+ * rows stay. Lists must be made next. */
 gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, int32_t **place,
                           gneiss_error *error);
 /* Allocates and fills the rows of ids (gn_dem_number_ids). */

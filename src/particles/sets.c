@@ -5,7 +5,6 @@
 #include "base/point.h"
 #include "frame/frame.h"
 #include "kernels/motion.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/particle_state.h"
@@ -43,7 +42,8 @@ static bool selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set
     return selected_at(ctx, set_def, dem->particles.pos + 4 * p, dem->particles.id[p]);
 }
 
-/* By where it was at the start; places of a periodic box have moved by whole lengths since. */
+/* Selects by the position at the start; in a periodic box positions have moved by whole periods
+ * since. */
 bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
     double x[4];
@@ -56,7 +56,7 @@ bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, 
 
 static bool starts_in(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
-    if (!gn_particle_is_active(q, p)) return false; /* it has left */
+    if (!gn_particle_is_active(q, p)) return false; /* it was removed */
     if (q->id[p] >= dem->made) return false;        /* a source's: sets are of the specimen */
     return gn_set_selected(ctx, dem, set, p);
 }
@@ -200,7 +200,7 @@ static double prescribed_velocity(const gn_step_context *ctx, int32_t set, int k
     return factor * gn_table_at(channel(&s->motion, k), time);
 }
 
-/* Particles of one set come one after the other. */
+/* Particles of one set are consecutive. */
 void gn_prescription_update(const gn_step_context *ctx, gn_dem *dem, double time) {
     gn_prescription *f = &dem->prescribed;
     for (int k = 0; k < 6; k++) {

@@ -92,7 +92,7 @@ static gneiss_status pack(const gn_scene *scene, gn_packing *packing, double *vo
     return GNEISS_OK;
 }
 
-/* Files, scales, cells and rows can each be sensible and give together what no key may say. */
+/* Files, scales, cells and rows that are each valid may together give a size that no key allows. */
 static gneiss_status check_sizes(const gn_scene *scene, const gn_packing *packing,
                                  gneiss_error *error) {
     for (size_t p = 0; p < packing->count; p++) {
@@ -215,6 +215,41 @@ gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, doubl
     if (status == GNEISS_OK) status = check_box(scene, packing, error);
     if (status != GNEISS_OK) gn_packing_free(packing);
     return status;
+}
+
+static gneiss_status check_prepared(const gn_step_context *ctx, const gn_particles *q,
+                                    gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *x = q->pos + 4 * p;
+        const double far = fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
+        const bool placed = isfinite(x[0] + x[1] + x[2]) && far <= GN_PLACE_MOST &&
+                            x[3] >= GN_LENGTH_LEAST && x[3] <= GN_PLACE_MOST &&
+                            (s->dimension == 3 || x[2] == 0.0);
+        const bool known = q->material[p] >= 0 && (size_t)q->material[p] < s->material_count;
+        if (placed && known && q->group[p] >= 0) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected coordinates up to %g m (2D: z = 0), radii of %g to %g m, "
+                       "materials below %zu and groups of at least 0, found particle %zu (base 0) "
+                       "prepared at (%g, %g, %g) m with radius %g m, material %d, group %d",
+                       gn_scene_at(s, s->specimen.where, "specimen").text, GN_PLACE_MOST,
+                       GN_LENGTH_LEAST, GN_PLACE_MOST, s->material_count, p, x[0], x[1], x[2], x[3],
+                       q->material[p], q->group[p]);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_specimen_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    const gn_preparation *own = &ctx->given.preparation;
+    const gn_particles *q = &dem->particles;
+    const size_t count = q->soa.count;
+    if (!own->act || !count) return GNEISS_OK;
+    GN_TRY(own->act(own->context, count, q->pos, q->material, q->group, ctx->scene.origin, error));
+    GN_TRY(check_prepared(ctx, q, error));
+    memcpy(q->start, q->pos, count * 4 * sizeof(double));
+    dem->radius_min = gn_flow_least_radius(ctx, dem);
+    for (size_t p = 0; p < count; p++) dem->radius_min = fmin(dem->radius_min, q->pos[4 * p + 3]);
+    return GNEISS_OK;
 }
 
 bool gn_specimen_is_narrow(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {

@@ -10,9 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Particles of the scene's specimen, from whichever source (specimen.c); of a file those in
- * specimen.packed. `volume`: of the shape that they fill, m3 (2D: m2); 0 when they come without
- * one. */
+/* Creates the particles of the scene's specimen, from whichever source (specimen.c); packed before:
+ * from specimen.packed. `volume`: of the shape that they fill, m3 (2D: m2); 0 if there is none. */
 gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
                                gneiss_error *error);
 /* A box about points. */
@@ -26,11 +25,15 @@ typedef struct gn_extent {
         }                                                                                          \
     }
 void gn_extent_add(gn_extent *extent, const double point[3], double radius);
-/* About where the specimen will be. Nothing is added for a geometry that gmsh has to mesh first,
- * nor for a file that cannot be read: packing it will tell why. */
+/* Estimates the extent of the specimen. Nothing is added for a geometry that gmsh has to mesh
+ * first, nor for a file that cannot be read: packing it will report the reason. */
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent);
-/* specimen.c: whether the radii of a packing came out narrower than they were asked for; `text`
- * then says so. Without sources and sinks, so that it is said of the specimen. */
+/* Has the preparation of the scene change the particles that were just created, and checks what it
+ * leaves. GNEISS_ERROR_INPUT: particle, value. */
+gneiss_status gn_specimen_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Tells whether the radii of a packing cover a narrower range than requested, and writes a message
+ * to `text`. Never with sources or sinks, because the message is about the specimen (specimen.c).
+ */
 bool gn_specimen_is_narrow(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
 
 #endif

@@ -1,10 +1,9 @@
-/* How far particles came since the lists were made.
- *
- * What flows comes far as a whole, and little past its neighbours: it is that which lists have to
- * be wide enough for. Cells over the places of then, wider than two particles can come together
- * across one, have the box of the ways of their particles; two that can have met were in cells that
- * are next to each other, so that the diagonal of the ways of two by two by two cells bounds by how
- * much they closed in. */
+/* Displacements of particles since the lists were made.
+ * Flowing particles move far together, and little relative to their neighbours; lists have to cover
+ * the relative motion only. The positions at that time are divided into cells wider than the
+ * distance that two particles can close in; each cell has the bounding box of the displacements of
+ * its particles. Two particles that can have come into contact were in the same or in adjacent
+ * cells, so that the diagonal of the box over two by two by two cells bounds their approach. */
 #include "base/memory.h"
 #include "frame/frame.h"
 #include "frame/periodic_box.h"
@@ -34,7 +33,7 @@ static size_t cells_of_layer(const grid *g) {
 
 static const ways none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
-/* Places and ways are finite: there is nothing to ask of fmin. */
+/* Positions and displacements are finite, so that fmin is not needed. */
 static void merge(ways *to, const double low[3], const double high[3]) {
     for (int a = 0; a < 3; a++) {
         to->low[a] = low[a] < to->low[a] ? low[a] : to->low[a];
@@ -42,7 +41,7 @@ static void merge(ways *to, const double low[3], const double high[3]) {
     }
 }
 
-/* Room that the places of then take up; *radius: the largest. */
+/* Returns the bounding box of the former positions; *radius: the largest. */
 static ways extent(const gn_particles *particles, double *radius) {
     ways room = none;
     *radius = 0.0;
@@ -80,8 +79,8 @@ static ways *cell_of(const grid *g, const double x[3]) {
     return &g->cell[row * g->count[0] + place_of(g, x[0], 0)];
 }
 
-/* In a box that is high for its contents most layers are empty. If the lowest one is not, all
- * count: the highest may be next to it. */
+/* In a box that is high relative to its contents most layers are empty. If the lowest one is not,
+ * all are used, because the highest may be adjacent to it. */
 static void find_layers(const ways *room, grid *g) {
     const size_t low = place_of(g, room->low[2], 2);
     g->begin = low > 0 ? low - 1 : 0;
@@ -99,8 +98,8 @@ static void fill(const gn_particles *particles, grid *g) {
     }
 }
 
-/* The cells from `c` on, `step` apart, `count` of them, get the ways of the next one; behind the
- * last one is the first, or none. */
+/* Merges into each of `count` cells from `c` on, `step` apart, the box of the next cell; the first
+ * cell follows the last one if the axis is periodic. */
 static void spread_line(ways *c, size_t step, size_t count, bool closed) {
     const ways first = c[0];
     for (size_t n = 0; n + 1 < count; n++)
@@ -108,7 +107,7 @@ static void spread_line(ways *c, size_t step, size_t count, bool closed) {
     if (closed) merge(&c[(count - 1) * step], first.low, first.high);
 }
 
-/* Along all axes. */
+/* Merges along all axes. */
 static void spread(grid *g) {
     const size_t layer = cells_of_layer(g), row = g->count[0];
     for (size_t z = g->begin; z < g->end; z++) {
@@ -135,7 +134,8 @@ static double longest2(const grid *g) {
     return most;
 }
 
-/* Room for so many that is kept from look to look: fresh memory costs more than a look. */
+/* Returns scratch for the cells, which is kept between checks: new memory costs more than a check.
+ * */
 static ways *room_for(gn_dem *dem, size_t cells) {
     if (cells <= dem->ways_room) return dem->ways;
     gn_free(dem->ways);
@@ -144,7 +144,8 @@ static ways *room_for(gn_dem *dem, size_t cells) {
     return dem->ways;
 }
 
-/* m, by which any two closed in that were not near; at most twice the way of one. */
+/* Returns by how much two particles that were not in the lists may have approached each other, m;
+ * at most twice the longest displacement. */
 static double closed_in(const gn_step_context *ctx, gn_dem *dem, double most) {
     grid g;
     double radius;
@@ -159,8 +160,8 @@ static double closed_in(const gn_step_context *ctx, gn_dem *dem, double most) {
     return fmin(2.0 * most, sqrt(most2) * (1.0 + 1e-12));
 }
 
-/* Bonded specimens keep the bits of their runs; where a box or elements move particles, so do their
- * ways. */
+/* Bonded specimens skip this and keep the bits of their runs; so do models in which a box or
+ * elements move particles. */
 static bool looks_at_neighbours(const gn_step_context *ctx, const gn_periodic_box *box) {
     return !(ctx->effects & GN_FX_BONDS) && !ctx->scene.has_couple && !gn_box_moves(ctx, box);
 }

@@ -118,7 +118,7 @@ static gneiss_status take_steps(gn_world *world, gn_history *history, int count,
                                 gneiss_error *error) {
     for (int k = 0; k < count; k++) {
         if (history)
-            GN_TRY(gn_history_step(world, history, error));
+            GN_TRY(gn_history_record_step(world, history, error));
         else
             GN_TRY(gn_world_step(world, false, error));
     }

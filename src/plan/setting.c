@@ -46,13 +46,13 @@ void gn_settings_free(gn_settings *settings) {
 }
 
 __attribute__((format(printf, 4, 5))) static gneiss_status
-put(gn_settings *q, gneiss_error *error, const char *key, const char *format, ...) {
+put(gn_settings *settings, gneiss_error *error, const char *key, const char *format, ...) {
     char value[256];
     va_list args;
     va_start(args, format);
     vsnprintf(value, sizeof value, format, args);
     va_end(args);
-    return gn_settings_add(q, key, value, error);
+    return gn_settings_add(settings, key, value, error);
 }
 
 /* Values are scaled inversely to times, so that the path is unchanged. */

@@ -11,7 +11,7 @@
 #include "measure/measure.h"
 #include "run/checkpoint_internal.h"
 #include "run/kept.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/run.h"
 #include "run/spacing.h"
 #include "run/stages.h"
@@ -127,10 +127,10 @@ gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_ar
 
 enum { GAUGE_ARRAYS = 3 };
 
-static void list_gauge(gn_strain_gauge *g, int32_t **belongs, size_t gauged,
+static void list_gauge(gn_strain_gauge *gauge, int32_t **belongs, size_t gauged,
                        gn_checkpoint_array out[GAUGE_ARRAYS]) {
-    out[0] = GN_CHECKPOINT_ARRAY("gauge_id", GN_I32, g->count, 1, &g->id);
-    out[1] = GN_CHECKPOINT_ARRAY("gauge_weight", GN_F64, g->count, 3, &g->weight);
+    out[0] = GN_CHECKPOINT_ARRAY("gauge_id", GN_I32, gauge->count, 1, &gauge->id);
+    out[1] = GN_CHECKPOINT_ARRAY("gauge_weight", GN_F64, gauge->count, 3, &gauge->weight);
     out[2] = GN_CHECKPOINT_ARRAY("gauge_belongs", GN_I32, gauged, 1, belongs);
 }
 
@@ -160,12 +160,12 @@ static void list_stages(gn_stage_state **stages, size_t count,
                                    stages, gn_stage_state, step);
 }
 
-static gneiss_status put_stages(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    int64_t stage = (int64_t)w->stages.now;
-    gn_stage_state *stages = w->stages.state;
+static gneiss_status put_stages(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    int64_t stage = (int64_t)world->stages.now;
+    gn_stage_state *stages = world->stages.state;
     gn_checkpoint_array arrays[STAGE_ARRAYS];
-    list_stages(&stages, w->ctx.given.stage_count, arrays);
-    if (!w->ctx.given.stage_count) return GNEISS_OK;
+    list_stages(&stages, world->ctx.given.stage_count, arrays);
+    if (!world->ctx.given.stage_count) return GNEISS_OK;
     GN_TRY(gn_h5_attribute_i64(file, "/", "stage", &stage, 1, error));
     return gn_checkpoint_put_arrays(file, arrays, STAGE_ARRAYS, error);
 }
@@ -230,11 +230,11 @@ gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
 
 /* --- reading --- */
 
-static gneiss_status get_gauge(gn_world *w, const gn_h5 *file, gneiss_error *error) {
+static gneiss_status get_gauge(gn_world *world, const gn_h5 *file, gneiss_error *error) {
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
-    GN_TRY(gn_h5_rows(file, "arrays/gauge_id", &w->gauge.weights.count, error));
-    GN_TRY(gn_h5_rows(file, "arrays/gauge_belongs", &w->gauge.count, error));
-    list_gauge(&w->gauge.weights, &w->gauge.belongs, w->gauge.count, arrays);
+    GN_TRY(gn_h5_rows(file, "arrays/gauge_id", &world->gauge.weights.count, error));
+    GN_TRY(gn_h5_rows(file, "arrays/gauge_belongs", &world->gauge.count, error));
+    list_gauge(&world->gauge.weights, &world->gauge.belongs, world->gauge.count, arrays);
     return gn_checkpoint_get_arrays(file, arrays, GAUGE_ARRAYS, error);
 }
 
@@ -242,7 +242,7 @@ static gneiss_status get_history(gn_run *run, gn_h5 *file, gneiss_error *error) 
     gn_history *h = &run->history;
     size_t rows = 0;
     GN_FREED double *table = NULL;
-    GN_TRY(gn_run_watch(run, error));
+    GN_TRY(gn_run_begin_history(run, error));
     GN_TRY(gn_h5_rows(file, "history/step", &rows, error));
     GN_TRY(gn_new(&table, rows * h->column_count, "values of the history", error));
     for (size_t c = 0; c < h->column_count; c++) {
@@ -267,11 +267,11 @@ static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_er
                    (long long)format);
 }
 
-static gneiss_status check_gauge(const gn_world *w, const char *path, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
-    bool good = !w->gauge.count || w->gauge.count == (size_t)w->dem.ids;
-    for (size_t k = 0; k < w->gauge.weights.count; k++)
-        good = good && w->gauge.weights.id[k] >= 0 && (size_t)w->gauge.weights.id[k] < n;
+static gneiss_status check_gauge(const gn_world *world, const char *path, gneiss_error *error) {
+    size_t n = world->dem.particles.soa.count;
+    bool good = !world->gauge.count || world->gauge.count == (size_t)world->dem.ids;
+    for (size_t k = 0; k < world->gauge.weights.count; k++)
+        good = good && world->gauge.weights.id[k] >= 0 && (size_t)world->gauge.weights.id[k] < n;
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,
                           "%s: expected particle numbers below %zu, found others", path, n);
@@ -329,22 +329,23 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
 
 /* The saved steps must resemble the earlier ones, and rates must be possible with the saved step:
  * values far from these would make a run without end. */
-static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_error *error) {
-    const double far = 1e5, steps = (double)(w->ctx.step - w->ctx.first_step);
-    const double least = steps > 0.0 ? w->ctx.time / steps / far : 0.0, most = far / w->ctx.dt;
+static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_error *error) {
+    const double far = 1e5, steps = (double)(world->ctx.step - world->ctx.first_step);
+    const double least = steps > 0.0 ? world->ctx.time / steps / far : 0.0,
+                 most = far / world->ctx.dt;
     const struct {
         const char *name;
         double value;
-    } rates[] = {{"world_dem_surface_rate", w->ctx.choice.surface_rate},
-                 {"world_dem_vertex_rate", w->ctx.choice.vertex_rate},
-                 {"world_zones_state", w->zones.state.rate[0]},
-                 {"world_zones_state", w->zones.state.rate[1]}};
-    if (w->ctx.dt < least)
+    } rates[] = {{"world_dem_surface_rate", world->ctx.choice.surface_rate},
+                 {"world_dem_vertex_rate", world->ctx.choice.vertex_rate},
+                 {"world_zones_state", world->zones.state.rate[0]},
+                 {"world_zones_state", world->zones.state.rate[1]}};
+    if (world->ctx.dt < least)
         return gn_fail(
             error, GNEISS_ERROR_INPUT,
             "%s: run/world_ctx_dt: expected at least %.3g s, 1e-5 of the mean step so far, "
             "found %.3g s",
-            path, least, w->ctx.dt);
+            path, least, world->ctx.dt);
     for (size_t k = 0; k < sizeof rates / sizeof *rates; k++)
         if (!(rates[k].value <= most))
             return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -373,30 +374,31 @@ static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_er
     return GNEISS_OK;
 }
 
-static gneiss_status get_stages(gn_world *w, const gn_h5 *file, const char *path,
+static gneiss_status get_stages(gn_world *world, const gn_h5 *file, const char *path,
                                 gneiss_error *error) {
     int64_t stage = 0;
     gn_checkpoint_array arrays[STAGE_ARRAYS];
-    list_stages(&w->stages.state, w->ctx.given.stage_count, arrays);
-    if (!w->ctx.given.stage_count) return GNEISS_OK;
+    list_stages(&world->stages.state, world->ctx.given.stage_count, arrays);
+    if (!world->ctx.given.stage_count) return GNEISS_OK;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "stage", &stage, 1, error));
-    if (stage < 0 || (size_t)stage >= w->ctx.given.stage_count)
+    if (stage < 0 || (size_t)stage >= world->ctx.given.stage_count)
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a stage below %zu, found %lld",
-                       path, w->ctx.given.stage_count, (long long)stage);
-    w->stages.now = (size_t)stage;
+                       path, world->ctx.given.stage_count, (long long)stage);
+    world->stages.now = (size_t)stage;
     return gn_checkpoint_get_arrays(file, arrays, STAGE_ARRAYS, error);
 }
 
 /* Messages about the text name the checkpoint because its lines are not those of the scene file. */
-static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
+static gneiss_status get_scene(gn_world *world, const gn_h5 *file, const char *path,
                                const gn_override *overrides, size_t count, gneiss_error *error) {
     GN_FREED char *text = NULL, *source = NULL;
     GN_TRY(gn_h5_get_text(file, "scene", &text, error));
     GN_TRY(gn_h5_get_attribute_text(file, "/", "scene_file", &source, error));
-    GN_TRY(gn_scene_parse_saved(text, path, overrides, count, &w->ctx.given, error));
-    snprintf(w->ctx.given.source, sizeof w->ctx.given.source, "%s", gn_make_printable(source));
-    GN_TRY(get_stages(w, file, path, error));
-    return gn_origin_shift(w, error);
+    GN_TRY(gn_scene_parse_saved(text, path, overrides, count, &world->ctx.given, error));
+    snprintf(world->ctx.given.source, sizeof world->ctx.given.source, "%s",
+             gn_make_printable(source));
+    GN_TRY(get_stages(world, file, path, error));
+    return gn_origin_shift(world, error);
 }
 
 static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_override *overrides,
@@ -425,12 +427,12 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(get_kept(run, file, path, error));
     GN_TRY(get_history(run, file, error));
     GN_TRY(check_stages(run, path, error));
-    GN_TRY(gn_run_note_looks(run, error));
+    GN_TRY(gn_run_rebuild_samples(run, error));
     gn_kept_resume(run);
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
     GN_TRY(gn_coupled_resume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_world_restore(w, error));
-    GN_TRY(gn_world_check_duration(&w->ctx, error));
+    GN_TRY(gn_check_duration(&w->ctx, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));
     if (hash != gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box))

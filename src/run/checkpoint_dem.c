@@ -7,7 +7,7 @@
 #include "particles/active_pairs.h"
 #include "particles/particles.h"
 #include "run/checkpoint_internal.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "soa/field.h"
 #include "soa/records.h"
 #include "world/world.h"
@@ -67,34 +67,34 @@ enum {
     MOST_ARRAYS = 12
 };
 
-static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
+static size_t list_arrays(gn_world *world, gn_checkpoint_array out[MOST_ARRAYS]) {
     size_t n = 0;
-    gn_prescription *f = &w->dem.prescribed;
-    if (w->ctx.effects & GN_FX_MEMBRANE) {
+    gn_prescription *f = &world->dem.prescribed;
+    if (world->ctx.effects & GN_FX_MEMBRANE) {
         out[n++] =
             GN_CHECKPOINT_MEMBERS("membrane", GN_F64, 1, offsetof(gn_membrane_state, bodies) / 8,
-                                  &w->membrane.state, gn_membrane_state, pressure);
-        out[n++] = GN_CHECKPOINT_MEMBERS("membrane_bodies", GN_I64, 1, 1, &w->membrane.state,
+                                  &world->membrane.state, gn_membrane_state, pressure);
+        out[n++] = GN_CHECKPOINT_MEMBERS("membrane_bodies", GN_I64, 1, 1, &world->membrane.state,
                                          gn_membrane_state, bodies);
-        out[n++] = GN_CHECKPOINT_MEMBERS("patches", GN_F64, w->membrane.patch_count,
-                                         offsetof(gn_patch, owner) / 8, &w->membrane.patches,
+        out[n++] = GN_CHECKPOINT_MEMBERS("patches", GN_F64, world->membrane.patch_count,
+                                         offsetof(gn_patch, owner) / 8, &world->membrane.patches,
                                          gn_patch, point);
-        out[n++] = GN_CHECKPOINT_MEMBERS("patch_owners", GN_I32, w->membrane.patch_count, 2,
-                                         &w->membrane.patches, gn_patch, owner);
+        out[n++] = GN_CHECKPOINT_MEMBERS("patch_owners", GN_I32, world->membrane.patch_count, 2,
+                                         &world->membrane.patches, gn_patch, owner);
     }
-    if (w->ctx.effects & GN_FX_HERTZ && w->ctx.scene.has_specimen)
+    if (world->ctx.effects & GN_FX_HERTZ && world->ctx.scene.has_specimen)
         out[n++] = GN_CHECKPOINT_ARRAY("driven", GN_F64,
-                                       w->ctx.scene.wall_count + w->ctx.scene.body_count +
-                                           w->ctx.scene.set_count,
-                                       1, &w->dem.driven);
-    if (!(w->ctx.effects & GN_FX_PRESCRIBED)) return n;
+                                       world->ctx.scene.wall_count + world->ctx.scene.body_count +
+                                           world->ctx.scene.set_count,
+                                       1, &world->dem.driven);
+    if (!(world->ctx.effects & GN_FX_PRESCRIBED)) return n;
     out[n++] = GN_CHECKPOINT_ARRAY("prescribed_set", GN_I32, f->count, 1, &f->set);
     out[n++] = GN_CHECKPOINT_ARRAY("prescribed_mask", GN_U8, f->count, 1, &f->mask);
     out[n++] = GN_CHECKPOINT_ARRAY("prescribed_velocity", GN_F64, f->count, 6, &f->velocity);
     out[n++] = GN_CHECKPOINT_ARRAY("prescribed_load", GN_F64, f->count, 6, &f->load);
-    out[n++] = GN_CHECKPOINT_ARRAY("channel_set", GN_I32, f->count, 6, &w->dem.channel_set);
-    out[n++] = GN_CHECKPOINT_ARRAY("set_reaction", GN_F64, w->ctx.scene.set_count, 6,
-                                   &w->dem.set_reaction);
+    out[n++] = GN_CHECKPOINT_ARRAY("channel_set", GN_I32, f->count, 6, &world->dem.channel_set);
+    out[n++] = GN_CHECKPOINT_ARRAY("set_reaction", GN_F64, world->ctx.scene.set_count, 6,
+                                   &world->dem.set_reaction);
     return n;
 }
 
@@ -111,11 +111,11 @@ static void list_dormant(gn_dormant_particle **rows, size_t count,
                                    element);
 }
 
-static gneiss_status put_dormant(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    gn_dormant_particle *rows = w->dem.dormant;
+static gneiss_status put_dormant(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    gn_dormant_particle *rows = world->dem.dormant;
     gn_checkpoint_array arrays[DORMANT_ARRAYS];
-    list_dormant(&rows, w->dem.particles.soa.count, arrays);
-    GN_TRY(gn_h5_put_record(file, "prepared", &gn_contact_record, &w->dem.prepared, error));
+    list_dormant(&rows, world->dem.particles.soa.count, arrays);
+    GN_TRY(gn_h5_put_record(file, "prepared", &gn_contact_record, &world->dem.prepared, error));
     return gn_checkpoint_put_arrays(file, arrays, DORMANT_ARRAYS, error);
 }
 
@@ -157,54 +157,54 @@ static bool good_contacts(const gn_contacts *list, size_t n) {
     return good;
 }
 
-static bool good_particles(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static bool good_particles(const gn_world *world) {
+    const gn_particles *q = &world->dem.particles;
     bool good = true;
     for (size_t p = 0; p < q->soa.count; p++) {
-        good = good && q->id[p] >= 0 && q->id[p] < w->dem.ids && q->material[p] >= 0 &&
-               (size_t)q->material[p] < w->ctx.scene.material_count;
+        good = good && q->id[p] >= 0 && q->id[p] < world->dem.ids && q->material[p] >= 0 &&
+               (size_t)q->material[p] < world->ctx.scene.material_count;
         if (q->slot)
-            good = good && q->slot[p] >= -1 && q->slot[p] < (int32_t)w->dem.prescribed.count;
+            good = good && q->slot[p] >= -1 && q->slot[p] < (int32_t)world->dem.prescribed.count;
     }
     return good;
 }
 
-static bool good_prescription(const gn_world *w) {
-    const gn_prescription *f = &w->dem.prescribed;
+static bool good_prescription(const gn_world *world) {
+    const gn_prescription *f = &world->dem.prescribed;
     bool good = true;
     for (size_t s = 0; s < f->count; s++) {
-        good = good && f->set[s] >= 0 && (size_t)f->set[s] < w->ctx.scene.set_count;
+        good = good && f->set[s] >= 0 && (size_t)f->set[s] < world->ctx.scene.set_count;
         for (size_t c = 6 * s; c < 6 * s + 6; c++)
-            good = good && w->dem.channel_set[c] >= -1 &&
-                   w->dem.channel_set[c] < (int64_t)w->ctx.scene.set_count;
+            good = good && world->dem.channel_set[c] >= -1 &&
+                   world->dem.channel_set[c] < (int64_t)world->ctx.scene.set_count;
     }
     return good;
 }
 
-static bool good_patches(const gn_world *w) {
-    const gn_membrane_state *m = w->membrane.state;
-    bool good = !m || (m->bodies >= 0 && m->bodies <= w->dem.ids + 1);
-    for (size_t k = 0; k < w->membrane.patch_count; k++) {
-        const gn_patch *patch = &w->membrane.patches[k];
-        good = good && patch->owner >= -1 && patch->owner < w->dem.ids && patch->body >= 0 &&
+static bool good_patches(const gn_world *world) {
+    const gn_membrane_state *m = world->membrane.state;
+    bool good = !m || (m->bodies >= 0 && m->bodies <= world->dem.ids + 1);
+    for (size_t k = 0; k < world->membrane.patch_count; k++) {
+        const gn_patch *patch = &world->membrane.patches[k];
+        good = good && patch->owner >= -1 && patch->owner < world->dem.ids && patch->body >= 0 &&
                (patch->body == 0 || patch->body < m->bodies);
     }
     return good;
 }
 
-static gneiss_status check_records(const gn_dem *d, const char *path, gneiss_error *error) {
-    const gn_particles *q = &d->particles;
+static gneiss_status check_records(const gn_dem *dem, const char *path, gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
     GN_TRY(gn_checkpoint_check_record("particles", &gn_particle_record, q, path, error));
-    GN_TRY(
-        gn_checkpoint_check_numbers("particles", q->id, q->soa.count, (size_t)d->ids, path, error));
+    GN_TRY(gn_checkpoint_check_numbers("particles", q->id, q->soa.count, (size_t)dem->ids, path,
+                                       error));
     for (int l = 0; l < GN_LIST_COUNT; l++)
         GN_TRY(gn_checkpoint_check_record(gn_list_kinds[l]->record, &gn_contact_record,
-                                          &d->list[l].contacts, path, error));
-    return gn_checkpoint_check_record("prepared", &gn_contact_record, &d->prepared, path, error);
+                                          &dem->list[l].contacts, path, error));
+    return gn_checkpoint_check_record("prepared", &gn_contact_record, &dem->prepared, path, error);
 }
 
-static gneiss_status check(const gn_world *w, const char *path, gneiss_error *error) {
-    const gn_dem *d = &w->dem;
+static gneiss_status check(const gn_world *world, const char *path, gneiss_error *error) {
+    const gn_dem *d = &world->dem;
     size_t n = d->particles.soa.count;
     GN_TRY(check_records(d, path, error));
     if (!(d->verlet.skin > 0.0 && isfinite(d->verlet.skin) && isfinite(d->verlet.drift) &&
@@ -213,20 +213,21 @@ static gneiss_status check(const gn_world *w, const char *path, gneiss_error *er
                        "%s: expected positive steps and intervals, found others", path);
     bool good = good_contacts(&d->prepared, n);
     for (int l = 0; l < GN_LIST_COUNT; l++) good = good && good_contacts(&d->list[l].contacts, n);
-    if (good && good_particles(w) && good_prescription(w) && good_patches(w)) return GNEISS_OK;
+    if (good && good_particles(world) && good_prescription(world) && good_patches(world))
+        return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path, n);
 }
 
 /* Reads the dormant particles. Elements are loaded later, so the number of an element is not
  * compared with their count here. */
-static gneiss_status get_dormant(gn_world *w, const gn_h5 *file, const char *path,
+static gneiss_status get_dormant(gn_world *world, const gn_h5 *file, const char *path,
                                  gneiss_error *error) {
-    gn_dem *d = &w->dem;
+    gn_dem *d = &world->dem;
     const size_t count = d->particles.soa.count;
     gn_checkpoint_array arrays[DORMANT_ARRAYS];
     GN_TRY(gn_h5_get_record(file, "prepared", &gn_contact_record, &d->prepared,
-                            gn_contact_list_effects(w->ctx.effects, true), error));
+                            gn_contact_list_effects(world->ctx.effects, true), error));
     list_dormant(&d->dormant, count, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, DORMANT_ARRAYS, error));
     for (size_t p = 0; p < count; p++)
@@ -237,9 +238,9 @@ static gneiss_status get_dormant(gn_world *w, const gn_h5 *file, const char *pat
 }
 
 /* Reads which pairs were packed; they are interpreted once there are neighbour lists. */
-static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
+static gneiss_status get_near(gn_world *world, const gn_h5 *file, const char *path,
                               gneiss_error *error) {
-    gn_near *n = &w->dem.near;
+    gn_near *n = &world->dem.near;
     GN_TRY(gn_h5_get(file, "near", GN_F64, 1, sizeof n->kept / 8, 0, &n->kept, error));
     const double whole[] = {n->kept.known, n->kept.worked, n->kept.steps};
     for (int k = 0; k < 3; k++)
@@ -259,30 +260,31 @@ static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
                : GNEISS_OK;
 }
 
-gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
+                          gneiss_error *error) {
+    gn_dem *d = &world->dem;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, d, error));
-    GN_TRY(gn_h5_get_pieces(file, "run", choice_pieces, CHOICE_PIECES, &w->ctx.choice, error));
+    GN_TRY(gn_h5_get_pieces(file, "run", choice_pieces, CHOICE_PIECES, &world->ctx.choice, error));
     if (!(d->ids >= 0 && d->ids <= INT32_MAX && d->made >= 0 && d->made <= d->ids))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a number of particles, found %lld",
                        path, (long long)d->ids);
-    GN_TRY(gn_checkpoint_get_flow(w, file, path, error));
-    if (w->ctx.effects & GN_FX_PRESCRIBED)
+    GN_TRY(gn_checkpoint_get_flow(world, file, path, error));
+    if (world->ctx.effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
-    if (w->ctx.effects & GN_FX_MEMBRANE)
-        GN_TRY(gn_h5_rows(file, "arrays/patches", &w->membrane.patch_count, error));
-    size_t count = list_arrays(w, arrays);
+    if (world->ctx.effects & GN_FX_MEMBRANE)
+        GN_TRY(gn_h5_rows(file, "arrays/patches", &world->membrane.patch_count, error));
+    size_t count = list_arrays(world, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
-    GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->ctx.effects,
-                            error));
+    GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles,
+                            world->ctx.effects, error));
     for (int l = 0; l < GN_LIST_COUNT; l++)
-        if (gn_list_used(&w->ctx.scene, l))
+        if (gn_list_used(&world->ctx.scene, l))
             GN_TRY(gn_h5_get_record(file, gn_list_kinds[l]->record, &gn_contact_record,
                                     &d->list[l].contacts,
-                                    gn_list_kinds[l]->effects_of(w->ctx.effects), error));
-    GN_TRY(get_near(w, file, path, error));
-    if (gn_converts(&w->ctx)) GN_TRY(get_dormant(w, file, path, error));
-    GN_TRY(gn_checkpoint_get_events(w, file, path, error));
-    return check(w, path, error);
+                                    gn_list_kinds[l]->effects_of(world->ctx.effects), error));
+    GN_TRY(get_near(world, file, path, error));
+    if (gn_converts(&world->ctx)) GN_TRY(get_dormant(world, file, path, error));
+    GN_TRY(gn_checkpoint_get_events(world, file, path, error));
+    return check(world, path, error);
 }

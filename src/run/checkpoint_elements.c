@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "mesh/h5_mesh.h"
 #include "run/checkpoint_internal.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -24,27 +24,28 @@ enum { PIECES = sizeof pieces / sizeof *pieces };
 
 _Static_assert(sizeof(gn_fem_energy) % 8 == 0 && sizeof(size_t) == 8, "pieces of eight bytes");
 
-static gneiss_status save_body(size_t solid, const gn_element_model *q, gn_h5 *file,
+static gneiss_status save_body(size_t solid, const gn_element_model *model, gn_h5 *file,
                                gneiss_error *error) {
-    const gn_fem_solid *b = &q->solid;
+    const gn_fem_solid *b = &model->solid;
     char path[GN_ELEMENT_PATH];
     GN_TRY(gn_h5_put_mesh(file, gn_elements_path(solid, "mesh", path), &b->mesh, error));
     GN_TRY(gn_h5_put_record(file, gn_elements_path(solid, "mesh_nodes", path), &gn_particle_record,
                             &b->nodes, error));
     GN_TRY(gn_h5_put_record(file, gn_elements_path(solid, "mesh_elements", path),
                             &gn_element_record, &b->elements, error));
-    GN_TRY(gn_h5_put_pieces(file, gn_elements_path(solid, "elements", path), pieces, PIECES, q,
+    GN_TRY(gn_h5_put_pieces(file, gn_elements_path(solid, "elements", path), pieces, PIECES, model,
                             error));
-    int64_t culprits[3] = {q->limit.bound_element, q->limit.sharp_element, q->limit.iterations};
+    int64_t culprits[3] = {model->limit.bound_element, model->limit.sharp_element,
+                           model->limit.iterations};
     GN_TRY(gn_h5_put(file, gn_elements_path(solid, "elements/culprits", path), GN_I64, 3, 1, 0,
                      culprits, NULL, NULL, error));
     return gn_h5_put(file, gn_elements_path(solid, "elements/load", path), GN_F64,
                      b->prescribed.count, 6, 0, b->prescribed.load, NULL, NULL, error);
 }
 
-gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < w->solids.count; k++)
-        GN_TRY(save_body(k, w->solids.elements[k], file, error));
+gneiss_status gn_elements_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < world->solids.count; k++)
+        GN_TRY(save_body(k, world->solids.elements[k], file, error));
     return GNEISS_OK;
 }
 
@@ -52,83 +53,88 @@ gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *err
 
 /* Indices that kernels follow without a check must be in range even if the file was tampered
  * with. */
-static bool indices_are_good(const gn_fem_solid *b, int32_t materials) {
-    const gn_elements *e = &b->elements;
+static bool indices_are_good(const gn_fem_solid *solid, int32_t materials) {
+    const gn_elements *e = &solid->elements;
     bool good = true;
-    for (int a = 0; a <= b->dimension; a++)
+    for (int a = 0; a <= solid->dimension; a++)
         for (size_t k = 0; k < e->soa.count; k++) {
             int32_t node = gn_elements_node(e, a)[k];
-            good = good && node >= 0 && (size_t)node < b->nodes.soa.count;
+            good = good && node >= 0 && (size_t)node < solid->nodes.soa.count;
         }
-    const size_t all = (b->dimension == 3 ? &b->mesh.tetrahedra : &b->mesh.triangles)->count;
+    const size_t all =
+        (solid->dimension == 3 ? &solid->mesh.tetrahedra : &solid->mesh.triangles)->count;
     for (size_t k = 0; k < e->soa.count; k++)
         good = good && e->material[k] >= 0 && e->material[k] < materials && e->id[k] >= 0 &&
                (size_t)e->id[k] < all;
-    for (size_t n = 0; n < b->nodes.soa.count; n++)
-        good = good && b->nodes.slot[n] >= -1 && b->nodes.slot[n] < (int64_t)b->prescribed.count;
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        good = good && solid->nodes.slot[n] >= -1 &&
+               solid->nodes.slot[n] < (int64_t)solid->prescribed.count;
     return good;
 }
 
-static gneiss_status check_records(size_t solid, const gn_fem_solid *b, const char *path,
+static gneiss_status check_records(size_t solid, const gn_fem_solid *body, const char *path,
                                    gneiss_error *error) {
-    const size_t all = (b->dimension == 3 ? &b->mesh.tetrahedra : &b->mesh.triangles)->count;
+    const size_t all =
+        (body->dimension == 3 ? &body->mesh.tetrahedra : &body->mesh.triangles)->count;
     char at[GN_ELEMENT_PATH];
     gn_elements_path(solid, "mesh_nodes", at);
-    GN_TRY(gn_checkpoint_check_record(at, &gn_particle_record, &b->nodes, path, error));
-    GN_TRY(gn_checkpoint_check_numbers(at, b->nodes.id, b->nodes.soa.count, b->mesh.node_count,
-                                       path, error));
+    GN_TRY(gn_checkpoint_check_record(at, &gn_particle_record, &body->nodes, path, error));
+    GN_TRY(gn_checkpoint_check_numbers(at, body->nodes.id, body->nodes.soa.count,
+                                       body->mesh.node_count, path, error));
     gn_elements_path(solid, "mesh_elements", at);
-    GN_TRY(gn_checkpoint_check_record(at, &gn_element_record, &b->elements, path, error));
-    return gn_checkpoint_check_numbers(at, b->elements.id, b->elements.soa.count, all, path, error);
+    GN_TRY(gn_checkpoint_check_record(at, &gn_element_record, &body->elements, path, error));
+    return gn_checkpoint_check_numbers(at, body->elements.id, body->elements.soa.count, all, path,
+                                       error);
 }
 
 /* Replaces the records that were created from the mesh by the saved ones, which have the same
  * counts and order. */
-static gneiss_status take_records(size_t solid, gn_fem_solid *b, const gn_h5 *file,
+static gneiss_status take_records(size_t solid, gn_fem_solid *body, const gn_h5 *file,
                                   const char *path, gneiss_error *error) {
     gn_particles nodes = {0};
     gn_elements elements = {0};
     char at[GN_ELEMENT_PATH];
     GN_TRY(gn_h5_get_record(file, gn_elements_path(solid, "mesh_nodes", at), &gn_particle_record,
-                            &nodes, b->effects, error));
+                            &nodes, body->effects, error));
     gneiss_status status = gn_h5_get_record(file, gn_elements_path(solid, "mesh_elements", at),
-                                            &gn_element_record, &elements, b->effects, error);
-    const bool fewer = b->nodes.blend && elements.soa.count < b->elements.soa.count;
-    bool same = status == GNEISS_OK && nodes.soa.count == b->nodes.soa.count &&
-                (fewer || elements.soa.count == b->elements.soa.count);
+                                            &gn_element_record, &elements, body->effects, error);
+    const bool fewer = body->nodes.blend && elements.soa.count < body->elements.soa.count;
+    bool same = status == GNEISS_OK && nodes.soa.count == body->nodes.soa.count &&
+                (fewer || elements.soa.count == body->elements.soa.count);
     if (!same) {
         gn_soa_destroy(&gn_particle_record, &nodes);
         gn_soa_destroy(&gn_element_record, &elements);
         if (status != GNEISS_OK) return status;
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected %zu nodes and %zu elements as in its mesh, found others", path,
-                       b->nodes.soa.count, b->elements.soa.count);
+                       body->nodes.soa.count, body->elements.soa.count);
     }
     int32_t materials = 0;
-    for (size_t k = 0; k < b->elements.soa.count; k++)
-        materials = b->elements.material[k] < materials ? materials : b->elements.material[k] + 1;
-    gn_soa_destroy(&gn_particle_record, &b->nodes);
-    gn_soa_destroy(&gn_element_record, &b->elements);
-    b->nodes = nodes;
-    b->elements = elements;
-    gn_particles_set_null(&b->nodes, 1.0);
-    gn_elements_pad(&b->elements, &b->nodes);
-    gn_fem_to_single(b);
-    GN_TRY(check_records(solid, b, path, error));
-    if (indices_are_good(b, materials))
-        return fewer ? gn_fem_elements_changed(b, error) : GNEISS_OK;
+    for (size_t k = 0; k < body->elements.soa.count; k++)
+        materials =
+            body->elements.material[k] < materials ? materials : body->elements.material[k] + 1;
+    gn_soa_destroy(&gn_particle_record, &body->nodes);
+    gn_soa_destroy(&gn_element_record, &body->elements);
+    body->nodes = nodes;
+    body->elements = elements;
+    gn_particles_set_null(&body->nodes, 1.0);
+    gn_elements_pad(&body->elements, &body->nodes);
+    gn_fem_to_single(body);
+    GN_TRY(check_records(solid, body, path, error));
+    if (indices_are_good(body, materials))
+        return fewer ? gn_fem_elements_changed(body, error) : GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected nodes below %zu and elements below %zu, found others", path,
-                   b->nodes.soa.count, b->elements.soa.count);
+                   body->nodes.soa.count, body->elements.soa.count);
 }
 
-static gneiss_status load_body(size_t solid, gn_element_model *q, const gn_h5 *file,
+static gneiss_status load_body(size_t solid, gn_element_model *model, const gn_h5 *file,
                                const char *path, gneiss_error *error) {
     char at[GN_ELEMENT_PATH];
     int64_t culprits[3];
-    GN_TRY(take_records(solid, &q->solid, file, path, error));
-    GN_TRY(
-        gn_h5_get_pieces(file, gn_elements_path(solid, "elements", at), pieces, PIECES, q, error));
+    GN_TRY(take_records(solid, &model->solid, file, path, error));
+    GN_TRY(gn_h5_get_pieces(file, gn_elements_path(solid, "elements", at), pieces, PIECES, model,
+                            error));
     GN_TRY(gn_h5_get(file, gn_elements_path(solid, "elements/culprits", at), GN_I64, 3, 1, 0,
                      culprits, error));
     for (int k = 0; k < 3; k++)
@@ -136,22 +142,22 @@ static gneiss_status load_body(size_t solid, gn_element_model *q, const gn_h5 *f
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: %s: expected whole numbers in [-1, 2^31), found %lld", path, at,
                            (long long)culprits[k]);
-    q->limit.bound_element = (int32_t)culprits[0];
-    q->limit.sharp_element = (int32_t)culprits[1];
-    q->limit.iterations = (int)culprits[2];
-    if (!(isfinite(q->solid.time) && isfinite(q->solid.dt_past) && q->solid.step >= 0))
+    model->limit.bound_element = (int32_t)culprits[0];
+    model->limit.sharp_element = (int32_t)culprits[1];
+    model->limit.iterations = (int)culprits[2];
+    if (!(isfinite(model->solid.time) && isfinite(model->solid.dt_past) && model->solid.step >= 0))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected finite times, found others", path);
     return gn_h5_get(file, gn_elements_path(solid, "elements/load", at), GN_F64,
-                     q->solid.prescribed.count, 6, 0, q->solid.prescribed.load, error);
+                     model->solid.prescribed.count, 6, 0, model->solid.prescribed.load, error);
 }
 
 /* The number of solids is that of the scene. */
-gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
+gneiss_status gn_elements_load(gn_world *world, const gn_h5 *file, const char *path,
                                gneiss_error *error) {
     gn_mesh mesh = {0};
-    if (w->ctx.scene.has_elements) GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
-    GN_TRY(gn_elements_create(&w->ctx, &w->solids, &mesh, error));
-    for (size_t k = 0; k < w->solids.count; k++)
-        GN_TRY(load_body(k, w->solids.elements[k], file, path, error));
+    if (world->ctx.scene.has_elements) GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
+    GN_TRY(gn_elements_create(&world->ctx, &world->solids, &mesh, error));
+    for (size_t k = 0; k < world->solids.count; k++)
+        GN_TRY(load_body(k, world->solids.elements[k], file, path, error));
     return GNEISS_OK;
 }

@@ -36,13 +36,13 @@ gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_ar
                                        size_t count, gneiss_error *error);
 
 /* checkpoint_flow.c */
-gneiss_status gn_checkpoint_put_flow(const gn_world *w, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, const char *path,
+gneiss_status gn_checkpoint_put_flow(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_checkpoint_get_flow(gn_world *world, const gn_h5 *file, const char *path,
                                      gneiss_error *error);
 
 /* events.c */
-gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, const char *path,
+gneiss_status gn_checkpoint_put_events(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_checkpoint_get_events(gn_world *world, const gn_h5 *file, const char *path,
                                        gneiss_error *error);
 
 /* checkpoint_ranges.c: checks that the values of a record that index, count or bound something are

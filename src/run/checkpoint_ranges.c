@@ -73,20 +73,20 @@ static double value_at(gn_type type, const void *data, size_t k) {
 }
 
 static gneiss_status check_field(const char *group, const gn_field *field, const void *soa,
-                                 const range *r, const char *path, gneiss_error *error) {
+                                 const range *bounds, const char *path, gneiss_error *error) {
     const gn_soa *head = soa;
     const void *data = gn_field_data(field, soa);
     const size_t components = (size_t)field->components;
     for (size_t k = 0; data && k < head->count; k++)
         for (size_t c = 0; c < components; c++) {
-            if (r->component >= 0 && c != (size_t)r->component) continue;
+            if (bounds->component >= 0 && c != (size_t)bounds->component) continue;
             size_t place = field->layout == GN_ROWS ? k * components + c : c * head->capacity + k;
             double value = value_at(field->type, data, place);
-            if (value >= r->least && value <= r->most) continue;
+            if (value >= bounds->least && value <= bounds->most) continue;
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: %s/%s: expected values in [%g, %g], found %g in row %zu, column "
                            "%zu (base 0)",
-                           path, group, field->name, r->least, r->most, value, k, c);
+                           path, group, field->name, bounds->least, bounds->most, value, k, c);
         }
     return GNEISS_OK;
 }

@@ -4,7 +4,7 @@
 #include "particles/bursts.h"
 #include "run/checkpoint_internal.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include "base/error.h"
 #include "base/new.h"
@@ -97,15 +97,15 @@ static const gn_output_field of_bursts[] = {
 };
 const gn_output_table gn_burst_outputs = {"bursts", of_bursts, COUNT(of_bursts)};
 
-gneiss_status gn_events_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_events_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     gn_bursts bursts;
-    if (!(w->ctx.effects & GN_FX_EVENTS)) return GNEISS_OK;
-    gneiss_status status = gn_bursts_find(&w->ctx, &w->dem, &bursts, error);
-    const gn_events_view view = {&w->dem.events, &bursts};
+    if (!(world->ctx.effects & GN_FX_EVENTS)) return GNEISS_OK;
+    gneiss_status status = gn_bursts_find(&world->ctx, &world->dem, &bursts, error);
+    const gn_events_view view = {&world->dem.events, &bursts};
     const gn_output_source events = {
-        &gn_event_outputs, &view, w->ctx.effects, w->dem.events.count, NULL, NULL, 0};
+        &gn_event_outputs, &view, world->ctx.effects, world->dem.events.count, NULL, NULL, 0};
     const gn_output_source heard = {
-        &gn_burst_outputs, &bursts, w->ctx.effects, bursts.count, NULL, NULL, 0};
+        &gn_burst_outputs, &bursts, world->ctx.effects, bursts.count, NULL, NULL, 0};
     const gn_h5_attribute said[] = {{"reach", .number = &bursts.reach},
                                     {"window", .number = &bursts.window}};
     if (status == GNEISS_OK) status = gn_output_put(&events, file, error);
@@ -131,20 +131,20 @@ static const struct {
     {"events/cause", GN_I32, offsetof(gn_event, cause), 1},
 };
 
-gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_events *list = &w->dem.events;
+gneiss_status gn_checkpoint_put_events(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    const gn_events *list = &world->dem.events;
     const gn_event none = {0};
     const char *rows = list->count ? (const char *)list->rows : (const char *)&none;
-    for (size_t k = 0; w->ctx.effects & GN_FX_EVENTS && k < COUNT(columns); k++)
+    for (size_t k = 0; world->ctx.effects & GN_FX_EVENTS && k < COUNT(columns); k++)
         GN_TRY(gn_h5_put(file, columns[k].name, columns[k].type, list->count, columns[k].components,
                          sizeof none, rows + columns[k].offset, NULL, NULL, error));
     return GNEISS_OK;
 }
 
-gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, const char *path,
+gneiss_status gn_checkpoint_get_events(gn_world *world, const gn_h5 *file, const char *path,
                                        gneiss_error *error) {
-    gn_events *list = &w->dem.events;
-    if (!(w->ctx.effects & GN_FX_EVENTS)) return GNEISS_OK;
+    gn_events *list = &world->dem.events;
+    if (!(world->ctx.effects & GN_FX_EVENTS)) return GNEISS_OK;
     size_t count = 0;
     GN_TRY(gn_h5_rows(file, columns[0].name, &count, error));
     GN_TRY(gn_new(&list->rows, count, "events", error));

@@ -246,17 +246,33 @@ bool gn_folder_holds_sweep(const char *directory) {
     return found;
 }
 
+gneiss_status gn_folder_check_use(const char *directory, gn_folder_use use, gneiss_error *error) {
+    static const char *const uses[] = {"one run", "several runs", "a packing"};
+    char path[GN_PATH_SIZE + 32];
+    size_t checkpoints = 0;
+    int64_t step;
+    const char *found = NULL;
+    if (access(directory, F_OK) != 0) return GNEISS_OK;
+    snprintf(path, sizeof path, "%s/results.h5", directory);
+    if (use != GN_FOLDER_OF_RUNS && gn_folder_holds_sweep(directory)) found = "several runs";
+    if (use != GN_FOLDER_OF_RUN && access(path, F_OK) == 0) found = "a run";
+    if (use != GN_FOLDER_OF_RUN && !found) {
+        GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
+        if (checkpoints) found = "a run";
+    }
+    if (!found) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.300s: expected a folder for %s, found %s in it: choose another with --out",
+                   directory, uses[use], found);
+}
+
 gneiss_status gn_folder_check(const char *directory, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     int64_t step;
     size_t checkpoints;
     struct stat there;
     if (stat(directory, &there) != 0 || !S_ISDIR(there.st_mode)) return GNEISS_OK;
-    if (gn_folder_holds_sweep(directory))
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%.300s: expected a folder for a run, found a sweep in it, which could not "
-                       "be continued beside the run: choose another with --out",
-                       directory);
+    GN_TRY(gn_folder_check_use(directory, GN_FOLDER_OF_RUN, error));
     GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
     if (checkpoints > 0) return GNEISS_OK;
     for (size_t k = 0; k < SINGLE; k++) {

@@ -25,12 +25,22 @@ gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_
 
 /* Refuses a folder with files named like those of this program but without its results, checkpoints
  * or snapshots, because they were not written by it: GNEISS_ERROR_INPUT names the first of them.
- * The folder of a sweep is refused as well. */
+ * The folder of several runs is refused as well. */
 gneiss_status gn_folder_check(const char *directory, gneiss_error *error);
 /* Checks the files that a packing replaces in the same way: packing.h5, packing.txt and its
  * snapshot. */
 gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error);
 bool gn_folder_holds_sweep(const char *directory);
+
+/* Uses of a folder that exclude each other: files of one would seem to belong to the other, and
+ * what is still to be continued would lose files. */
+typedef enum gn_folder_use {
+    GN_FOLDER_OF_RUN,
+    GN_FOLDER_OF_RUNS,
+    GN_FOLDER_OF_PACKING
+} gn_folder_use;
+/* Refuses a folder that is in another use: GNEISS_ERROR_INPUT. */
+gneiss_status gn_folder_check_use(const char *directory, gn_folder_use use, gneiss_error *error);
 
 /* Removes the files of an earlier run of the same scene file, whatever program wrote them
  * (gn_folder_check is called before). Results of another scene are kept: GNEISS_ERROR_INPUT. */

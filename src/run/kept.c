@@ -2,7 +2,7 @@
 
 #include "base/new.h"
 #include "io/listing.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/spacing.h"
 #include "run/stages.h"
 
@@ -62,8 +62,8 @@ void gn_kept_begin(gn_run *run, bool closer) {
 }
 
 void gn_kept_resume(gn_run *run) {
-    const gn_looks *looks = &run->looks;
-    gn_beginning_update(&run->kept.beginning, looks->strain, looks->stress, looks->count);
+    const gn_samples *samples = &run->samples;
+    gn_beginning_update(&run->kept.beginning, samples->strain, samples->stress, samples->count);
 }
 
 void gn_kept_free(gn_kept *kept) {
@@ -74,9 +74,9 @@ void gn_kept_free(gn_kept *kept) {
 /* --- the peak --- */
 
 /* Returns the last candidate of the peak; NULL: there is none. */
-static const gn_kept_snapshot *candidate(const gn_kept *k, gn_kept_kind kind) {
-    for (size_t n = k->count; n > 0; n--)
-        if (k->list[n - 1].kind == (double)kind) return &k->list[n - 1];
+static const gn_kept_snapshot *candidate(const gn_kept *kept, gn_kept_kind kind) {
+    for (size_t n = kept->count; n > 0; n--)
+        if (kept->list[n - 1].kind == (double)kind) return &kept->list[n - 1];
     return NULL;
 }
 
@@ -100,8 +100,8 @@ static bool is_candidate(gn_run *run, double stress) {
     return stress > growth * least && now > growth * from;
 }
 
-/* Tells whether the ends carry nothing at first. The test then begins as soon as they move, which
- * rows show before looks do. */
+/* Tells whether the ends carry no load at first. The test then begins as soon as they move, which
+ * rows show before samples do. */
 static bool begins_unloaded(const gn_run *run) {
     const double *stress = gn_history_column(&run->history, "stress");
     return stress && run->history.row_count && !(stress[0] > 0.0);
@@ -113,21 +113,22 @@ static bool has_moved(const gn_run *run) {
 }
 
 /* Tells whether the test has begun; the rows before do not belong to it. */
-static bool has_begun(gn_run *run, bool look) {
+static bool has_begun(gn_run *run, bool sample) {
     gn_kept *k = &run->kept;
     const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
     if (gn_run_staged(run)) return rows > 1;
     const bool before = k->beginning.begun;
-    if (look)
-        gn_beginning_update(&k->beginning, run->looks.strain, run->looks.stress, run->looks.count);
+    if (sample)
+        gn_beginning_update(&k->beginning, run->samples.strain, run->samples.stress,
+                            run->samples.count);
     if (begins_unloaded(run)) return k->beginning.begun || has_moved(run);
     if (k->beginning.begun && !before) k->peak = 0.0;
     return k->beginning.begun;
 }
 
-void gn_kept_row(gn_run *run, bool look) {
+void gn_kept_row(gn_run *run, bool sample) {
     gn_kept *k = &run->kept;
-    if (!run->directory[0] || !run->snapshot_interval || !has_peak(run) || !has_begun(run, look))
+    if (!run->directory[0] || !run->snapshot_interval || !has_peak(run) || !has_begun(run, sample))
         return;
     const double stress = last_in(run, "stress");
     if (stress > k->peak) {
@@ -172,31 +173,31 @@ static gneiss_status drop(gn_run *run, size_t at, gneiss_error *error) {
 
 /* --- regular snapshots --- */
 
-static int64_t part_size(const gn_kept *k) {
-    return PARTS >> k->halvings;
+static int64_t part_size(const gn_kept *kept) {
+    return PARTS >> kept->halvings;
 }
 
-static bool is_on_grid(const gn_kept *k, const gn_kept_snapshot *s) {
-    return s->kind == GN_KEPT_REGULAR && (int64_t)s->part % part_size(k) == 0;
+static bool is_on_grid(const gn_kept *kept, const gn_kept_snapshot *snapshot) {
+    return snapshot->kind == GN_KEPT_REGULAR && (int64_t)snapshot->part % part_size(kept) == 0;
 }
 
-static size_t count_regular(const gn_kept *k) {
+static size_t count_regular(const gn_kept *kept) {
     size_t count = 0;
-    for (size_t n = 0; n < k->count; n++) count += is_on_grid(k, &k->list[n]);
+    for (size_t n = 0; n < kept->count; n++) count += is_on_grid(kept, &kept->list[n]);
     return count;
 }
 
 /* Returns the snapshot before the peak with a stress nearest to `share` of the peak; k->count:
  * there is none. */
-static size_t nearest_before(const gn_kept *k, double share) {
-    const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
-    size_t nearest = k->count;
-    for (size_t n = 0; n < k->count; n++) {
-        const double kind = k->list[n].kind;
+static size_t nearest_before(const gn_kept *kept, double share) {
+    const gn_kept_snapshot *peak = candidate(kept, GN_KEPT_PEAK);
+    size_t nearest = kept->count;
+    for (size_t n = 0; n < kept->count; n++) {
+        const double kind = kept->list[n].kind;
         if (kind != GN_KEPT_REGULAR && kind != GN_KEPT_BEFORE) continue;
-        if (peak && k->list[n].step > peak->step) continue;
-        const double off = fabs(k->list[n].stress - share * k->peak);
-        if (nearest == k->count || off < fabs(k->list[nearest].stress - share * k->peak))
+        if (peak && kept->list[n].step > peak->step) continue;
+        const double off = fabs(kept->list[n].stress - share * kept->peak);
+        if (nearest == kept->count || off < fabs(kept->list[nearest].stress - share * kept->peak))
             nearest = n;
     }
     return nearest;
@@ -204,11 +205,11 @@ static size_t nearest_before(const gn_kept *k, double share) {
 
 /* Tells whether a snapshot is the one nearest to half of the peak, or the one nearest to the peak
  * if the candidate of the peak has a lower stress. */
-static bool is_needed(const gn_kept *k, size_t at) {
-    const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
-    if (!(k->peak > 0.0)) return false;
-    if (at == nearest_before(k, 0.5)) return true;
-    return at == nearest_before(k, 1.0) && !(peak && peak->stress >= k->list[at].stress);
+static bool is_needed(const gn_kept *kept, size_t at) {
+    const gn_kept_snapshot *peak = candidate(kept, GN_KEPT_PEAK);
+    if (!(kept->peak > 0.0)) return false;
+    if (at == nearest_before(kept, 0.5)) return true;
+    return at == nearest_before(kept, 1.0) && !(peak && peak->stress >= kept->list[at].stress);
 }
 
 static gneiss_status thin(gn_run *run, gneiss_error *error) {
@@ -257,14 +258,14 @@ bool gn_kept_is_due(gn_run *run, bool first) {
 
 /* --- written snapshots --- */
 
-static gneiss_status grow(gn_kept *k, gneiss_error *error) {
-    const size_t capacity = k->capacity ? 2 * k->capacity : 64;
+static gneiss_status grow(gn_kept *kept, gneiss_error *error) {
+    const size_t capacity = kept->capacity ? 2 * kept->capacity : 64;
     gn_kept_snapshot *list;
     GN_TRY(gn_new(&list, capacity, "snapshots", error));
-    if (k->count) memcpy(list, k->list, k->count * sizeof *list);
-    gn_free(k->list);
-    k->list = list;
-    k->capacity = capacity;
+    if (kept->count) memcpy(list, kept->list, kept->count * sizeof *list);
+    gn_free(kept->list);
+    kept->list = list;
+    kept->capacity = capacity;
     return GNEISS_OK;
 }
 

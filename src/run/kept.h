@@ -19,12 +19,12 @@ typedef enum gn_kept_kind {
 /* Starts the selection for a run or a stage with the spacing of run->snapshot_interval; `closer`:
  * with more snapshots, which are thinned out later. */
 void gn_kept_begin(gn_run *run, bool closer);
-/* Restores the selection after a checkpoint was read and its looks are known. */
+/* Restores the selection after a checkpoint and its samples were read. */
 void gn_kept_resume(gn_run *run);
 
-/* Updates the selection after a row of the history; `look`: stop conditions are evaluated at the
+/* Updates the selection after a row of the history; `sample`: stop conditions are evaluated at the
  * row. */
-void gn_kept_row(gn_run *run, bool look);
+void gn_kept_row(gn_run *run, bool sample);
 
 /* Tells whether the next step begins with snapshots; `first`: it is the first step of the run or of
  * a stage. Regular snapshots that the thinning would remove at once are left out. */

@@ -18,7 +18,7 @@
 #include "run/output_contacts.h"
 #include "run/output_fields.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "scene/scene.h"
@@ -37,15 +37,15 @@
 
 /* --- snapshots --- */
 
-static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
+static gneiss_status write_bonds(const gn_run *run, const gn_output_view *view, const char *name,
                                  const gn_snapshot *points, gneiss_error *error) {
     const gn_world *w = &run->world;
     const size_t count = w->dem.bonds.contacts.soa.count;
-    const gn_output_source bonds = gn_output_bonds(v);
+    const gn_output_source bonds = gn_output_bonds(view);
     gn_output_arrays lines;
     int32_t *ends = calloc(count + 1, 2 * sizeof *ends);
     if (!ends) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of bonds");
-    for (size_t c = 0; c < count; c++) gn_output_bond_ends(v, c, ends + 2 * c);
+    for (size_t c = 0; c < count; c++) gn_output_bond_ends(view, c, ends + 2 * c);
     gneiss_status status = gn_output_arrays_read(&bonds, &lines, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = *points;
@@ -61,19 +61,19 @@ static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, con
     return status;
 }
 
-static bool shows_contacts(const gn_world *w) {
-    return w->ctx.scene.contact_rows == GN_SWITCH_ON && w->dem.particles.soa.count;
+static bool shows_contacts(const gn_world *world) {
+    return world->ctx.scene.contact_rows == GN_SWITCH_ON && world->dem.particles.soa.count;
 }
 
-static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v, const char *before,
-                                    gneiss_error *error) {
+static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *view,
+                                    const char *before, gneiss_error *error) {
     const gn_world *w = &run->world;
     const size_t count = w->dem.particles.soa.count;
-    const gn_output_source particles = gn_output_particles(v);
+    const gn_output_source particles = gn_output_particles(view);
     gn_output_arrays points;
     double *place = calloc(count + 1, 3 * sizeof *place);
     if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of particles");
-    for (size_t p = 0; p < count; p++) gn_output_place(v, p, place + 3 * (size_t)v->row[p]);
+    for (size_t p = 0; p < count; p++) gn_output_place(view, p, place + 3 * (size_t)view->row[p]);
     gneiss_status status = gn_output_arrays_read(&particles, &points, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = {.bad = w->outcome.bad,
@@ -88,10 +88,10 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v, 
         status = gn_snapshot_write(run->directory, name, &s, error);
         snprintf(name, sizeof name, "%sbonds", before);
         if (status == GNEISS_OK && w->ctx.effects & GN_FX_BONDS)
-            status = write_bonds(run, v, name, &s, error);
+            status = write_bonds(run, view, name, &s, error);
         snprintf(name, sizeof name, "%scontacts", before);
         if (status == GNEISS_OK && shows_contacts(w))
-            status = gn_output_contacts_snapshot(v, run->directory, name, &s, error);
+            status = gn_output_contacts_snapshot(view, run->directory, name, &s, error);
         gn_output_arrays_free(&points);
     }
     free(place);
@@ -179,42 +179,43 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
 
 /* Reports the corrections of the momentum that changes of the particles' masses would have
  * caused. */
-static void summary_corrections(const gn_world *w, gn_json *j) {
-    const gn_corrections *c = &w->converted.corrected;
-    const gn_conversion_parts *p = &w->converted.parts;
-    if (!gn_converts(&w->ctx)) return;
-    gn_json_object(j, "conversions");
-    GN_JSON_NUMBERS(j, {"count", (double)c->count}, {"wider", (double)c->wider},
+static void summary_corrections(const gn_world *world, gn_json *json) {
+    const gn_corrections *c = &world->converted.corrected;
+    const gn_conversion_parts *p = &world->converted.parts;
+    if (!gn_converts(&world->ctx)) return;
+    gn_json_object(json, "conversions");
+    GN_JSON_NUMBERS(json, {"count", (double)c->count}, {"wider", (double)c->wider},
                     {"missed", (double)c->missed}, {"least", c->missed > 0.0 ? c->least : 1.0},
                     {"kinetic", c->energy}, {"turned", sqrt(gn_dot3(c->turned, c->turned))},
                     {"turned_most", c->scale > 0.0 ? c->most / c->scale : 0.0},
                     {"centre", sqrt(gn_dot3(c->centre, c->centre))}, {"inertia", c->inertia});
-    gn_json_object(j, "booked");
-    GN_JSON_NUMBERS(j, {"sampled", p->sampled}, {"stiffness", p->stiffness}, {"uneven", p->uneven},
-                    {"balance", p->balance}, {"motion", p->motion}, {"step", p->step});
-    gn_json_end(j);
-    gn_json_number(j, "held", p->alike[0] > 0.0 ? p->alike[1] / p->alike[0] : 1.0);
-    gn_json_end(j);
+    gn_json_object(json, "booked");
+    GN_JSON_NUMBERS(json, {"sampled", p->sampled}, {"stiffness", p->stiffness},
+                    {"uneven", p->uneven}, {"balance", p->balance}, {"motion", p->motion},
+                    {"step", p->step});
+    gn_json_end(json);
+    gn_json_number(json, "held", p->alike[0] > 0.0 ? p->alike[1] / p->alike[0] : 1.0);
+    gn_json_end(json);
 }
 
 /* Reports the relaxations of converted particles. */
-static void summary_relaxation(const gn_world *w, gn_json *j) {
-    const gn_relaxations *r = &w->converted.relaxed;
-    if (!gn_converts(&w->ctx) || !(w->ctx.scene.couple.convert.relax > 0.0)) return;
-    gn_json_object(j, "relaxation");
-    GN_JSON_NUMBERS(j, {"count", (double)r->count}, {"iterations", (double)r->iterations},
+static void summary_relaxation(const gn_world *world, gn_json *json) {
+    const gn_relaxations *r = &world->converted.relaxed;
+    if (!gn_converts(&world->ctx) || !(world->ctx.scene.couple.convert.relax > 0.0)) return;
+    gn_json_object(json, "relaxation");
+    GN_JSON_NUMBERS(json, {"count", (double)r->count}, {"iterations", (double)r->iterations},
                     {"missed", (double)r->missed}, {"broke", (double)r->stopped_by_bond_failure},
                     {"loose", (double)r->unsupported}, {"tired", (double)r->hit_iteration_limit},
                     {"kept", (double)r->kept}, {"worst", r->worst});
-    gn_json_end(j);
+    gn_json_end(json);
 }
 
 /* Writes the columns that a report uses as strain and stress of the test, and the readings that it
  * shows first, as lines "name: text". */
-static gneiss_status put_test(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_test_descriptor *d = gn_scene_test(&w->ctx.scene);
+static gneiss_status put_test(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    const gn_test_descriptor *d = gn_scene_test(&world->ctx.scene);
     char figures[512] = "";
-    if (!gn_scene_tested(&w->ctx.scene)) return GNEISS_OK;
+    if (!gn_scene_tested(&world->ctx.scene)) return GNEISS_OK;
     for (size_t used = 0, k = 0; d->figures[k].name && used < sizeof figures; k++)
         used += (size_t)snprintf(figures + used, sizeof figures - used, "%s%s: %s", k ? "\n" : "",
                                  gn_reading_name((gn_reading)d->figures[k].reading),
@@ -227,30 +228,31 @@ static gneiss_status put_test(const gn_world *w, gn_h5 *file, gneiss_error *erro
 }
 
 /* Writes the mass that was added for a longer step. */
-static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_mass_scaling *s = &w->ctx.choice.scaling;
-    if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
-    const gn_h5_attribute list[] = {{"added_mass", .number = &w->dem.raised.added},
-                                    {"own_mass", .number = &w->dem.mass},
+static gneiss_status put_mass_scaling(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    const gn_mass_scaling *s = &world->ctx.choice.scaling;
+    if (!(world->ctx.effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
+    const gn_h5_attribute list[] = {{"added_mass", .number = &world->dem.raised.added},
+                                    {"own_mass", .number = &world->dem.mass},
                                     {"dt_without_added_mass", .number = &s->unscaled}};
     return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
 }
 
 /* Writes the volume and the membrane stress that enter the mean stress of the specimen. */
-static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const double volume = gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
-                                          &w->box, &w->approach);
-    const bool membrane = w->ctx.effects & GN_FX_MEMBRANE;
+static gneiss_status put_space(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    const double volume =
+        gn_space_volume(&world->ctx, &world->dem, &world->membrane, &world->boundary,
+                        &world->solids, &world->box, &world->approach);
+    const bool membrane = world->ctx.effects & GN_FX_MEMBRANE;
     double stress[9] = {0};
-    if (!membrane && volume == w->ctx.volume) return GNEISS_OK;
-    gn_membrane_stress(&w->ctx, &w->membrane, volume, stress);
+    if (!membrane && volume == world->ctx.volume) return GNEISS_OK;
+    gn_membrane_stress(&world->ctx, &world->membrane, volume, stress);
     const gn_h5_attribute list[] = {{"stress_volume", .number = &volume},
                                     {"membrane_stress", .number = stress, .count = 9}};
     return gn_h5_attributes(file, "/", list, membrane ? 2 : 1, error);
 }
 
-gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    GN_FREED char *scene = gn_scene_write(&w->ctx.given);
+gneiss_status gn_scene_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    GN_FREED char *scene = gn_scene_write(&world->ctx.given);
     return scene ? gn_h5_put_text(file, "scene", scene, error)
                  : gn_no_memory(error, "the text of the scene");
 }
@@ -308,12 +310,12 @@ static gneiss_status put_reading(gn_h5 *file, const char *group, const char *nam
 
 /* Writes the readings that belong to the test. */
 static gneiss_status put_group(const gn_run *run, gn_h5 *file, const char *group,
-                               const gn_readings *r, gneiss_error *error) {
+                               const gn_readings *readings, gneiss_error *error) {
     bool demanded = gn_h5_demand_finite(file, false);
 #define X(name, unit, text)                                                                        \
     if (gn_run_reads(run, GN_READING_##name))                                                      \
-        GN_TRY(put_reading(file, group, #name, r->name, unit, text, r->reason[GN_READING_##name],  \
-                           error));
+        GN_TRY(put_reading(file, group, #name, readings->name, unit, text,                         \
+                           readings->reason[GN_READING_##name], error));
     GN_READINGS(X)
 #undef X
     gn_h5_demand_finite(file, demanded);
@@ -343,11 +345,12 @@ static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *
     return put_stage_readings(run, file, error);
 }
 
-static gneiss_status put_energy(gn_h5 *file, const gn_energy_figure *f, gneiss_error *error) {
+static gneiss_status put_energy(gn_h5 *file, const gn_energy_figure *figure, gneiss_error *error) {
     char path[160];
-    GN_TRY(put_scalar(file, "energy", f->name, f->value, f->unit, f->text, error));
-    snprintf(path, sizeof path, "energy/%s", f->name);
-    return f->kind ? gn_h5_attribute_text(file, path, "kind", f->kind, error) : GNEISS_OK;
+    GN_TRY(
+        put_scalar(file, "energy", figure->name, figure->value, figure->unit, figure->text, error));
+    snprintf(path, sizeof path, "energy/%s", figure->name);
+    return figure->kind ? gn_h5_attribute_text(file, path, "kind", figure->kind, error) : GNEISS_OK;
 }
 
 static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -372,16 +375,16 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
     return GNEISS_OK;
 }
 
-static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+static gneiss_status put_state(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     GN_FREED_BY(gn_observed_free) gn_observed seen = {0};
     GN_FREED_BY(gn_output_view_free) gn_output_view view = {0};
-    if (!w->dem.particles.soa.count && !(w->ctx.effects & GN_FX_BONDS)) return GNEISS_OK;
-    GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
-    GN_TRY(gn_output_view_make(w, &seen, &view, error));
+    if (!world->dem.particles.soa.count && !(world->ctx.effects & GN_FX_BONDS)) return GNEISS_OK;
+    GN_TRY(gn_world_observe(&world->ctx, &world->dem, &world->box, &seen, error));
+    GN_TRY(gn_output_view_make(world, &seen, &view, error));
     const gn_output_source particles = gn_output_particles(&view), bonds = gn_output_bonds(&view);
-    if (w->dem.particles.soa.count) GN_TRY(gn_output_put(&particles, file, error));
-    if (w->ctx.effects & GN_FX_BONDS) GN_TRY(gn_output_put(&bonds, file, error));
-    return shows_contacts(w) ? gn_output_contacts_put(&view, file, error) : GNEISS_OK;
+    if (world->dem.particles.soa.count) GN_TRY(gn_output_put(&particles, file, error));
+    if (world->ctx.effects & GN_FX_BONDS) GN_TRY(gn_output_put(&bonds, file, error));
+    return shows_contacts(world) ? gn_output_contacts_put(&view, file, error) : GNEISS_OK;
 }
 
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
@@ -412,112 +415,116 @@ static size_t touching(const gn_contacts *list) {
     return count;
 }
 
-static gneiss_status summary_warnings(const gn_run *run, gn_json *j, gneiss_error *error) {
+static gneiss_status summary_warnings(const gn_run *run, gn_json *json, gneiss_error *error) {
     gn_warnings list;
     GN_TRY(gn_run_warnings(run, &list, error));
-    gn_json_array(j, "warnings");
+    gn_json_array(json, "warnings");
     for (size_t k = 0; k < list.count; k++) {
-        gn_json_object(j, NULL);
-        gn_json_text(j, "name", list.warning[k].name);
-        gn_json_text(j, "text", list.warning[k].text);
-        gn_json_end(j);
+        gn_json_object(json, NULL);
+        gn_json_text(json, "name", list.warning[k].name);
+        gn_json_text(json, "text", list.warning[k].text);
+        gn_json_end(json);
     }
-    gn_json_end(j);
+    gn_json_end(json);
     return GNEISS_OK;
 }
 
 /* Writes the readings that belong to the test as numbers, null for an absent one, and the reason
  * for it. */
-static void summary_of(const gn_run *run, const gn_readings *r, gn_json *j) {
-    gn_json_object(j, "readings");
+static void summary_of(const gn_run *run, const gn_readings *readings, gn_json *json) {
+    gn_json_object(json, "readings");
 #define X(name, unit, text)                                                                        \
-    if (gn_run_reads(run, GN_READING_##name)) gn_json_number(j, #name, r->name);
+    if (gn_run_reads(run, GN_READING_##name)) gn_json_number(json, #name, readings->name);
     GN_READINGS(X)
 #undef X
-    gn_json_end(j);
-    gn_json_object(j, "absent");
+    gn_json_end(json);
+    gn_json_object(json, "absent");
 #define X(name, unit, text)                                                                        \
-    if (gn_run_reads(run, GN_READING_##name) && r->reason[GN_READING_##name][0])                   \
-        gn_json_text(j, #name, r->reason[GN_READING_##name]);
+    if (gn_run_reads(run, GN_READING_##name) && readings->reason[GN_READING_##name][0])            \
+        gn_json_text(json, #name, readings->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
-    gn_json_end(j);
+    gn_json_end(json);
 }
 
-static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_error *error) {
+static gneiss_status summary_readings(const gn_run *run, gn_json *json, gneiss_error *error) {
     const gn_readings *r;
     const gn_budget *budget;
     GN_TRY(gn_run_readings(run, &r, error));
     GN_TRY(gn_run_budget(run, &budget, error));
-    summary_of(run, r, j);
-    gn_budget_summary(budget, r, j);
+    summary_of(run, r, json);
+    gn_budget_summary(budget, r, json);
     return GNEISS_OK;
 }
 
-static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
-    gn_json_object(j, "counts");
-    bool flows = gn_scene_has_flow(&w->ctx.scene);
-    gn_json_integer(j, "particles",
-                    (int64_t)(flows ? gn_world_present(&w->dem) : w->dem.particles.soa.count));
-    if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_dormant_count(&w->dem));
-    GN_JSON_NUMBERS(j, {"contacts", (double)contacts}, {"bonds", (double)w->dem.bonds_at_start},
-                    {"broken_tension", (double)w->dem.broken_tension},
-                    {"broken_shear", (double)w->dem.broken_shear},
-                    {"removed", (double)w->dem.lost});
-    if (w->ctx.scene.body_count) {
-        GN_JSON_NUMBERS(
-            j, {"bodies", (double)w->ctx.scene.body_count},
-            {"facets", (double)w->boundary.body_corner_count / (double)w->ctx.scene.dimension});
+static void summary_counts(const gn_world *world, size_t contacts, gn_json *json) {
+    gn_json_object(json, "counts");
+    bool flows = gn_scene_has_flow(&world->ctx.scene);
+    gn_json_integer(
+        json, "particles",
+        (int64_t)(flows ? gn_world_present(&world->dem) : world->dem.particles.soa.count));
+    if (gn_converts(&world->ctx))
+        gn_json_integer(json, "asleep", (int64_t)gn_dormant_count(&world->dem));
+    GN_JSON_NUMBERS(
+        json, {"contacts", (double)contacts}, {"bonds", (double)world->dem.bonds_at_start},
+        {"broken_tension", (double)world->dem.broken_tension},
+        {"broken_shear", (double)world->dem.broken_shear}, {"removed", (double)world->dem.lost});
+    if (world->ctx.scene.body_count) {
+        GN_JSON_NUMBERS(json, {"bodies", (double)world->ctx.scene.body_count},
+                        {"facets", (double)world->boundary.body_corner_count /
+                                       (double)world->ctx.scene.dimension});
     }
-    if (w->solids.count) {
-        gn_element_totals t = gn_elements_totals(&w->solids);
-        GN_JSON_NUMBERS(j, {"nodes", (double)t.nodes}, {"elements", (double)t.elements});
+    if (world->solids.count) {
+        gn_element_totals t = gn_elements_totals(&world->solids);
+        GN_JSON_NUMBERS(json, {"nodes", (double)t.nodes}, {"elements", (double)t.elements});
     }
-    gn_json_end(j);
+    gn_json_end(json);
 }
 
-static void summary_step(const gn_world *w, gn_json *j) {
-    GN_JSON_NUMBERS(j, {"steps", (double)w->ctx.step}, {"time", w->ctx.time}, {"dt", w->ctx.dt},
-                    {"dt_limit", w->ctx.stable},
-                    {"dt_limit_sharp", gn_world_sharp_limit(&w->ctx, &w->solids)},
-                    {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones)},
-                    {"dt_resolution", w->ctx.choice.resolution.step});
+static void summary_step(const gn_world *world, gn_json *json) {
+    GN_JSON_NUMBERS(
+        json, {"steps", (double)world->ctx.step}, {"time", world->ctx.time}, {"dt", world->ctx.dt},
+        {"dt_limit", world->ctx.stable},
+        {"dt_limit_sharp", gn_world_sharp_limit(&world->ctx, &world->solids)},
+        {"dt_limit_bound", gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones)},
+        {"dt_resolution", world->ctx.choice.resolution.step});
 }
 
 /* Reports the mass that was added for a longer step. */
-static void summary_mass_scaling(const gn_world *w, gn_json *j) {
-    const gn_mass_scaling *s = &w->ctx.choice.scaling;
-    const gn_raised_masses *raised = &w->dem.raised;
-    if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return;
-    gn_json_object(j, "mass_scaling");
-    GN_JSON_NUMBERS(j, {"added_mass", raised->added}, {"added_share", raised->added / w->dem.mass},
-                    {"added_kinetic", gn_dem_added_kinetic(&w->dem)},
-                    {"particles", (double)raised->count}, {"largest_factor", raised->largest},
-                    {"dt_wanted", s->step > 0.0 ? s->step : s->unscaled},
-                    {"dt_without", s->unscaled});
-    gn_json_end(j);
+static void summary_mass_scaling(const gn_world *world, gn_json *json) {
+    const gn_mass_scaling *s = &world->ctx.choice.scaling;
+    const gn_raised_masses *raised = &world->dem.raised;
+    if (!(world->ctx.effects & GN_FX_MASS_SCALING)) return;
+    gn_json_object(json, "mass_scaling");
+    GN_JSON_NUMBERS(
+        json, {"added_mass", raised->added}, {"added_share", raised->added / world->dem.mass},
+        {"added_kinetic", gn_dem_added_kinetic(&world->dem)}, {"particles", (double)raised->count},
+        {"largest_factor", raised->largest}, {"dt_wanted", s->step > 0.0 ? s->step : s->unscaled},
+        {"dt_without", s->unscaled});
+    gn_json_end(json);
 }
 
 /* Reports the stages that have begun: their begin, their end, and their readings. */
-static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error *error) {
+static gneiss_status summary_stages(const gn_run *run, gn_json *json, gneiss_error *error) {
     const gn_world *w = &run->world;
     if (!gn_run_staged(run)) return GNEISS_OK;
-    gn_json_array(j, "stages");
+    gn_json_array(json, "stages");
     for (size_t k = 0; k <= w->stages.now; k++) {
         const gn_stage_state *s = &w->stages.state[k];
         char reason[96];
         gn_readings r;
         GN_TRY(gn_run_stage_readings(run, k, &r, error));
-        gn_json_object(j, NULL);
-        gn_json_text(j, "name", w->ctx.scene.stages[k].name);
-        GN_JSON_NUMBERS(j, {"step", (double)s->step}, {"time", s->time}, {"row", (double)s->row});
-        gn_json_text(j, "ended",
+        gn_json_object(json, NULL);
+        gn_json_text(json, "name", w->ctx.scene.stages[k].name);
+        GN_JSON_NUMBERS(json, {"step", (double)s->step}, {"time", s->time},
+                        {"row", (double)s->row});
+        gn_json_text(json, "ended",
                      gn_stage_reason(&w->ctx.scene.stages[k], (gn_stage_cause)s->ended, reason,
                                      sizeof reason));
-        summary_of(run, &r, j);
-        gn_json_end(j);
+        summary_of(run, &r, json);
+        gn_json_end(json);
     }
-    gn_json_end(j);
+    gn_json_end(json);
     return GNEISS_OK;
 }
 
@@ -528,37 +535,38 @@ static int64_t peak_memory(void) {
 }
 
 /* Reports the static solution from which the run began. */
-static void summary_start(const gn_run *run, gn_json *j) {
+static void summary_start(const gn_run *run, gn_json *json) {
     const gn_first_break *b = &run->first_break;
     if (!b->steps) return;
-    gn_json_object(j, "first_break");
-    GN_JSON_NUMBERS(j, {"time", b->time}, {"first", (double)b->i}, {"second", (double)b->j},
+    gn_json_object(json, "first_break");
+    GN_JSON_NUMBERS(json, {"time", b->time}, {"first", (double)b->i}, {"second", (double)b->j},
                     {"start", b->start}, {"steps", (double)b->steps},
                     {"solutions", (double)b->solutions}, {"iterations", (double)b->iterations},
                     {"unbalanced", b->unbalanced}, {"shortfall", b->shortfall});
-    gn_json_end(j);
+    gn_json_end(json);
 }
 
 /* Reports the cost of the run and its parts. */
-static void summary_cost(const gn_run *run, gn_json *j) {
+static void summary_cost(const gn_run *run, gn_json *json) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
-    gn_json_integer(j, "list_rebuilds", w->dem.verlet.rebuilds);
-    gn_json_object(j, "seconds");
+    gn_json_integer(json, "list_rebuilds", w->dem.verlet.rebuilds);
+    gn_json_object(json, "seconds");
     for (int k = 0; k < GN_PHASE_COUNT; k++)
-        gn_json_number(j, gn_phase_name((gn_phase)k), w->ctx.seconds[k]);
-    GN_JSON_NUMBERS(j, {"total", p.seconds}, {"cpu", p.cpu_seconds});
-    gn_json_end(j);
-    GN_JSON_NUMBERS(j, {"peak_memory", (double)peak_memory()},
+        gn_json_number(json, gn_phase_name((gn_phase)k), w->ctx.seconds[k]);
+    GN_JSON_NUMBERS(json, {"total", p.seconds}, {"cpu", p.cpu_seconds});
+    gn_json_end(json);
+    GN_JSON_NUMBERS(json, {"peak_memory", (double)peak_memory()},
                     {"particle_steps_per_second",
                      (double)w->dem.particles.soa.count * (double)w->ctx.step / p.seconds},
                     {"contact_steps_per_second", (double)w->dem.contact_steps / p.seconds});
-    if (w->solids.count) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
-    gn_json_integer(j, "threads", w->ctx.threads);
-    gn_json_text(j, "isa", w->ctx.kernels->name);
-    gn_json_text(j, "precision", w->ctx.effects & GN_FX_MIXED ? "mixed" : "double");
-    gn_json_text(j, "version", gn_version());
-    gn_json_text(j, "build", gn_build());
+    if (w->solids.count)
+        gn_json_number(json, "element_steps_per_second", p.element_steps_per_second);
+    gn_json_integer(json, "threads", w->ctx.threads);
+    gn_json_text(json, "isa", w->ctx.kernels->name);
+    gn_json_text(json, "precision", w->ctx.effects & GN_FX_MIXED ? "mixed" : "double");
+    gn_json_text(json, "version", gn_version());
+    gn_json_text(json, "build", gn_build());
 }
 
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {

@@ -6,7 +6,7 @@
 #include "base/new.h"
 #include "io/io.h"
 #include "io/snapshot.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/quantities.h"
 #include "run/run.h"
 #include "scene/values.h"
@@ -31,42 +31,42 @@ typedef struct view {
     size_t vertices, facets, corners;
 } view;
 
-static void free_view(view *v) {
-    gn_free(v->place);
-    gn_free(v->vertex_body);
-    gn_free(v->facet_body);
-    gn_free(v->corner);
+static void free_view(view *shown) {
+    gn_free(shown->place);
+    gn_free(shown->vertex_body);
+    gn_free(shown->facet_body);
+    gn_free(shown->corner);
 }
 
-static void fill(view *v) {
-    const gn_world *w = v->world;
+static void fill(view *shown) {
+    const gn_world *w = shown->world;
     size_t vertex = 0, facet = 0;
     for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         const int64_t *shape = w->boundary.body_shape[k];
         size_t end = facet + (size_t)shape[1];
-        for (size_t c = v->corners * facet; c < v->corners * end; c++)
-            v->corner[c] = (int32_t)vertex + w->boundary.body_corner[c];
-        for (; facet < end; facet++) v->facet_body[facet] = (int32_t)k;
+        for (size_t c = shown->corners * facet; c < shown->corners * end; c++)
+            shown->corner[c] = (int32_t)vertex + w->boundary.body_corner[c];
+        for (; facet < end; facet++) shown->facet_body[facet] = (int32_t)k;
         for (end = vertex + (size_t)shape[0]; vertex < end; vertex++) {
-            double *place = v->place + 3 * vertex;
-            v->vertex_body[vertex] = (int32_t)k;
+            double *place = shown->place + 3 * vertex;
+            shown->vertex_body[vertex] = (int32_t)k;
             gn_rigid_place(&w->boundary.bodies[k], w->boundary.body_vertex + 4 * vertex, place);
-            gn_world_point_out(&w->ctx, place, place);
+            gn_user_point(&w->ctx, place, place);
         }
     }
 }
 
-static gneiss_status make_view(const gn_world *w, view *v, gneiss_error *error) {
-    const size_t corners = w->boundary.body_corner_count;
-    *v = (view){.world = w,
-                .vertices = w->boundary.body_vertex_count,
-                .corners = (size_t)w->ctx.scene.dimension};
-    v->facets = corners / v->corners;
-    GN_TRY(gn_new(&v->place, 3 * v->vertices, "coordinates of vertices", error));
-    GN_TRY(gn_new(&v->vertex_body, v->vertices, "vertices", error));
-    GN_TRY(gn_new(&v->facet_body, v->facets, "facets", error));
-    GN_TRY(gn_new(&v->corner, corners, "corners", error));
-    fill(v);
+static gneiss_status make_view(const gn_world *world, view *shown, gneiss_error *error) {
+    const size_t corners = world->boundary.body_corner_count;
+    *shown = (view){.world = world,
+                    .vertices = world->boundary.body_vertex_count,
+                    .corners = (size_t)world->ctx.scene.dimension};
+    shown->facets = corners / shown->corners;
+    GN_TRY(gn_new(&shown->place, 3 * shown->vertices, "coordinates of vertices", error));
+    GN_TRY(gn_new(&shown->vertex_body, shown->vertices, "vertices", error));
+    GN_TRY(gn_new(&shown->facet_body, shown->facets, "facets", error));
+    GN_TRY(gn_new(&shown->corner, corners, "corners", error));
+    fill(shown);
     return GNEISS_OK;
 }
 
@@ -87,11 +87,11 @@ READ(inertia, 3, b->inertia)
 
 static void read_position(const void *of, size_t k, double *value) {
     const gn_world *w = ((const view *)of)->world;
-    gn_world_point_out(&w->ctx, w->boundary.bodies[k].position, value);
+    gn_user_point(&w->ctx, w->boundary.bodies[k].position, value);
 }
 static void read_start(const void *of, size_t k, double *value) {
     const gn_world *w = ((const view *)of)->world;
-    gn_world_point_out(&w->ctx, w->boundary.bodies[k].start, value);
+    gn_user_point(&w->ctx, w->boundary.bodies[k].start, value);
 }
 static void read_orientation(const void *of, size_t k, double *value) {
     gn_rigid_orientation(&((const view *)of)->world->boundary.bodies[k], value);
@@ -151,31 +151,31 @@ const gn_output_table gn_body_outputs = {"bodies", of_bodies, COUNT(of_bodies)},
                       gn_vertex_outputs = {"bodies", of_vertices, COUNT(of_vertices)},
                       gn_facet_outputs = {"bodies", of_facets, COUNT(of_facets)};
 
-static gn_output_source vertices_of(const view *v) {
-    return (gn_output_source){&gn_vertex_outputs, v, 0, v->vertices, NULL, NULL, 0};
+static gn_output_source vertices_of(const view *shown) {
+    return (gn_output_source){&gn_vertex_outputs, shown, 0, shown->vertices, NULL, NULL, 0};
 }
 
-static gn_output_source facets_of(const view *v) {
-    return (gn_output_source){&gn_facet_outputs, v, 0, v->facets, NULL, NULL, 0};
+static gn_output_source facets_of(const view *shown) {
+    return (gn_output_source){&gn_facet_outputs, shown, 0, shown->facets, NULL, NULL, 0};
 }
 
 /* --- files --- */
 
-static gneiss_status write_snapshot(const view *v, const char *directory, const char *name,
+static gneiss_status write_snapshot(const view *shown, const char *directory, const char *name,
                                     gneiss_error *error) {
-    const gn_world *w = v->world;
-    const gn_output_source vertices = vertices_of(v), facets = facets_of(v);
+    const gn_world *w = shown->world;
+    const gn_output_source vertices = vertices_of(shown), facets = facets_of(shown);
     GN_FREED_BY(gn_output_arrays_free) gn_output_arrays points = {0}, cells = {0};
     GN_TRY(gn_output_arrays_read(&vertices, &points, error));
     GN_TRY(gn_output_arrays_read(&facets, &cells, error));
     const gn_snapshot s = {.bad = w->outcome.bad,
                            .time = w->ctx.time,
                            .step = w->ctx.step,
-                           .point_count = v->vertices,
-                           .points = v->place,
-                           .line_count = v->facets,
-                           .lines = v->corner,
-                           .line_points = v->corners,
+                           .point_count = shown->vertices,
+                           .points = shown->place,
+                           .line_count = shown->facets,
+                           .lines = shown->corner,
+                           .line_points = shown->corners,
                            .point_array_count = points.count,
                            .line_array_count = cells.count,
                            .point_arrays = points.of,
@@ -183,42 +183,42 @@ static gneiss_status write_snapshot(const view *v, const char *directory, const 
     return gn_snapshot_write(directory, name, &s, error);
 }
 
-gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const char *name,
+gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
                                  gneiss_error *error) {
     GN_FREED_BY(free_view) view v = {0};
-    if (!w->ctx.scene.body_count) return GNEISS_OK;
-    GN_TRY(make_view(w, &v, error));
+    if (!world->ctx.scene.body_count) return GNEISS_OK;
+    GN_TRY(make_view(world, &v, error));
     return write_snapshot(&v, directory, name, error);
 }
 
 /* Writes the names, one per line. */
-static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    size_t used = 0, size = w->ctx.scene.body_count * (GN_NAME_SIZE + 1) + 1;
+static gneiss_status put_names(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    size_t used = 0, size = world->ctx.scene.body_count * (GN_NAME_SIZE + 1) + 1;
     GN_FREED char *names = NULL;
     GN_TRY(gn_new(&names, size, "bytes of the names of bodies", error));
-    for (size_t k = 0; k < w->ctx.scene.body_count; k++)
+    for (size_t k = 0; k < world->ctx.scene.body_count; k++)
         used += (size_t)snprintf(names + used, size - used, "%s%s", k ? "\n" : "",
-                                 w->ctx.scene.bodies[k].name);
+                                 world->ctx.scene.bodies[k].name);
     return gn_h5_put_text(file, "bodies/name", names, error);
 }
 
-static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
-    const gn_world *w = v->world;
+static gneiss_status put_view(const view *shown, gn_h5 *file, gneiss_error *error) {
+    const gn_world *w = shown->world;
     const gn_output_source
-        bodies = {&gn_body_outputs, v, w->ctx.effects, w->ctx.scene.body_count, NULL, NULL, 0},
-        vertices = vertices_of(v), facets = facets_of(v);
+        bodies = {&gn_body_outputs, shown, w->ctx.effects, w->ctx.scene.body_count, NULL, NULL, 0},
+        vertices = vertices_of(shown), facets = facets_of(shown);
     GN_TRY(put_names(w, file, error));
     GN_TRY(gn_output_put(&bodies, file, error));
     GN_TRY(gn_output_put(&vertices, file, error));
     GN_TRY(gn_output_put(&facets, file, error));
-    return gn_h5_put(file, "bodies/facet", GN_I32, v->facets, v->corners, 0, v->corner, "1",
-                     "rows of vertex", error);
+    return gn_h5_put(file, "bodies/facet", GN_I32, shown->facets, shown->corners, 0, shown->corner,
+                     "1", "rows of vertex", error);
 }
 
-gneiss_status gn_bodies_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     GN_FREED_BY(free_view) view v = {0};
-    if (!w->ctx.scene.body_count) return GNEISS_OK;
-    GN_TRY(make_view(w, &v, error));
+    if (!world->ctx.scene.body_count) return GNEISS_OK;
+    GN_TRY(make_view(world, &v, error));
     return put_view(&v, file, error);
 }
 
@@ -226,47 +226,51 @@ gneiss_status gn_bodies_results(const gn_world *w, gn_h5 *file, gneiss_error *er
  * of results.h5 ---- */
 
 /* Reads the components in space, which all arrays of results.h5 have; returns their number. */
-static size_t read_parts(const gn_world *w, const gn_quantity *q, size_t owner, double *to) {
+static size_t read_parts(const gn_world *world, const gn_quantity *quantity, size_t owner,
+                         double *to) {
     gn_shape_component part[GN_SHAPE_MOST];
-    size_t parts = gn_shape_components(q->shape, 3, part);
+    size_t parts = gn_shape_components(quantity->shape, 3, part);
     double value[9];
-    q->read(w, owner, value);
+    quantity->read(world, owner, value);
     gn_shape_take(value, part, parts, to);
     return parts;
 }
 
 /* Writes GROUP/<quantity>, a row for every owner. */
-static gneiss_status put_rows(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
-                              gn_h5 *file, gneiss_error *error) {
+static gneiss_status put_rows(const gn_world *world, const gn_quantity_group *group,
+                              const gn_quantity *quantity, gn_h5 *file, gneiss_error *error) {
     char path[160];
-    size_t owners = g->count(w), parts = 1;
+    size_t owners = group->count(world), parts = 1;
     GN_FREED double *rows = NULL;
-    GN_TRY(gn_new(&rows, owners * GN_SHAPE_MOST, q->name, error));
-    for (size_t k = 0; k < owners; k++) parts = read_parts(w, q, k, rows + parts * k);
-    snprintf(path, sizeof path, "%s/%s", g->ends, q->name);
-    return gn_h5_put(file, path, GN_F64, owners, parts, 0, rows, q->unit, q->text, error);
+    GN_TRY(gn_new(&rows, owners * GN_SHAPE_MOST, quantity->name, error));
+    for (size_t k = 0; k < owners; k++) parts = read_parts(world, quantity, k, rows + parts * k);
+    snprintf(path, sizeof path, "%s/%s", group->ends, quantity->name);
+    return gn_h5_put(file, path, GN_F64, owners, parts, 0, rows, quantity->unit, quantity->text,
+                     error);
 }
 
 /* Writes GROUP/<owner>/<quantity>. */
-static gneiss_status put_each(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
-                              gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < g->count(w); k++) {
+static gneiss_status put_each(const gn_world *world, const gn_quantity_group *group,
+                              const gn_quantity *quantity, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < group->count(world); k++) {
         char path[160];
         double value[GN_SHAPE_MOST];
-        if (!gn_condition_holds(q->when, w, k)) continue;
-        size_t parts = read_parts(w, q, k, value);
-        snprintf(path, sizeof path, "%s/%s/%s", g->ends, g->owner(w, k), q->name);
-        GN_TRY(gn_h5_put(file, path, GN_F64, parts, 1, 0, value, q->unit, q->text, error));
+        if (!gn_condition_holds(quantity->when, world, k)) continue;
+        size_t parts = read_parts(world, quantity, k, value);
+        snprintf(path, sizeof path, "%s/%s/%s", group->ends, group->owner(world, k),
+                 quantity->name);
+        GN_TRY(gn_h5_put(file, path, GN_F64, parts, 1, 0, value, quantity->unit, quantity->text,
+                         error));
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_owners_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_owners_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < GN_QUANTITY_GROUPS; k++) {
         const gn_quantity_group *g = &gn_quantity_groups[k];
-        if (!g->ends || !g->count(w)) continue;
+        if (!g->ends || !g->count(world)) continue;
         for (size_t i = 0; i < g->quantity_count; i++)
-            GN_TRY((g->in_rows ? put_rows : put_each)(w, g, &g->quantities[i], file, error));
+            GN_TRY((g->in_rows ? put_rows : put_each)(world, g, &g->quantities[i], file, error));
     }
     return GNEISS_OK;
 }
@@ -275,8 +279,8 @@ gneiss_status gn_owners_results(const gn_world *w, gn_h5 *file, gneiss_error *er
 
 /* --- lost particles --- */
 
-gneiss_status gn_output_lost(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_flow *f = &w->dem.flow;
+gneiss_status gn_output_lost(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    const gn_flow *f = &world->dem.flow;
     const size_t row = sizeof(gn_lost);
     if (!f->lost_count) return GNEISS_OK;
     GN_TRY(gn_h5_put(file, "lost/id", GN_F64, f->lost_count, 1, row, &f->lost->id, "1",
@@ -306,12 +310,13 @@ static double slope(const double *t, const double *m, size_t begin, size_t end) 
 }
 
 /* The first quarter contains the onset, the last one the end of the supply. */
-double gn_sink_steady_rate(const gn_history *h, const char *sink) {
+double gn_sink_steady_rate(const gn_history *history, const char *sink) {
     enum { ROWS_LEAST = 5 };
     char name[192];
     snprintf(name, sizeof name, "sink_%s_mass", sink);
-    const double *mass = gn_history_column(h, name), *time = gn_history_column(h, "time");
-    size_t begin = 0, end = h->row_count;
+    const double *mass = gn_history_column(history, name),
+                 *time = gn_history_column(history, "time");
+    size_t begin = 0, end = history->row_count;
     if (!mass || !time || end == 0) return NAN;
     double all = mass[end - 1];
     while (begin < end && mass[begin] < 0.25 * all) begin++;
@@ -321,31 +326,32 @@ double gn_sink_steady_rate(const gn_history *h, const char *sink) {
 }
 
 /* Writes the keys that sources and sinks share; the entry stays open. */
-static void begin_entry(gn_json *j, const char *name, double number, double mass, double energy) {
-    gn_json_object(j, NULL);
-    gn_json_text(j, "name", name);
-    GN_JSON_NUMBERS(j, {"number", (double)number}, {"mass", mass}, {"energy", energy});
+static void begin_entry(gn_json *json, const char *name, double number, double mass,
+                        double energy) {
+    gn_json_object(json, NULL);
+    gn_json_text(json, "name", name);
+    GN_JSON_NUMBERS(json, {"number", (double)number}, {"mass", mass}, {"energy", energy});
 }
 
-void gn_output_flow(const gn_run *run, gn_json *j) {
+void gn_output_flow(const gn_run *run, gn_json *json) {
     const gn_world *w = &run->world;
     if (!gn_scene_has_flow(&w->ctx.scene)) return;
-    gn_json_array(j, "sources");
+    gn_json_array(json, "sources");
     for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
         const gn_source_state *s = &w->dem.flow.sources[k];
-        begin_entry(j, w->ctx.scene.sources[k].name, s->number, s->mass, s->energy);
-        GN_JSON_NUMBERS(j, {"behind", gn_flow_behind(&w->ctx, &w->dem, k)},
+        begin_entry(json, w->ctx.scene.sources[k].name, s->number, s->mass, s->energy);
+        GN_JSON_NUMBERS(json, {"behind", gn_flow_behind(&w->ctx, &w->dem, k)},
                         {"without_room", (double)s->full});
-        gn_json_end(j);
+        gn_json_end(json);
     }
-    gn_json_end(j);
-    gn_json_array(j, "sinks");
+    gn_json_end(json);
+    gn_json_array(json, "sinks");
     for (size_t k = 0; k < w->ctx.scene.sink_count; k++) {
         const gn_sink_state *s = &w->dem.flow.sinks[k];
-        begin_entry(j, w->ctx.scene.sinks[k].name, s->number, s->mass, s->energy);
-        gn_json_number(j, "steady_rate",
+        begin_entry(json, w->ctx.scene.sinks[k].name, s->number, s->mass, s->energy);
+        gn_json_number(json, "steady_rate",
                        gn_sink_steady_rate(&run->history, w->ctx.scene.sinks[k].name));
-        gn_json_end(j);
+        gn_json_end(json);
     }
-    gn_json_end(j);
+    gn_json_end(json);
 }

@@ -22,24 +22,25 @@ enum { NEVER_BONDED = 7 }; /* in addition to the states of bonds */
 
 /* --- one contact --- */
 
-static void split(gn_output_contact *k) {
-    const double length = sqrt(gn_dot3(k->branch, k->branch));
-    k->normal = length > 0.0 ? gn_dot3(k->force, k->branch) / length : 0.0;
+static void split(gn_output_contact *contact) {
+    const double length = sqrt(gn_dot3(contact->branch, contact->branch));
+    contact->normal = length > 0.0 ? gn_dot3(contact->force, contact->branch) / length : 0.0;
 }
 
-static double shear_of(const gn_output_contact *k) {
-    return sqrt(fmax(0.0, gn_dot3(k->force, k->force) - k->normal * k->normal));
+static double shear_of(const gn_output_contact *contact) {
+    return sqrt(
+        fmax(0.0, gn_dot3(contact->force, contact->force) - contact->normal * contact->normal));
 }
 
 /* Forces are those of the copy that was evaluated; all other columns of a contact are the
  * world's. */
-static gn_output_contact between(const gn_output_view *v, const gn_contacts *list,
+static gn_output_contact between(const gn_output_view *view, const gn_contacts *list,
                                  const gn_contacts *seen, size_t c) {
-    const gn_world *w = v->world;
+    const gn_world *w = view->world;
     const double *x = w->dem.particles.pos + 4 * (int64_t)list->i[c],
                  *y = w->dem.particles.pos + 4 * (int64_t)list->j[c];
     const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
-    const int32_t i = v->row[list->i[c]], j = v->row[list->j[c]];
+    const int32_t i = view->row[list->i[c]], j = view->row[list->j[c]];
     const double turn = i < j ? 1.0 : -1.0;
     gn_output_contact k = {.i = i < j ? i : j,
                            .j = i < j ? j : i,
@@ -57,33 +58,36 @@ static gn_output_contact between(const gn_output_view *v, const gn_contacts *lis
 
 /* The branch has the length that the mean stress assumes: the radius, in the direction of the point
  * of the force. */
-static void reach_for(const gn_world *w, size_t c, gn_output_contact *k) {
-    const gn_wall_contacts *list = &w->boundary.contacts;
-    const double *x = w->dem.particles.pos + 4 * (size_t)list->i[c];
+static void reach_for(const gn_world *world, size_t c, gn_output_contact *contact) {
+    const gn_wall_contacts *list = &world->boundary.contacts;
+    const double *x = world->dem.particles.pos + 4 * (size_t)list->i[c];
     const size_t wall = (size_t)list->wall[c];
     double gap;
-    if (k->with == WITH_WALL) {
-        const gn_wall *plane = &w->boundary.walls[wall];
-        for (int a = 0; a < 3; a++) k->branch[a] = -x[3] * plane->normal[a];
+    if (contact->with == WITH_WALL) {
+        const gn_wall *plane = &world->boundary.walls[wall];
+        for (int a = 0; a < 3; a++) contact->branch[a] = -x[3] * plane->normal[a];
         gap = gn_wall_distance(plane, x) - x[3] - list->gap0[c];
     } else {
         double size2 = 0.0;
-        for (size_t a = 0; a < (size_t)w->ctx.scene.dimension; a++) {
-            k->branch[a] = list->touch[c + a * list->soa.capacity] - x[a];
-            size2 += k->branch[a] * k->branch[a];
+        for (size_t a = 0; a < (size_t)world->ctx.scene.dimension; a++) {
+            contact->branch[a] = list->touch[c + a * list->soa.capacity] - x[a];
+            size2 += contact->branch[a] * contact->branch[a];
         }
-        for (int a = 0; a < 3 && size2 > 0.0; a++) k->branch[a] *= x[3] / sqrt(size2);
+        for (int a = 0; a < 3 && size2 > 0.0; a++) contact->branch[a] *= x[3] / sqrt(size2);
         gap = sqrt(size2) - x[3];
     }
-    k->overlap = -gap;
+    contact->overlap = -gap;
 }
 
-static gn_output_contact with_surface(const gn_output_view *v, size_t c) {
-    const gn_world *w = v->world;
+static gn_output_contact with_surface(const gn_output_view *view, size_t c) {
+    const gn_world *w = view->world;
     const gn_wall_contacts *list = &w->boundary.contacts;
     const size_t wall = (size_t)list->wall[c], p = (size_t)list->i[c];
-    gn_output_contact k = {
-        .i = v->row[p], .j = -1, .with = WITH_WALL, .side = (int32_t)wall, .state = NEVER_BONDED};
+    gn_output_contact k = {.i = view->row[p],
+                           .j = -1,
+                           .with = WITH_WALL,
+                           .side = (int32_t)wall,
+                           .state = NEVER_BONDED};
     if (wall >= w->ctx.scene.wall_count) {
         const gn_surface *s = gn_surface_of_row(&w->ctx, &w->boundary, c);
         k.with = s->body >= 0 ? WITH_BODY : WITH_ELEMENTS;
@@ -102,49 +106,49 @@ static bool acts(const gn_contacts *list, const gn_contacts *seen, size_t c) {
     return gn_contact_bonded(list, c) || gn_contact_carries(seen, c);
 }
 
-static bool pressed(const gn_world *w, size_t c) {
-    const double *row = w->boundary.contacts.row + 8 * c;
+static bool pressed(const gn_world *world, size_t c) {
+    const double *row = world->boundary.contacts.row + 8 * c;
     return row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
 }
 
 /* Counts the contacts, or writes them if it is given room. */
-static size_t list_contacts(const gn_output_view *v, gn_output_contact *to) {
-    const gn_world *w = v->world;
+static size_t list_contacts(const gn_output_view *view, gn_output_contact *to) {
+    const gn_world *w = view->world;
     size_t count = 0;
     for (int l = 0; l < GN_LIST_COUNT; l++) {
-        const gn_contacts *list = &w->dem.list[l].contacts, *seen = &v->seen->list[l];
+        const gn_contacts *list = &w->dem.list[l].contacts, *seen = &view->seen->list[l];
         for (size_t c = 0; c < list->soa.count; c++) {
             if (!acts(list, seen, c)) continue;
-            if (to) to[count] = between(v, list, seen, c);
+            if (to) to[count] = between(view, list, seen, c);
             count++;
         }
     }
     return count;
 }
 
-static size_t list_surfaces(const gn_output_view *v, gn_output_contact *to) {
-    const gn_world *w = v->world;
+static size_t list_surfaces(const gn_output_view *view, gn_output_contact *to) {
+    const gn_world *w = view->world;
     size_t count = 0;
     for (size_t c = 0; w->ctx.effects & GN_FX_WALLS && c < w->boundary.contacts.soa.count; c++) {
         if (!pressed(w, c)) continue;
-        if (to) to[count] = with_surface(v, c);
+        if (to) to[count] = with_surface(view, c);
         count++;
     }
     return count;
 }
 
 /* Collects the contacts of a view. */
-static gneiss_status contacts_make(const gn_output_view *v, gn_output_contacts *all,
+static gneiss_status contacts_make(const gn_output_view *view, gn_output_contacts *all,
                                    gneiss_error *error) {
-    const size_t particles = list_contacts(v, NULL);
-    *all = (gn_output_contacts){.surfaces = list_surfaces(v, NULL)};
+    const size_t particles = list_contacts(view, NULL);
+    *all = (gn_output_contacts){.surfaces = list_surfaces(view, NULL)};
     all->count = particles + all->surfaces;
     all->row = calloc(all->count + 1, sizeof *all->row);
     if (!all->row)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu contacts",
                        all->count);
-    list_contacts(v, all->row);
-    list_surfaces(v, all->row + particles);
+    list_contacts(view, all->row);
+    list_surfaces(view, all->row + particles);
     return GNEISS_OK;
 }
 
@@ -266,21 +270,21 @@ static gneiss_status write_lines(const gn_output_contacts *all, const char *dire
     return status;
 }
 
-gneiss_status gn_output_contacts_snapshot(const gn_output_view *v, const char *directory,
+gneiss_status gn_output_contacts_snapshot(const gn_output_view *view, const char *directory,
                                           const char *name, const gn_snapshot *points,
                                           gneiss_error *error) {
     GN_FREED_BY(contacts_free) gn_output_contacts all = {0};
     GN_FREED double *place = NULL;
     GN_FREED int32_t *ends = NULL;
-    GN_TRY(contacts_make(v, &all, error));
+    GN_TRY(contacts_make(view, &all, error));
     GN_TRY(gn_new(&place, 3 * (points->point_count + all.surfaces), "coordinates", error));
     GN_TRY(gn_new(&ends, 2 * all.count, "ends of contacts", error));
     return write_lines(&all, directory, name, points, place, ends, error);
 }
 
-gneiss_status gn_output_contacts_put(const gn_output_view *v, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_output_contacts_put(const gn_output_view *view, gn_h5 *file, gneiss_error *error) {
     gn_output_contacts all;
-    GN_TRY(contacts_make(v, &all, error));
+    GN_TRY(contacts_make(view, &all, error));
     const gn_output_source source = contact_source(&all);
     gneiss_status status = gn_output_put(&source, file, error);
     contacts_free(&all);

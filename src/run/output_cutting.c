@@ -1,7 +1,7 @@
 /* The forces along the rim of a disc cutter in results.h5. */
 #include "laboratory/cutting.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include <math.h>
 

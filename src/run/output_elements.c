@@ -2,7 +2,7 @@
 #include "base/eigen.h"
 #include "base/new.h"
 #include "base/point.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,12 +36,12 @@ typedef struct view {
     double *pressure;             /* [nodes] Pa, tension positive */
 } view;
 
-static void free_view(view *v) {
-    gn_free(v->node_row);
-    gn_free(v->element_row);
-    gn_free(v->element);
-    gn_free(v->nodal);
-    gn_free(v->pressure);
+static void free_view(view *shown) {
+    gn_free(shown->node_row);
+    gn_free(shown->element_row);
+    gn_free(shown->element);
+    gn_free(shown->nodal);
+    gn_free(shown->pressure);
 }
 
 typedef struct numbered {
@@ -64,30 +64,32 @@ static gneiss_status number_rows(const int32_t *id, size_t count, int32_t *row,
     return GNEISS_OK;
 }
 
-static gneiss_status find_stresses(view *v, gneiss_error *error) {
-    const gn_fem_solid *b = v->solid;
-    gn_fem_element_stress(b, v->element);
-    GN_TRY(gn_fem_nodal_stress(b, (const double(*)[6])v->element, v->nodal, error));
-    GN_TRY(gn_fem_nodal_pressure(b, v->pressure, error));
-    GN_TRY(number_rows(b->nodes.id, b->nodes.soa.count, v->node_row, error));
-    return number_rows(b->elements.id, b->elements.soa.count, v->element_row, error);
+static gneiss_status find_stresses(view *shown, gneiss_error *error) {
+    const gn_fem_solid *b = shown->solid;
+    gn_fem_element_stress(b, shown->element);
+    GN_TRY(gn_fem_nodal_stress(b, (const double(*)[6])shown->element, shown->nodal, error));
+    GN_TRY(gn_fem_nodal_pressure(b, shown->pressure, error));
+    GN_TRY(number_rows(b->nodes.id, b->nodes.soa.count, shown->node_row, error));
+    return number_rows(b->elements.id, b->elements.soa.count, shown->element_row, error);
 }
 
-static gneiss_status make_view(const gn_fem_solid *b, size_t number, view *v, gneiss_error *error) {
-    size_t nodes = b->nodes.soa.count + 1, elements = b->elements.soa.count + 1;
-    *v = (view){.solid = b, .number = number};
-    gn_elements_path(number, "", v->prefix);
-    v->node_row = gn_alloc_array(nodes, sizeof *v->node_row);
-    v->element_row = gn_alloc_array(elements, sizeof *v->element_row);
-    v->element = gn_alloc_array(elements, sizeof *v->element);
-    v->nodal = gn_alloc_array(nodes, sizeof *v->nodal);
-    v->pressure = gn_alloc_array(nodes, sizeof *v->pressure);
+static gneiss_status make_view(const gn_fem_solid *solid, size_t number, view *shown,
+                               gneiss_error *error) {
+    size_t nodes = solid->nodes.soa.count + 1, elements = solid->elements.soa.count + 1;
+    *shown = (view){.solid = solid, .number = number};
+    gn_elements_path(number, "", shown->prefix);
+    shown->node_row = gn_alloc_array(nodes, sizeof *shown->node_row);
+    shown->element_row = gn_alloc_array(elements, sizeof *shown->element_row);
+    shown->element = gn_alloc_array(elements, sizeof *shown->element);
+    shown->nodal = gn_alloc_array(nodes, sizeof *shown->nodal);
+    shown->pressure = gn_alloc_array(nodes, sizeof *shown->pressure);
     gneiss_status status = GNEISS_OK;
-    if (!v->node_row || !v->element_row || !v->element || !v->nodal || !v->pressure)
+    if (!shown->node_row || !shown->element_row || !shown->element || !shown->nodal ||
+        !shown->pressure)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu elements",
-                         b->elements.soa.count);
-    if (status == GNEISS_OK) status = find_stresses(v, error);
-    if (status != GNEISS_OK) free_view(v);
+                         solid->elements.soa.count);
+    if (status == GNEISS_OK) status = find_stresses(shown, error);
+    if (status != GNEISS_OK) free_view(shown);
     return status;
 }
 
@@ -183,55 +185,56 @@ _Static_assert(COUNT(of_nodes) <= GN_OUTPUT_FIELDS_MOST &&
 const gn_output_table gn_node_outputs = {"nodes", of_nodes, COUNT(of_nodes)},
                       gn_element_outputs = {"elements", of_elements, COUNT(of_elements)};
 
-static gn_output_source nodes_source(const view *v) {
-    return (gn_output_source){&gn_node_outputs, v,         0, v->solid->nodes.soa.count,
-                              v->node_row,      v->prefix, 0};
+static gn_output_source nodes_source(const view *shown) {
+    return (gn_output_source){&gn_node_outputs, shown,         0, shown->solid->nodes.soa.count,
+                              shown->node_row,  shown->prefix, 0};
 }
 
-static gn_output_source elements_source(const view *v) {
-    return (gn_output_source){&gn_element_outputs, v,         0, v->solid->elements.soa.count,
-                              v->element_row,      v->prefix, 0};
+static gn_output_source elements_source(const view *shown) {
+    return (gn_output_source){
+        &gn_element_outputs, shown,         0, shown->solid->elements.soa.count,
+        shown->element_row,  shown->prefix, 0};
 }
 
 /* --- files --- */
 
 /* Returns the rows of the nodes, [elements][dimension + 1]; NULL: no memory. */
-static int32_t *corners_of(const view *v) {
-    const gn_elements *q = &v->solid->elements;
-    const size_t corners = (size_t)v->solid->dimension + 1;
+static int32_t *corners_of(const view *shown) {
+    const gn_elements *q = &shown->solid->elements;
+    const size_t corners = (size_t)shown->solid->dimension + 1;
     int32_t *node = gn_alloc_array(q->soa.count + 1, corners * sizeof *node);
     for (size_t e = 0; node && e < q->soa.count; e++)
         for (size_t a = 0; a < corners; a++)
-            node[corners * (size_t)v->element_row[e] + a] =
-                v->node_row[gn_elements_node(q, (int)a)[e]];
+            node[corners * (size_t)shown->element_row[e] + a] =
+                shown->node_row[gn_elements_node(q, (int)a)[e]];
     return node;
 }
 
 /* Returns positions in the order of the files; NULL: no memory. */
-static double *places_of(const view *v) {
-    double *place = gn_alloc_array(v->solid->nodes.soa.count + 1, 3 * sizeof *place);
-    for (size_t n = 0; place && n < v->solid->nodes.soa.count; n++)
-        read_position(v, n, place + 3 * (size_t)v->node_row[n]);
+static double *places_of(const view *shown) {
+    double *place = gn_alloc_array(shown->solid->nodes.soa.count + 1, 3 * sizeof *place);
+    for (size_t n = 0; place && n < shown->solid->nodes.soa.count; n++)
+        read_position(shown, n, place + 3 * (size_t)shown->node_row[n]);
     return place;
 }
 
-static gneiss_status write_snapshot(const gn_world *w, const view *v, const char *directory,
+static gneiss_status write_snapshot(const gn_world *world, const view *shown, const char *directory,
                                     const char *name, gneiss_error *error) {
-    const gn_output_source nodes = nodes_source(v), elements = elements_source(v);
+    const gn_output_source nodes = nodes_source(shown), elements = elements_source(shown);
     GN_FREED_BY(gn_output_arrays_free) gn_output_arrays points = {0}, cells = {0};
-    GN_FREED int32_t *corners = corners_of(v);
-    GN_FREED double *places = places_of(v);
+    GN_FREED int32_t *corners = corners_of(shown);
+    GN_FREED double *places = places_of(shown);
     if (!corners || !places) return gn_no_memory(error, "the output of elements");
     GN_TRY(gn_output_arrays_read(&nodes, &points, error));
     GN_TRY(gn_output_arrays_read(&elements, &cells, error));
-    const gn_snapshot s = {.bad = w->outcome.bad,
-                           .time = w->ctx.time,
-                           .step = w->ctx.step,
+    const gn_snapshot s = {.bad = world->outcome.bad,
+                           .time = world->ctx.time,
+                           .step = world->ctx.step,
                            .point_count = nodes.count,
                            .points = places,
                            .line_count = elements.count,
                            .lines = corners,
-                           .line_points = (size_t)v->solid->dimension + 1,
+                           .line_points = (size_t)shown->solid->dimension + 1,
                            .point_array_count = points.count,
                            .line_array_count = cells.count,
                            .point_arrays = points.of,
@@ -239,53 +242,53 @@ static gneiss_status write_snapshot(const gn_world *w, const view *v, const char
     return gn_snapshot_write(directory, name, &s, error);
 }
 
-gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
+gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
                                    gneiss_error *error) {
-    for (size_t k = 0; k < w->solids.count; k++) {
+    for (size_t k = 0; k < world->solids.count; k++) {
         char file[GN_ELEMENT_PATH];
         view v;
-        GN_TRY(make_view(&w->solids.elements[k]->solid, k, &v, error));
+        GN_TRY(make_view(&world->solids.elements[k]->solid, k, &v, error));
         gneiss_status status =
-            write_snapshot(w, &v, directory, gn_elements_file(k, name, file), error);
+            write_snapshot(world, &v, directory, gn_elements_file(k, name, file), error);
         free_view(&v);
         GN_TRY(status);
     }
     return GNEISS_OK;
 }
 
-static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
-    const gn_output_source nodes = nodes_source(v), elements = elements_source(v);
+static gneiss_status put_view(const view *shown, gn_h5 *file, gneiss_error *error) {
+    const gn_output_source nodes = nodes_source(shown), elements = elements_source(shown);
     char path[GN_ELEMENT_PATH];
     GN_TRY(gn_output_put(&nodes, file, error));
     GN_TRY(gn_output_put(&elements, file, error));
-    GN_FREED int32_t *corners = corners_of(v);
+    GN_FREED int32_t *corners = corners_of(shown);
     if (!corners) return gn_no_memory(error, "the output of elements");
-    return gn_h5_put(file, gn_elements_path(v->number, "elements/node", path), GN_I32,
-                     elements.count, (size_t)v->solid->dimension + 1, 0, corners, "1",
+    return gn_h5_put(file, gn_elements_path(shown->number, "elements/node", path), GN_I32,
+                     elements.count, (size_t)shown->solid->dimension + 1, 0, corners, "1",
                      "rows of /nodes, base 0", error);
 }
 
-static gneiss_status put_body(size_t number, const gn_fem_solid *b, gn_h5 *file,
+static gneiss_status put_body(size_t number, const gn_fem_solid *solid, gn_h5 *file,
                               gneiss_error *error) {
     view v;
-    GN_TRY(make_view(b, number, &v, error));
+    GN_TRY(make_view(solid, number, &v, error));
     gneiss_status status = put_view(&v, file, error);
     free_view(&v);
     return status;
 }
 
-gneiss_status gn_elements_read(const gn_world *w, size_t solid, bool nodes,
+gneiss_status gn_elements_read(const gn_world *world, size_t solid, bool nodes,
                                const gn_output_field *field, double *values, gneiss_error *error) {
     view v;
-    GN_TRY(make_view(&w->solids.elements[solid]->solid, solid, &v, error));
+    GN_TRY(make_view(&world->solids.elements[solid]->solid, solid, &v, error));
     const gn_output_source source = nodes ? nodes_source(&v) : elements_source(&v);
     gn_output_read(&source, field, values);
     free_view(&v);
     return GNEISS_OK;
 }
 
-gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < w->solids.count; k++)
-        GN_TRY(put_body(k, &w->solids.elements[k]->solid, file, error));
+gneiss_status gn_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < world->solids.count; k++)
+        GN_TRY(put_body(k, &world->solids.elements[k]->solid, file, error));
     return GNEISS_OK;
 }

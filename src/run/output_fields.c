@@ -57,15 +57,15 @@ static void read_displacement(const void *view, size_t k, double *value) {
     const gn_output_view *v = view;
     gn_particle_travel(&v->world->dem, &v->world->solids, v->places, k, value);
 }
-void gn_output_place(const gn_output_view *v, size_t p, double place[3]) {
-    const gn_particles *q = &v->world->dem.particles;
+void gn_output_place(const gn_output_view *view, size_t p, double place[3]) {
+    const gn_particles *q = &view->world->dem.particles;
     double now[3], travel[3];
     memcpy(now, q->pos + 4 * p, sizeof now);
-    if (gn_is_dormant(&v->world->dem, p)) {
-        gn_particle_travel(&v->world->dem, &v->world->solids, v->places, p, travel);
+    if (gn_is_dormant(&view->world->dem, p)) {
+        gn_particle_travel(&view->world->dem, &view->world->solids, view->places, p, travel);
         for (size_t a = 0; a < 3; a++) now[a] = q->start[4 * p + a] + travel[a];
     }
-    gn_world_point_out(&v->world->ctx, now, place);
+    gn_user_point(&view->world->ctx, now, place);
 }
 static void read_position(const void *view, size_t k, double *value) {
     gn_output_place(view, k, value);
@@ -171,24 +171,24 @@ static const gn_output_field of_particles[] = {
 
 /* --- bonds --- */
 
-void gn_output_bond_ends(const gn_output_view *v, size_t bond, int32_t ends[2]) {
-    const gn_contacts *b = &v->world->dem.bonds.contacts;
-    int32_t i = v->row[b->i[bond]], j = v->row[b->j[bond]];
+void gn_output_bond_ends(const gn_output_view *view, size_t bond, int32_t ends[2]) {
+    const gn_contacts *b = &view->world->dem.bonds.contacts;
+    int32_t i = view->row[b->i[bond]], j = view->row[b->j[bond]];
     ends[0] = i < j ? i : j;
     ends[1] = i < j ? j : i;
 }
 
 /* State and strengths are the world's; the copy only has the forces. */
-static void force_on_first(const gn_output_view *v, size_t c, double force[3]) {
-    const gn_contacts *seen = &v->seen->list[GN_LIST_BONDS];
+static void force_on_first(const gn_output_view *view, size_t c, double force[3]) {
+    const gn_contacts *seen = &view->seen->list[GN_LIST_BONDS];
     const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
     force[0] = row[0];
     force[1] = row[1];
-    force[2] = v->world->ctx.effects & GN_FX_SPACE ? row[2] : 0.0;
+    force[2] = view->world->ctx.effects & GN_FX_SPACE ? row[2] : 0.0;
 }
 
-static double normal_of(const gn_output_view *v, size_t c, const double force[3]) {
-    const gn_world *w = v->world;
+static double normal_of(const gn_output_view *view, size_t c, const double force[3]) {
+    const gn_world *w = view->world;
     const double *x = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.contacts.i[c],
                  *y = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.contacts.j[c];
     double d[3], d2 = gn_branch(&w->ctx, x, y, d), along = 0.0;
@@ -197,21 +197,21 @@ static double normal_of(const gn_output_view *v, size_t c, const double force[3]
 }
 
 /* Computes normal and shear forces, which three fields use. */
-static void split_forces(gn_output_view *v) {
-    const size_t count = v->world->dem.bonds.contacts.soa.count;
-#pragma omp parallel for schedule(static) num_threads(v->world->ctx.threads)
+static void split_forces(gn_output_view *view) {
+    const size_t count = view->world->dem.bonds.contacts.soa.count;
+#pragma omp parallel for schedule(static) num_threads(view->world->ctx.threads)
     for (size_t c = 0; c < count; c++) {
         double force[3], square = 0.0;
-        force_on_first(v, c, force);
-        double normal = v->normal[c] = normal_of(v, c, force);
+        force_on_first(view, c, force);
+        double normal = view->normal[c] = normal_of(view, c, force);
         for (int a = 0; a < 3; a++) square += force[a] * force[a];
-        v->shear[c] = sqrt(fmax(0.0, square - normal * normal));
+        view->shear[c] = sqrt(fmax(0.0, square - normal * normal));
     }
 }
 
 /* The normal n is that of the present positions. */
-static gn_law_moments moments_of(const gn_output_view *v, size_t c) {
-    const gn_world *w = v->world;
+static gn_law_moments moments_of(const gn_output_view *view, size_t c) {
+    const gn_world *w = view->world;
     const gn_contacts *b = &w->dem.bonds.contacts;
     const gn_law *law = gn_law_of(b->soa.effects);
     double n[3], n2 = gn_branch(&w->ctx, w->dem.particles.pos + 4 * (int64_t)b->i[c],
@@ -221,15 +221,15 @@ static gn_law_moments moments_of(const gn_output_view *v, size_t c) {
     return law->moments(b, c, n);
 }
 
-static double criterion_of(const gn_output_view *v, size_t c) {
-    const gn_contacts *b = &v->world->dem.bonds.contacts;
+static double criterion_of(const gn_output_view *view, size_t c) {
+    const gn_contacts *b = &view->world->dem.bonds.contacts;
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     const gn_law *law = gn_law_of(b->soa.effects);
-    gn_law_moments m = moments_of(v, c);
+    gn_law_moments m = moments_of(view, c);
     gn_contacts now = *b; /* with the pressure around bonds that belongs to these forces */
-    now.confined = v->seen->list[GN_LIST_BONDS].confined;
+    now.confined = view->seen->list[GN_LIST_BONDS].confined;
     now.confined_f = NULL;
-    double share = law->criterion(&now, c, v->normal[c], m.normal, v->shear[c] + m.shear);
+    double share = law->criterion(&now, c, view->normal[c], m.normal, view->shear[c] + m.shear);
     /* Forces are those of the present positions, to which a softening bond has not responded yet.
      * The load ratio of a bond without remaining strength is infinite. Only broken bonds have 1. */
     return fmin(fmax(0.0, share), 1.0 - 0x1p-53);
@@ -245,9 +245,9 @@ int32_t gn_output_bond_state(const gn_contacts *bonds, size_t bond) {
     return is.permanent != 0.0 ? BOND_YIELDED : GN_INTACT;
 }
 
-static double end_of(const gn_output_view *v, size_t c, int end) {
+static double end_of(const gn_output_view *view, size_t c, int end) {
     int32_t ends[2];
-    gn_output_bond_ends(v, c, ends);
+    gn_output_bond_ends(view, c, ends);
     return ends[end];
 }
 
@@ -273,9 +273,9 @@ READ(contact_stress, v->normal[k] / w->dem.bonds.contacts.area[k])
 READ(shear_stress, v->shear[k] / w->dem.bonds.contacts.area[k])
 
 /* Returns 1 if the first end has the smaller id and so comes first in files, else -1. */
-static double turn_of(const gn_world *w, size_t c) {
-    return w->dem.particles.id[w->dem.bonds.contacts.i[c]] <
-                   w->dem.particles.id[w->dem.bonds.contacts.j[c]]
+static double turn_of(const gn_world *world, size_t c) {
+    return world->dem.particles.id[world->dem.bonds.contacts.i[c]] <
+                   world->dem.particles.id[world->dem.bonds.contacts.j[c]]
                ? 1.0
                : -1.0;
 }
@@ -337,17 +337,17 @@ _Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&
 const gn_output_table gn_particle_outputs = {"particles", of_particles, COUNT(of_particles)},
                       gn_bond_outputs = {"bonds", of_bonds, COUNT(of_bonds)};
 
-gn_output_source gn_output_particles(const gn_output_view *v) {
-    const gn_world *w = v->world;
-    return (gn_output_source){&gn_particle_outputs,       v,      w->ctx.effects,
-                              w->dem.particles.soa.count, v->row, NULL,
+gn_output_source gn_output_particles(const gn_output_view *view) {
+    const gn_world *w = view->world;
+    return (gn_output_source){&gn_particle_outputs,       view,      w->ctx.effects,
+                              w->dem.particles.soa.count, view->row, NULL,
                               w->ctx.scene.asked};
 }
 
-gn_output_source gn_output_bonds(const gn_output_view *v) {
-    const gn_world *w = v->world;
+gn_output_source gn_output_bonds(const gn_output_view *view) {
+    const gn_world *w = view->world;
     return (gn_output_source){
-        &gn_bond_outputs,  v, w->ctx.effects, w->dem.bonds.contacts.soa.count, NULL, NULL,
+        &gn_bond_outputs,  view, w->ctx.effects, w->dem.bonds.contacts.soa.count, NULL, NULL,
         w->ctx.scene.asked};
 }
 
@@ -364,10 +364,10 @@ static void count_contacts(const gn_contacts *list, const gn_contacts *seen, dou
 }
 
 /* Bonds of dormant particles are stored separately and not broken; they do not count as damage. */
-static void damage_of_active(const gn_world *w, double *damage) {
-    const gn_contacts *b = &w->dem.bonds.contacts;
-    const int32_t *bonds0 = w->dem.particles.bonds0;
-    memset(damage, 0, w->dem.particles.soa.count * sizeof *damage);
+static void damage_of_active(const gn_world *world, double *damage) {
+    const gn_contacts *b = &world->dem.bonds.contacts;
+    const int32_t *bonds0 = world->dem.particles.bonds0;
+    memset(damage, 0, world->dem.particles.soa.count * sizeof *damage);
     for (size_t c = 0; bonds0 && c < b->soa.count; c++) {
         if (!gn_broken(b->cause[c])) continue;
         damage[b->i[c]] += 1.0 / fmax(1.0, bonds0[b->i[c]]);
@@ -375,77 +375,78 @@ static void damage_of_active(const gn_world *w, double *damage) {
     }
 }
 
-static gneiss_status read_fragments(gn_output_view *v, gneiss_error *error) {
+static gneiss_status read_fragments(gn_output_view *view, gneiss_error *error) {
     const unsigned wanted = GN_ASKED(fragment) | GN_ASKED(fragment_size);
-    if (!(v->world->ctx.scene.asked & wanted)) return GNEISS_OK;
-    return gn_fragments_list(&v->world->ctx, &v->world->dem, &v->fragments, error);
+    if (!(view->world->ctx.scene.asked & wanted)) return GNEISS_OK;
+    return gn_fragments_list(&view->world->ctx, &view->world->dem, &view->fragments, error);
 }
 
 /* Computes loads only if they are requested. */
-static gneiss_status read_loads(gn_output_view *v, gneiss_error *error) {
-    const size_t n = v->world->dem.particles.soa.count;
-    if (!(v->world->ctx.scene.asked & GN_ASKED_LOADS)) return GNEISS_OK;
-    v->total = calloc(n + 1, 6 * sizeof(double));
-    v->damping = calloc(n + 1, 6 * sizeof(double));
-    if (!v->total || !v->damping)
+static gneiss_status read_loads(gn_output_view *view, gneiss_error *error) {
+    const size_t n = view->world->dem.particles.soa.count;
+    if (!(view->world->ctx.scene.asked & GN_ASKED_LOADS)) return GNEISS_OK;
+    view->total = calloc(n + 1, 6 * sizeof(double));
+    view->damping = calloc(n + 1, 6 * sizeof(double));
+    if (!view->total || !view->damping)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the forces on %zu particles", n);
-    return gn_world_loads(&v->world->ctx, &v->world->dem, &v->world->boundary, &v->world->box,
-                          v->total, v->damping, error);
+    return gn_boundary_write_loads(&view->world->ctx, &view->world->dem, &view->world->boundary,
+                                   &view->world->box, view->total, view->damping, error);
 }
 
-gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
-                                  gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count, bonds = seen->list[GN_LIST_BONDS].soa.count;
-    *v = (gn_output_view){.world = w,
-                          .seen = seen,
-                          .damage = calloc(n + 1, sizeof(double)),
-                          .stress = calloc(n + 1, 6 * sizeof(double)),
-                          .coordination = calloc(n + 1, sizeof(double)),
-                          .normal = calloc(bonds + 1, sizeof(double)),
-                          .shear = calloc(bonds + 1, sizeof(double)),
-                          .row = calloc(n + 1, sizeof(int32_t)),
-                          .places = gn_element_places(&w->ctx, &w->solids)};
-    if ((gn_converts(&w->ctx) && !v->places) || !v->row || !v->damage || !v->stress ||
-        !v->coordination || !v->normal || !v->shear) {
-        gn_output_view_free(v);
+gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,
+                                  gn_output_view *view, gneiss_error *error) {
+    size_t n = world->dem.particles.soa.count, bonds = seen->list[GN_LIST_BONDS].soa.count;
+    *view = (gn_output_view){.world = world,
+                             .seen = seen,
+                             .damage = calloc(n + 1, sizeof(double)),
+                             .stress = calloc(n + 1, 6 * sizeof(double)),
+                             .coordination = calloc(n + 1, sizeof(double)),
+                             .normal = calloc(bonds + 1, sizeof(double)),
+                             .shear = calloc(bonds + 1, sizeof(double)),
+                             .row = calloc(n + 1, sizeof(int32_t)),
+                             .places = gn_element_places(&world->ctx, &world->solids)};
+    if ((gn_converts(&world->ctx) && !view->places) || !view->row || !view->damage ||
+        !view->stress || !view->coordination || !view->normal || !view->shear) {
+        gn_output_view_free(view);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
     }
     int32_t row = 0;
-    for (int64_t id = 0; id < w->dem.ids; id++)
-        if (w->dem.index_of_id[id] >= 0) v->row[w->dem.index_of_id[id]] = row++;
-    gn_assembly assembly = gn_assembly_of(&w->ctx, &w->dem, &w->boundary);
+    for (int64_t id = 0; id < world->dem.ids; id++)
+        if (world->dem.index_of_id[id] >= 0) view->row[world->dem.index_of_id[id]] = row++;
+    gn_assembly assembly = gn_assembly_of(&world->ctx, &world->dem, &world->boundary);
     for (int l = 0; l < GN_LIST_COUNT; l++) assembly.list[l] = &seen->list[l];
-    const double solid = (1.0 - gn_dem_porosity(&w->ctx, &w->dem)) * w->ctx.volume /
-                         gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
-                                         &w->box, &w->approach);
-    gn_stress_particles(&assembly, 1.0 - solid, v->stress);
-    gneiss_status status =
-        gn_coupled_add_stress(&w->ctx, &w->dem, &w->solids, &w->zones, v->stress, error);
-    if (status == GNEISS_OK) status = read_loads(v, error);
-    if (status == GNEISS_OK) status = read_fragments(v, error);
+    const double solid =
+        (1.0 - gn_dem_porosity(&world->ctx, &world->dem)) * world->ctx.volume /
+        gn_space_volume(&world->ctx, &world->dem, &world->membrane, &world->boundary,
+                        &world->solids, &world->box, &world->approach);
+    gn_stress_particles(&assembly, 1.0 - solid, view->stress);
+    gneiss_status status = gn_coupled_add_stress(&world->ctx, &world->dem, &world->solids,
+                                                 &world->zones, view->stress, error);
+    if (status == GNEISS_OK) status = read_loads(view, error);
+    if (status == GNEISS_OK) status = read_fragments(view, error);
     if (status != GNEISS_OK) {
-        gn_output_view_free(v);
+        gn_output_view_free(view);
         return status;
     }
-    if (w->ctx.effects & GN_FX_BONDS)
-        gn_damage_particles(&w->dem.particles, &w->dem.bonds.contacts, v->damage);
-    if (gn_converts(&w->ctx)) damage_of_active(w, v->damage);
+    if (world->ctx.effects & GN_FX_BONDS)
+        gn_damage_particles(&world->dem.particles, &world->dem.bonds.contacts, view->damage);
+    if (gn_converts(&world->ctx)) damage_of_active(world, view->damage);
     for (int l = 0; l < GN_LIST_COUNT; l++)
-        count_contacts(&w->dem.list[l].contacts, &seen->list[l], v->coordination);
-    split_forces(v);
+        count_contacts(&world->dem.list[l].contacts, &seen->list[l], view->coordination);
+    split_forces(view);
     return GNEISS_OK;
 }
 
-void gn_output_view_free(gn_output_view *v) {
-    free(v->damage);
-    free(v->stress);
-    free(v->coordination);
-    free(v->normal);
-    free(v->shear);
-    free(v->total);
-    free(v->damping);
-    gn_fragments_free(&v->fragments);
-    free(v->row);
-    gn_free(v->places);
-    *v = (gn_output_view){0};
+void gn_output_view_free(gn_output_view *view) {
+    free(view->damage);
+    free(view->stress);
+    free(view->coordination);
+    free(view->normal);
+    free(view->shear);
+    free(view->total);
+    free(view->damping);
+    gn_fragments_free(&view->fragments);
+    free(view->row);
+    gn_free(view->places);
+    *view = (gn_output_view){0};
 }

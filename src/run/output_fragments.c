@@ -1,7 +1,7 @@
 /* Fragments, the sets of particles that bonds connect (particles/fragments.h), in results.h5. */
 #include "particles/fragments.h"
 #include "run/output_table.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 
 #include <string.h>
 
@@ -38,10 +38,10 @@ static const gn_output_field of_fragments[] = {
 const gn_output_table gn_fragment_outputs = {"fragments", of_fragments,
                                              sizeof of_fragments / sizeof *of_fragments};
 
-gneiss_status gn_fragments_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_fragments_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     gn_fragment_list list;
-    if (!(w->ctx.effects & GN_FX_BONDS) || !w->dem.particles.soa.count) return GNEISS_OK;
-    gneiss_status status = gn_fragments_list(&w->ctx, &w->dem, &list, error);
+    if (!(world->ctx.effects & GN_FX_BONDS) || !world->dem.particles.soa.count) return GNEISS_OK;
+    gneiss_status status = gn_fragments_list(&world->ctx, &world->dem, &list, error);
     const gn_output_source source = {&gn_fragment_outputs, &list, 0, list.count, NULL, NULL, 0};
     if (status == GNEISS_OK) status = gn_output_put(&source, file, error);
     gn_fragments_free(&list);

@@ -4,8 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool there(gn_effects effects, unsigned asked, const gn_output_field *f, unsigned where) {
-    return f->where & (where | asked << GN_ASKED_SHIFT) && (effects & f->needs) == f->needs;
+static bool there(gn_effects effects, unsigned asked, const gn_output_field *field,
+                  unsigned where) {
+    return field->where & (where | asked << GN_ASKED_SHIFT) &&
+           (effects & field->needs) == field->needs;
 }
 
 const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effects effects,
@@ -16,19 +18,20 @@ const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effec
     return NULL;
 }
 
-void gn_output_read(const gn_output_source *s, const gn_output_field *f, double *values) {
-    for (size_t k = 0; k < s->count; k++)
-        f->read(s->view, k, values + f->components * (s->row ? (size_t)s->row[k] : k));
+void gn_output_read(const gn_output_source *source, const gn_output_field *field, double *values) {
+    for (size_t k = 0; k < source->count; k++)
+        field->read(source->view, k,
+                    values + field->components * (source->row ? (size_t)source->row[k] : k));
 }
 
 /* Allocates and reads [count][components]. */
-static gneiss_status read_field(const gn_output_source *s, const gn_output_field *f, double **data,
-                                gneiss_error *error) {
-    *data = calloc(s->count + 1, f->components * sizeof **data);
+static gneiss_status read_field(const gn_output_source *source, const gn_output_field *field,
+                                double **data, gneiss_error *error) {
+    *data = calloc(source->count + 1, field->components * sizeof **data);
     if (!*data)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %s/%s",
-                       s->table->group, f->name);
-    gn_output_read(s, f, *data);
+                       source->table->group, field->name);
+    gn_output_read(source, field, *data);
     return GNEISS_OK;
 }
 
@@ -42,19 +45,19 @@ static void narrow(void *data, gn_type type, size_t count) {
     }
 }
 
-gneiss_status gn_output_put(const gn_output_source *s, gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < s->table->count; k++) {
-        const gn_output_field *f = &s->table->fields[k];
+gneiss_status gn_output_put(const gn_output_source *source, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < source->table->count; k++) {
+        const gn_output_field *f = &source->table->fields[k];
         char path[160];
         double *data;
-        if (!there(s->effects, s->asked, f, GN_IN_RESULTS)) continue;
-        GN_TRY(read_field(s, f, &data, error));
-        narrow(data, f->type, s->count * f->components);
-        snprintf(path, sizeof path, "%s%s/%s", s->prefix ? s->prefix : "", s->table->group,
-                 f->name);
+        if (!there(source->effects, source->asked, f, GN_IN_RESULTS)) continue;
+        GN_TRY(read_field(source, f, &data, error));
+        narrow(data, f->type, source->count * f->components);
+        snprintf(path, sizeof path, "%s%s/%s", source->prefix ? source->prefix : "",
+                 source->table->group, f->name);
         bool demanded = gn_h5_demand_finite(file, false);
         gn_h5_demand_finite(file, demanded && !f->may_be_nan);
-        gneiss_status status = gn_h5_put(file, path, f->type, s->count, f->components, 0, data,
+        gneiss_status status = gn_h5_put(file, path, f->type, source->count, f->components, 0, data,
                                          f->unit, f->text, error);
         gn_h5_demand_finite(file, demanded);
         free(data);
@@ -63,22 +66,22 @@ gneiss_status gn_output_put(const gn_output_source *s, gn_h5 *file, gneiss_error
     return GNEISS_OK;
 }
 
-gneiss_status gn_output_arrays_read(const gn_output_source *s, gn_output_arrays *a,
+gneiss_status gn_output_arrays_read(const gn_output_source *source, gn_output_arrays *arrays,
                                     gneiss_error *error) {
-    *a = (gn_output_arrays){0};
-    for (size_t k = 0; k < s->table->count; k++) {
-        const gn_output_field *f = &s->table->fields[k];
-        if (!there(s->effects, s->asked, f, GN_IN_SNAPSHOT)) continue;
-        double **data = &a->data[a->count];
-        gneiss_status status = read_field(s, f, data, error);
-        if (status != GNEISS_OK) gn_output_arrays_free(a);
+    *arrays = (gn_output_arrays){0};
+    for (size_t k = 0; k < source->table->count; k++) {
+        const gn_output_field *f = &source->table->fields[k];
+        if (!there(source->effects, source->asked, f, GN_IN_SNAPSHOT)) continue;
+        double **data = &arrays->data[arrays->count];
+        gneiss_status status = read_field(source, f, data, error);
+        if (status != GNEISS_OK) gn_output_arrays_free(arrays);
         GN_TRY(status);
-        a->of[a->count++] = (gn_snapshot_array){f->name, f->unit, f->components, *data};
+        arrays->of[arrays->count++] = (gn_snapshot_array){f->name, f->unit, f->components, *data};
     }
     return GNEISS_OK;
 }
 
-void gn_output_arrays_free(gn_output_arrays *a) {
-    for (size_t k = 0; k < a->count; k++) free(a->data[k]);
-    *a = (gn_output_arrays){0};
+void gn_output_arrays_free(gn_output_arrays *arrays) {
+    for (size_t k = 0; k < arrays->count; k++) free(arrays->data[k]);
+    *arrays = (gn_output_arrays){0};
 }

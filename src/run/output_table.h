@@ -10,8 +10,8 @@
 #include "run/run.h"
 
 enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2, GN_ASKED_SHIFT = 2 };
-/* The field is in both files if the scene requests it (base/asked.h), and in any others that are
- * named besides. */
+/* The field is in both files if the scene requests it (base/asked.h), and also in the files named
+ * beside it. */
 #define GN_ON_REQUEST(name) (GN_ASKED(name) << GN_ASKED_SHIFT)
 
 typedef struct gn_output_field {

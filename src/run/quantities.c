@@ -28,39 +28,39 @@ static void difference3(double *to, const double *a, const double *b) {
 /* --- conditions --- */
 
 #define HOLDS(name, expression)                                                                    \
-    static bool name(const gn_world *w, size_t k) {                                                \
+    static bool name(const gn_world *world, size_t k) {                                            \
         (void)k;                                                                                   \
         return expression;                                                                         \
     }
 
-HOLDS(has_stages, w->ctx.scene.stage_count > 0)
-HOLDS(has_test, gn_scene_tested(&w->ctx.scene))
-HOLDS(has_opening, gn_scene_tested(&w->ctx.scene) && w->ctx.scene.test.has_opening)
-HOLDS(has_control, gn_scene_tested(&w->ctx.scene) && w->ctx.scene.test.has_control)
-HOLDS(has_membrane, w->ctx.effects &GN_FX_MEMBRANE)
-HOLDS(has_specimen, w->ctx.scene.has_specimen)
-HOLDS(has_bonds, w->ctx.effects &GN_FX_BONDS)
-HOLDS(has_ledger, w->ctx.effects &GN_FX_ENERGY)
-HOLDS(is_periodic, w->ctx.effects &GN_FX_PERIODIC)
-HOLDS(has_added_mass, w->ctx.effects &GN_FX_MASS_SCALING)
-HOLDS(is_counted, gn_scene_has_flow(&w->ctx.scene) || gn_converts(&w->ctx))
-HOLDS(has_elements_beside_particles, w->solids.count && w->ctx.scene.has_specimen)
-HOLDS(has_zones, w->ctx.scene.has_couple && w->ctx.scene.couple.zone_count)
-HOLDS(converts, gn_converts(&w->ctx))
+HOLDS(has_stages, world->ctx.scene.stage_count > 0)
+HOLDS(has_test, gn_scene_tested(&world->ctx.scene))
+HOLDS(has_opening, gn_scene_tested(&world->ctx.scene) && world->ctx.scene.test.has_opening)
+HOLDS(has_control, gn_scene_tested(&world->ctx.scene) && world->ctx.scene.test.has_control)
+HOLDS(has_membrane, world->ctx.effects &GN_FX_MEMBRANE)
+HOLDS(has_specimen, world->ctx.scene.has_specimen)
+HOLDS(has_bonds, world->ctx.effects &GN_FX_BONDS)
+HOLDS(has_ledger, world->ctx.effects &GN_FX_ENERGY)
+HOLDS(is_periodic, world->ctx.effects &GN_FX_PERIODIC)
+HOLDS(has_added_mass, world->ctx.effects &GN_FX_MASS_SCALING)
+HOLDS(is_counted, gn_scene_has_flow(&world->ctx.scene) || gn_converts(&world->ctx))
+HOLDS(has_elements_beside_particles, world->solids.count && world->ctx.scene.has_specimen)
+HOLDS(has_zones, world->ctx.scene.has_couple && world->ctx.scene.couple.zone_count)
+HOLDS(converts, gn_converts(&world->ctx))
 /* The strain is that of the sides in a box that is periodic in all directions. Particles that enter
  * and leave have no positions at the start. */
 HOLDS(has_average_strain,
-      !gn_scene_has_flow(&w->ctx.scene) ||
-          (w->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->ctx.scene)))
+      !gn_scene_has_flow(&world->ctx.scene) ||
+          (world->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&world->ctx.scene)))
 
-static bool set_moves(const gn_world *w, size_t k) {
-    const gn_set_def *s = &w->ctx.scene.sets[k];
+static bool set_moves(const gn_world *world, size_t k) {
+    const gn_set_def *s = &world->ctx.scene.sets[k];
     size_t points = 0;
     for (int a = 0; a < 3; a++) points += s->motion.velocity[a].count + s->motion.spin[a].count;
-    return points > 0 || (w->ctx.scene.stage_count && w->ctx.effects & GN_FX_PRESCRIBED);
+    return points > 0 || (world->ctx.scene.stage_count && world->ctx.effects & GN_FX_PRESCRIBED);
 }
-static bool motion_drives(const gn_world *w, size_t k) {
-    return gn_elements_motion_drives(&w->solids, k);
+static bool motion_drives(const gn_world *world, size_t k) {
+    return gn_elements_motion_drives(&world->solids, k);
 }
 
 #define OF_KIND(name, expression)                                                                  \
@@ -100,192 +100,197 @@ static const gn_condition always = {"always", NULL, NULL}, tests = {"with a test
 /* --- quantities of the whole model --- */
 
 #define READ(name, expression)                                                                     \
-    static void read_##name(const gn_world *w, size_t k, double *value) {                          \
+    static void read_##name(const gn_world *world, size_t k, double *value) {                      \
         (void)k;                                                                                   \
         *value = (expression);                                                                     \
     }
 
-READ(step, (double)w->ctx.step)
-READ(time, w->ctx.time)
-READ(stage, (double)w->stages.now)
+READ(step, (double)world->ctx.step)
+READ(time, world->ctx.time)
+READ(stage, (double)world->stages.now)
 
-READ(deflection, gn_ends_deflection(&w->ctx, &w->dem, &w->boundary, &w->solids))
+READ(deflection, gn_ends_deflection(&world->ctx, &world->dem, &world->boundary, &world->solids))
 
 /* The strain is that of the particles, or in a fully periodic box, which has no surface, that of
  * its sides. Elements without particles are the specimen. */
-static void mean_strain(const gn_world *w, double strain[9]) {
+static void mean_strain(const gn_world *world, double strain[9]) {
     double gradient[9];
-    if (!w->ctx.scene.has_specimen) {
-        gn_elements_strain(&w->solids, gradient);
+    if (!world->ctx.scene.has_specimen) {
+        gn_elements_strain(&world->solids, gradient);
         gn_strain_of(gradient, strain);
         return;
     }
-    if (!(w->ctx.effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&w->ctx.scene)) {
-        gn_gauge_gradient(&w->ctx, &w->dem, &w->solids, &w->gauge, gradient);
+    if (!(world->ctx.effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&world->ctx.scene)) {
+        gn_gauge_gradient(&world->ctx, &world->dem, &world->solids, &world->gauge, gradient);
         gn_strain_of(gradient, strain);
         return;
     }
     memset(strain, 0, 9 * sizeof *strain);
-    for (int a = 0; a < (int)w->ctx.scene.dimension; a++)
-        strain[4 * a] = gn_box_strain(&w->ctx, &w->box, a);
+    for (int a = 0; a < (int)world->ctx.scene.dimension; a++)
+        strain[4 * a] = gn_box_strain(&world->ctx, &world->box, a);
 }
 
 /* Returns minus the trace of the average strain, the loss of volume. */
-static double lost_volume(const gn_world *w) {
+static double lost_volume(const gn_world *world) {
     double g[9];
-    mean_strain(w, g);
+    mean_strain(world, g);
     return -(g[0] + g[4] + g[8]);
 }
-READ(volumetric_strain, lost_volume(w))
+READ(volumetric_strain, lost_volume(world))
 
 /* Returns the mean over the directions across the axis, compression positive. */
-static double lateral_strain(const gn_world *w) {
+static double lateral_strain(const gn_world *world) {
     double g[9], sum = 0.0;
-    int dimension = (int)w->ctx.scene.dimension;
-    mean_strain(w, g);
+    int dimension = (int)world->ctx.scene.dimension;
+    mean_strain(world, g);
     for (int a = 0; a < dimension; a++)
-        if (a != (int)w->ctx.scene.test.axis) sum -= g[4 * a];
+        if (a != (int)world->ctx.scene.test.axis) sum -= g[4 * a];
     return sum / (dimension - 1);
 }
-READ(lateral_strain, lateral_strain(w))
+READ(lateral_strain, lateral_strain(world))
 
 /* Returns the loss of volume given by walls, by a periodic box or by the positions of the
  * particles. */
-static double hydrostatic_strain(const gn_world *w) {
+static double hydrostatic_strain(const gn_world *world) {
     double now, start, stretch[9], cofactor[9];
-    if (gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start))
+    if (gn_space_closed(&world->ctx, &world->dem, &world->boundary, &world->box, &now, &start))
         return 1.0 - now / start;
-    mean_strain(w, stretch);
+    mean_strain(world, stretch);
     for (int a = 0; a < 3; a++) stretch[4 * a] += 1.0;
     gn_cofactor3(stretch, cofactor);
     return 1.0 - gn_dot3(stretch, cofactor);
 }
 
 READ(test_strain,
-     gn_scene_test(&w->ctx.scene)->isotropic ? hydrostatic_strain(w)
-     : gn_scene_test(&w->ctx.scene)->tool
-         ? gn_cutting_path(&w->ctx, &w->boundary, &w->cutting) / w->ctx.test_length
-         : gn_ends_shortening(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach) /
-               w->ctx.test_length)
+     gn_scene_test(&world->ctx.scene)->isotropic ? hydrostatic_strain(world)
+     : gn_scene_test(&world->ctx.scene)->tool
+         ? gn_cutting_path(&world->ctx, &world->boundary, &world->cutting) / world->ctx.test_length
+         : gn_ends_shortening(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                              &world->approach) /
+               world->ctx.test_length)
 
-static double mean_pressure(const gn_world *w) {
-    const double *s = w->ledger.stress;
-    return -(s[0] + s[4] + s[8]) / (double)w->ctx.scene.dimension;
+static double mean_pressure(const gn_world *world) {
+    const double *s = world->ledger.stress;
+    return -(s[0] + s[4] + s[8]) / (double)world->ctx.scene.dimension;
 }
 
 /* For confined specimens the stress is the deviator: the pressure on the part of an end that the
  * membrane does not cover is subtracted. */
-static double end_stress(const gn_world *w, bool upper_end) {
+static double end_stress(const gn_world *world, bool upper_end) {
     double lower, upper;
-    gn_ends_forces(&w->ctx, &w->dem, &w->boundary, &w->solids, &lower, &upper);
-    bool bare =
-        gn_scene_test(&w->ctx.scene)->confined && w->ctx.scene.membrane.faces == GN_FACES_SIDES;
-    return (upper_end ? upper : lower) / gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box) -
-           (bare ? gn_membrane_pressure(&w->membrane) : 0.0);
+    gn_ends_forces(&world->ctx, &world->dem, &world->boundary, &world->solids, &lower, &upper);
+    bool bare = gn_scene_test(&world->ctx.scene)->confined &&
+                world->ctx.scene.membrane.faces == GN_FACES_SIDES;
+    return (upper_end ? upper : lower) /
+               gn_space_area(&world->ctx, &world->dem, &world->boundary, &world->box) -
+           (bare ? gn_membrane_pressure(&world->membrane) : 0.0);
 }
-READ(test_lower, end_stress(w, false))
-READ(test_upper, end_stress(w, true))
-static double cut_stress(const gn_world *w) {
+READ(test_lower, end_stress(world, false))
+READ(test_upper, end_stress(world, true))
+static double cut_stress(const gn_world *world) {
     double force[GN_CUT_AXES];
-    gn_cutting_force(&w->ctx, &w->boundary, &w->cutting, force);
-    return force[GN_CUT_ROLLING] / w->ctx.test_area;
+    gn_cutting_force(&world->ctx, &world->boundary, &world->cutting, force);
+    return force[GN_CUT_ROLLING] / world->ctx.test_area;
 }
-READ(test_stress, gn_scene_test(&w->ctx.scene)->isotropic ? mean_pressure(w)
-                  : gn_scene_test(&w->ctx.scene)->tool
-                      ? cut_stress(w)
-                      : 0.5 * (end_stress(w, false) + end_stress(w, true)))
-READ(membrane_pressure, gn_membrane_pressure(&w->membrane))
-READ(membrane_area, gn_membrane_area(&w->dem))
-static double normal_stress(const gn_world *w, double of_lower, double of_upper) {
+READ(test_stress, gn_scene_test(&world->ctx.scene)->isotropic ? mean_pressure(world)
+                  : gn_scene_test(&world->ctx.scene)->tool
+                      ? cut_stress(world)
+                      : 0.5 * (end_stress(world, false) + end_stress(world, true)))
+READ(membrane_pressure, gn_membrane_pressure(&world->membrane))
+READ(membrane_area, gn_membrane_area(&world->dem))
+static double normal_stress(const gn_world *world, double of_lower, double of_upper) {
     double lower, upper;
-    gn_ends_normals(&w->ctx, &w->dem, &w->boundary, &w->solids, &lower, &upper);
+    gn_ends_normals(&world->ctx, &world->dem, &world->boundary, &world->solids, &lower, &upper);
     return (of_lower * lower + of_upper * upper) /
-           gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box);
+           gn_space_area(&world->ctx, &world->dem, &world->boundary, &world->box);
 }
-READ(normal_stress, normal_stress(w, 0.5, 0.5))
-READ(normal_lower, normal_stress(w, 1.0, 0.0))
-READ(normal_upper, normal_stress(w, 0.0, 1.0))
-READ(dilation, gn_ends_dilation(&w->ctx, &w->dem, &w->boundary, &w->solids))
-static void read_test_force(const gn_world *w, size_t k, double *value) {
+READ(normal_stress, normal_stress(world, 0.5, 0.5))
+READ(normal_lower, normal_stress(world, 1.0, 0.0))
+READ(normal_upper, normal_stress(world, 0.0, 1.0))
+READ(dilation, gn_ends_dilation(&world->ctx, &world->dem, &world->boundary, &world->solids))
+static void read_test_force(const gn_world *world, size_t k, double *value) {
     double lower, upper;
     (void)k;
-    gn_ends_forces(&w->ctx, &w->dem, &w->boundary, &w->solids, &lower, &upper);
+    gn_ends_forces(&world->ctx, &world->dem, &world->boundary, &world->solids, &lower, &upper);
     *value = 0.5 * (lower + upper);
 }
 
-READ(machine, w->ctx.machine.factor)
-READ(opening, gn_ends_opening(&w->ctx, &w->dem, &w->boundary, &w->solids))
-static void read_centre_stress(const gn_world *w, size_t k, double *value) {
+READ(machine, world->ctx.machine.factor)
+READ(opening, gn_ends_opening(&world->ctx, &world->dem, &world->boundary, &world->solids))
+static void read_centre_stress(const gn_world *world, size_t k, double *value) {
     (void)k;
-    gn_test_centre_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, value);
+    gn_test_centre_stress(&world->ctx, &world->dem, &world->boundary, &world->solids, &world->box,
+                          value);
 }
 
-static void read_elements_strain(const gn_world *w, size_t k, double *value) {
+static void read_elements_strain(const gn_world *world, size_t k, double *value) {
     (void)k;
     double gradient[9];
-    gn_elements_strain(&w->solids, gradient);
+    gn_elements_strain(&world->solids, gradient);
     gn_strain_of(gradient, value);
 }
-static void read_elements_stress(const gn_world *w, size_t k, double *value) {
+static void read_elements_stress(const gn_world *world, size_t k, double *value) {
     (void)k;
-    gn_elements_stress(&w->solids, value);
+    gn_elements_stress(&world->solids, value);
 }
-static void read_strain(const gn_world *w, size_t k, double *value) {
+static void read_strain(const gn_world *world, size_t k, double *value) {
     (void)k;
-    mean_strain(w, value);
+    mean_strain(world, value);
 }
-/* Too few particles, or all of them in a plane, have no average strain; nor has a specimen of which
- * too little is left. */
-static bool no_strain(const gn_world *w) {
-    bool box = is_periodic(w, 0) && !gn_scene_half_periodic(&w->ctx.scene);
-    return w->ctx.scene.has_specimen && !w->gauge.weights.count && !box;
+/* A specimen has no average strain if too few of its particles are left, or all of them are in a
+ * plane. */
+static bool no_strain(const gn_world *world) {
+    bool box = is_periodic(world, 0) && !gn_scene_half_periodic(&world->ctx.scene);
+    return world->ctx.scene.has_specimen && !world->gauge.weights.count && !box;
 }
-static bool no_test_strain(const gn_world *w) {
+static bool no_test_strain(const gn_world *world) {
     double now, start;
-    return gn_scene_test(&w->ctx.scene)->isotropic && no_strain(w) &&
-           !gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start);
+    return gn_scene_test(&world->ctx.scene)->isotropic && no_strain(world) &&
+           !gn_space_closed(&world->ctx, &world->dem, &world->boundary, &world->box, &now, &start);
 }
-static void read_stress(const gn_world *w, size_t k, double *value) {
+static void read_stress(const gn_world *world, size_t k, double *value) {
     (void)k;
-    memcpy(value, w->ledger.stress, sizeof w->ledger.stress);
+    memcpy(value, world->ledger.stress, sizeof world->ledger.stress);
 }
-static void read_box(const gn_world *w, size_t k, double *value) {
+static void read_box(const gn_world *world, size_t k, double *value) {
     (void)k;
-    copy3(value, w->ctx.period);
+    copy3(value, world->ctx.period);
 }
-READ(unbalanced, w->ledger.unbalanced)
-READ(particles, (double)gn_world_present(&w->dem))
-READ(added_kinetic, gn_dem_added_kinetic(&w->dem))
+READ(unbalanced, world->ledger.unbalanced)
+READ(particles, (double)gn_world_present(&world->dem))
+READ(added_kinetic, gn_dem_added_kinetic(&world->dem))
 
-static double broken(const gn_world *w) {
-    return (double)(w->dem.broken_tension + w->dem.broken_shear);
+static double broken(const gn_world *world) {
+    return (double)(world->dem.broken_tension + world->dem.broken_shear);
 }
 /* Bonds that were removed with particles or dissolved are neither intact nor broken. */
-static double bonds_left(const gn_world *w) {
+static double bonds_left(const gn_world *world) {
     size_t left = 0;
-    for (size_t c = 0; (w->dem.lost || w->ctx.scene.stage_count || w->ctx.scene.sink_count) &&
-                       c < w->dem.bonds.contacts.soa.count;
+    for (size_t c = 0;
+         (world->dem.lost || world->ctx.scene.stage_count || world->ctx.scene.sink_count) &&
+         c < world->dem.bonds.contacts.soa.count;
          c++)
-        left += w->dem.bonds.contacts.cause[c] >= GN_BOND_LEFT &&
-                w->dem.bonds.contacts.cause[c] != GN_BOND_NEVER;
+        left += world->dem.bonds.contacts.cause[c] >= GN_BOND_LEFT &&
+                world->dem.bonds.contacts.cause[c] != GN_BOND_NEVER;
     return (double)left;
 }
-READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w) - bonds_left(w))
-READ(broken_tension, (double)w->dem.broken_tension)
-READ(broken_shear, (double)w->dem.broken_shear)
-READ(damage, w->dem.bonds_at_start > 0 ? broken(w) / (double)w->dem.bonds_at_start : 0.0)
+READ(bonds_intact, (double)world->dem.bonds_at_start - broken(world) - bonds_left(world))
+READ(broken_tension, (double)world->dem.broken_tension)
+READ(broken_shear, (double)world->dem.broken_shear)
+READ(damage,
+     world->dem.bonds_at_start > 0 ? broken(world) / (double)world->dem.bonds_at_start : 0.0)
 
-#define X(name, kind, text) READ(energy_##name, w->ledger.reading.name)
+#define X(name, kind, text) READ(energy_##name, world->ledger.reading.name)
 GN_ENERGY_TERMS(X)
 #undef X
-READ(energy_residual, gn_energy_residual(&w->ledger.reading))
+READ(energy_residual, gn_energy_residual(&world->ledger.reading))
 
-static void read_returned_energy(const gn_world *w, size_t k, double *value) {
-    const double share = gn_coupled_returned_share(&w->ctx, &w->solids, &w->ledger, k);
+static void read_returned_energy(const gn_world *world, size_t k, double *value) {
+    const double share = gn_coupled_returned_share(&world->ctx, &world->solids, &world->ledger, k);
     *value = isnan(share) ? 0.0 : share;
 }
 
-READ(elements, (double)gn_elements_left_count(&w->solids))
+READ(elements, (double)gn_elements_left_count(&world->solids))
 
 #define SCALAR_UNLESS(absent, when, instant, name, unit, read, text)                               \
     { name, unit, text, GN_SCALAR, instant, &when, read, absent }
@@ -366,22 +371,22 @@ static const gn_quantity of_the_model[] = {
 
 /* --- of walls, bodies, sets --- */
 
-static size_t one(const gn_world *w) {
-    (void)w;
+static size_t one(const gn_world *world) {
+    (void)world;
     return 1;
 }
 
-static size_t wall_count(const gn_world *w) {
-    return w->ctx.scene.wall_count;
+static size_t wall_count(const gn_world *world) {
+    return world->ctx.scene.wall_count;
 }
-static const char *wall_name(const gn_world *w, size_t k) {
-    return w->ctx.scene.walls[k].name;
+static const char *wall_name(const gn_world *world, size_t k) {
+    return world->ctx.scene.walls[k].name;
 }
-static void read_wall_force(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->boundary.walls[k].force);
+static void read_wall_force(const gn_world *world, size_t k, double *value) {
+    copy3(value, world->boundary.walls[k].force);
 }
-static void read_wall_displacement(const gn_world *w, size_t k, double *value) {
-    difference3(value, w->boundary.walls[k].point, w->boundary.walls[k].start);
+static void read_wall_displacement(const gn_world *world, size_t k, double *value) {
+    difference3(value, world->boundary.walls[k].point, world->boundary.walls[k].start);
 }
 
 static const gn_quantity of_walls[] = {{"force", "N", "force of particles and bodies on the wall",
@@ -390,23 +395,23 @@ static const gn_quantity of_walls[] = {{"force", "N", "force of particles and bo
                                         GN_VECTOR, GN_BEFORE_STEP, &always, read_wall_displacement,
                                         NULL}};
 
-static size_t body_count(const gn_world *w) {
-    return w->ctx.scene.body_count;
+static size_t body_count(const gn_world *world) {
+    return world->ctx.scene.body_count;
 }
-static const char *body_name(const gn_world *w, size_t k) {
-    return w->ctx.scene.bodies[k].name;
+static const char *body_name(const gn_world *world, size_t k) {
+    return world->ctx.scene.bodies[k].name;
 }
-static void read_body_force(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->boundary.bodies[k].force);
+static void read_body_force(const gn_world *world, size_t k, double *value) {
+    copy3(value, world->boundary.bodies[k].force);
 }
-static void read_body_moment(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->boundary.bodies[k].moment);
+static void read_body_moment(const gn_world *world, size_t k, double *value) {
+    copy3(value, world->boundary.bodies[k].moment);
 }
-static void read_body_displacement(const gn_world *w, size_t k, double *value) {
-    difference3(value, w->boundary.bodies[k].position, w->boundary.bodies[k].start);
+static void read_body_displacement(const gn_world *world, size_t k, double *value) {
+    difference3(value, world->boundary.bodies[k].position, world->boundary.bodies[k].start);
 }
-static void read_body_velocity(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->boundary.bodies[k].velocity);
+static void read_body_velocity(const gn_world *world, size_t k, double *value) {
+    copy3(value, world->boundary.bodies[k].velocity);
 }
 
 static const gn_quantity of_bodies[] = {
@@ -419,14 +424,14 @@ static const gn_quantity of_bodies[] = {
     {"velocity", "m/s", "velocity of the reference point at the last half step", GN_VECTOR,
      GN_BEFORE_STEP, &always, read_body_velocity, NULL}};
 
-static size_t set_count(const gn_world *w) {
-    return w->ctx.scene.set_count;
+static size_t set_count(const gn_world *world) {
+    return world->ctx.scene.set_count;
 }
-static const char *set_name(const gn_world *w, size_t k) {
-    return w->ctx.scene.sets[k].name;
+static const char *set_name(const gn_world *world, size_t k) {
+    return world->ctx.scene.sets[k].name;
 }
-static void read_set_reaction(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->dem.set_reaction + 6 * k);
+static void read_set_reaction(const gn_world *world, size_t k, double *value) {
+    copy3(value, world->dem.set_reaction + 6 * k);
 }
 
 static const gn_quantity of_sets[] = {{"reaction", "N",
@@ -435,39 +440,40 @@ static const gn_quantity of_sets[] = {{"reaction", "N",
 
 /* --- of sources and sinks --- */
 
-static size_t source_count(const gn_world *w) {
-    return w->ctx.scene.source_count;
+static size_t source_count(const gn_world *world) {
+    return world->ctx.scene.source_count;
 }
-static const char *source_name(const gn_world *w, size_t k) {
-    return w->ctx.scene.sources[k].name;
+static const char *source_name(const gn_world *world, size_t k) {
+    return world->ctx.scene.sources[k].name;
 }
-static size_t sink_count(const gn_world *w) {
-    return w->ctx.scene.sink_count;
+static size_t sink_count(const gn_world *world) {
+    return world->ctx.scene.sink_count;
 }
-static const char *sink_name(const gn_world *w, size_t k) {
-    return w->ctx.scene.sinks[k].name;
+static const char *sink_name(const gn_world *world, size_t k) {
+    return world->ctx.scene.sinks[k].name;
 }
 
 /* A quantity of one source (sink). */
 #define READ_ONE(what, name, expression)                                                           \
-    static void read_##what##_##name(const gn_world *w, size_t k, double *value) {                 \
-        const gn_##what##_state *s = &w->dem.flow.what##s[k];                                      \
+    static void read_##what##_##name(const gn_world *world, size_t k, double *value) {             \
+        const gn_##what##_state *s = &world->dem.flow.what##s[k];                                  \
         (void)s;                                                                                   \
         *value = (expression);                                                                     \
     }
 READ_ONE(source, number, s->number)
 READ_ONE(source, mass, s->mass)
-READ_ONE(source, behind, gn_flow_behind(&w->ctx, &w->dem, k))
+READ_ONE(source, behind, gn_flow_behind(&world->ctx, &world->dem, k))
 READ_ONE(sink, number, s->number)
 READ_ONE(sink, mass, s->mass)
 /* The rate since the last row; the first row has none. */
 READ_ONE(sink, rate,
-         w->ctx.time > s->row_time ? (s->mass - s->row_mass) / (w->ctx.time - s->row_time) : 0.0)
-static void read_source_momentum(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->dem.flow.sources[k].momentum);
+         world->ctx.time > s->row_time ? (s->mass - s->row_mass) / (world->ctx.time - s->row_time)
+                                       : 0.0)
+static void read_source_momentum(const gn_world *world, size_t k, double *value) {
+    copy3(value, world->dem.flow.sources[k].momentum);
 }
-static void read_sink_momentum(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->dem.flow.sinks[k].momentum);
+static void read_sink_momentum(const gn_world *world, size_t k, double *value) {
+    copy3(value, world->dem.flow.sinks[k].momentum);
 }
 
 static const gn_quantity of_sources[] = {
@@ -501,20 +507,20 @@ static const gn_quantity of_elements[] = {
            "energy of plane waves that travel away from the particles of the first zone, in "
            "elements outside of zones, over the initial energy and the energy supplied")};
 
-static size_t motion_count(const gn_world *w) {
-    return gn_elements_motions(&w->solids);
+static size_t motion_count(const gn_world *world) {
+    return gn_elements_motions(&world->solids);
 }
 
-static const char *motion_name(const gn_world *w, size_t k) {
-    return gn_elements_motion_name(&w->solids, k);
+static const char *motion_name(const gn_world *world, size_t k) {
+    return gn_elements_motion_name(&world->solids, k);
 }
 
-static void read_motion_travel(const gn_world *w, size_t k, double *value) {
-    gn_elements_travel(&w->solids, k, value);
+static void read_motion_travel(const gn_world *world, size_t k, double *value) {
+    gn_elements_travel(&world->solids, k, value);
 }
 
-static void read_motion_reaction(const gn_world *w, size_t k, double *value) {
-    gn_elements_reaction(&w->solids, k, value);
+static void read_motion_reaction(const gn_world *world, size_t k, double *value) {
+    gn_elements_reaction(&world->solids, k, value);
 }
 
 static const gn_quantity of_motions[] = {
@@ -536,9 +542,9 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {NULL, one, NULL, of_elements, COUNT(of_elements), NULL, false},
     {"motion", motion_count, motion_name, of_motions, COUNT(of_motions), "motions", false}};
 
-bool gn_condition_holds(const gn_condition *when, const gn_world *w, size_t owner) {
-    return (!when->of_kind || when->of_kind(gn_scene_test(&w->ctx.scene))) &&
-           (!when->holds || when->holds(w, owner));
+bool gn_condition_holds(const gn_condition *when, const gn_world *world, size_t owner) {
+    return (!when->of_kind || when->of_kind(gn_scene_test(&world->ctx.scene))) &&
+           (!when->holds || when->holds(world, owner));
 }
 
 const char *gn_condition_text(const gn_condition *when, char *text, size_t size) {
@@ -557,22 +563,22 @@ const char *gn_condition_text(const gn_condition *when, char *text, size_t size)
     return text;
 }
 
-bool gn_quantity_next(const gn_world *w, gn_quantity_place *p) {
-    while (p->next_group < GN_QUANTITY_GROUPS) {
-        const gn_quantity_group *g = &gn_quantity_groups[p->next_group];
-        if (p->next_owner >= g->count(w)) {
-            p->next_group++;
-            p->next_owner = 0;
+bool gn_quantity_next(const gn_world *world, gn_quantity_place *place) {
+    while (place->next_group < GN_QUANTITY_GROUPS) {
+        const gn_quantity_group *g = &gn_quantity_groups[place->next_group];
+        if (place->next_owner >= g->count(world)) {
+            place->next_group++;
+            place->next_owner = 0;
             continue;
         }
-        p->group = g;
-        p->owner = p->next_owner;
-        p->quantity = &g->quantities[p->next_quantity++];
-        if (p->next_quantity == g->quantity_count) {
-            p->next_quantity = 0;
-            p->next_owner++;
+        place->group = g;
+        place->owner = place->next_owner;
+        place->quantity = &g->quantities[place->next_quantity++];
+        if (place->next_quantity == g->quantity_count) {
+            place->next_quantity = 0;
+            place->next_owner++;
         }
-        if (gn_condition_holds(p->quantity->when, w, p->owner)) return true;
+        if (gn_condition_holds(place->quantity->when, world, place->owner)) return true;
     }
     return false;
 }

@@ -27,13 +27,13 @@ struct gn_run_read {
     gn_budget *budget; /* of these readings; NULL: not computed yet */
 };
 
-gneiss_status gn_run_watch(gn_run *run, gneiss_error *error) {
+gneiss_status gn_run_begin_history(gn_run *run, gneiss_error *error) {
     run->read = calloc(1, sizeof *run->read);
     if (!run->read) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings");
     return gn_history_begin(&run->world, &run->history, error);
 }
 
-void gn_run_unwatch(gn_run *run) {
+void gn_run_end_history(gn_run *run) {
     if (run->read) free(run->read->budget);
     free(run->read);
     gn_history_free(&run->history);
@@ -42,9 +42,9 @@ void gn_run_unwatch(gn_run *run) {
 /* --- readings of a part of the rows --- */
 
 /* Returns the share at the end of the rows of a stage that is over, else of the present world. */
-static double returned(const gn_world *w, const gn_history *rows, bool over) {
-    if (!w->ctx.scene.couple.zone_count) return NAN;
-    if (!over) return gn_coupled_returned_share(&w->ctx, &w->solids, &w->ledger, 0);
+static double returned(const gn_world *world, const gn_history *rows, bool over) {
+    if (!world->ctx.scene.couple.zone_count) return NAN;
+    if (!over) return gn_coupled_returned_share(&world->ctx, &world->solids, &world->ledger, 0);
     const double *column = gn_history_column(rows, "returned_energy");
     return column && rows->row_count ? column[rows->row_count - 1] : NAN;
 }
@@ -64,60 +64,63 @@ static size_t sizes_of(const gn_bursts *bursts, span when, int32_t *size) {
 }
 
 /* Slender bars are too stiff by a share that the error budget contains, if there is one. */
-static double by_ends(const gn_world *w) {
+static double by_ends(const gn_world *world) {
     const double most = 0.05;
     gn_test_groups groups;
-    const gn_bar_section *x = &w->section;
-    if (x->guessed == 0.0 && x->spread > most && gn_study_find_case(&w->ctx, &w->dem, &groups))
+    const gn_bar_section *x = &world->section;
+    if (x->guessed == 0.0 && x->spread > most &&
+        gn_study_find_case(&world->ctx, &world->dem, &groups))
         return NAN;
-    return gn_section_by_ends(&w->ctx, &w->section);
+    return gn_section_by_ends(&world->ctx, &world->section);
 }
 
-static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over) {
-    const gn_test *t = &w->ctx.scene.test;
-    const double *g = w->ctx.scene.gravity;
-    const gn_fragments pieces = gn_world_fragments(&w->ctx, &w->dem);
+static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool over) {
+    const gn_test *t = &world->ctx.scene.test;
+    const double *g = world->ctx.scene.gravity;
+    const gn_fragments pieces = gn_dem_fragments(&world->ctx, &world->dem);
     return (gn_tested){
         .kind = t->kind,
-        .dimension = (int)w->ctx.scene.dimension,
+        .dimension = (int)world->ctx.scene.dimension,
         .axis = (int)t->axis,
-        .sign = gn_scene_test(&w->ctx.scene)->sign,
+        .sign = gn_scene_test(&world->ctx.scene)->sign,
         .notched = t->given.notch > 0.0,
-        .by_ends = by_ends(w),
-        .by_mean = gn_section_by_mean(&w->ctx, &w->dem, &w->solids, &w->section),
+        .by_ends = by_ends(world),
+        .by_mean = gn_section_by_mean(&world->ctx, &world->dem, &world->solids, &world->section),
         .under_gravity = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
-        .conversion_halted = !over && w->outcome.halt[0],
+        .conversion_halted = !over && world->outcome.halt[0],
         .fragments = pieces.count,
         .largest_fragment = pieces.largest,
-        .cut = gn_cutting_describe(&w->ctx, &w->dem, &w->cutting),
-        .zones = w->ctx.scene.couple.zone_count > 0,
-        .returned_energy = returned(w, rows, over),
-        .section = gn_scene_tested(&w->ctx.scene)
-                       ? gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids).section
-                       : NAN,
-        .elastic = !w->ctx.scene.has_specimen,
-        .one_sided = !gn_scene_end_drives(&w->ctx.scene, &t->lower) ||
-                     !gn_scene_end_drives(&w->ctx.scene, &t->upper),
-        .no_bursts = w->ctx.effects & GN_FX_BONDS ? "with output.events: off no breaks are recorded"
-                                                  : "the scene has no bonds"};
+        .cut = gn_cutting_describe(&world->ctx, &world->dem, &world->cutting),
+        .zones = world->ctx.scene.couple.zone_count > 0,
+        .returned_energy = returned(world, rows, over),
+        .section =
+            gn_scene_tested(&world->ctx.scene)
+                ? gn_test_shape(&world->ctx, &world->dem, &world->boundary, &world->solids).section
+                : NAN,
+        .elastic = !world->ctx.scene.has_specimen,
+        .one_sided = !gn_scene_end_drives(&world->ctx.scene, &t->lower) ||
+                     !gn_scene_end_drives(&world->ctx.scene, &t->upper),
+        .no_bursts = world->ctx.effects & GN_FX_BONDS
+                         ? "with output.events: off no breaks are recorded"
+                         : "the scene has no bonds"};
 }
 
 /* `over`: the rows have ended before the run. */
-static gneiss_status compute(const gn_world *w, const gn_history *rows, span when, bool over,
-                             gn_readings *r, gneiss_error *error) {
-    gn_tested tested = tested_of(w, rows, over);
+static gneiss_status compute(const gn_world *world, const gn_history *rows, span when, bool over,
+                             gn_readings *readings, gneiss_error *error) {
+    gn_tested tested = tested_of(world, rows, over);
     gn_bursts bursts;
-    gneiss_status status = gn_bursts_find(&w->ctx, &w->dem, &bursts, error);
+    gneiss_status status = gn_bursts_find(&world->ctx, &world->dem, &bursts, error);
     int32_t *size = calloc(bursts.count + 1, sizeof *size);
     if (status == GNEISS_OK && !size)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bursts", bursts.count);
     if (status == GNEISS_OK) {
-        tested.bursts = w->ctx.effects & GN_FX_EVENTS ? size : NULL;
+        tested.bursts = world->ctx.effects & GN_FX_EVENTS ? size : NULL;
         tested.burst_count = sizes_of(&bursts, when, size);
-        gn_readings_compute(rows, &tested, r);
+        gn_readings_compute(rows, &tested, readings);
         /* A quotient by zero is not a reading either. */
 #define X(name, unit, text)                                                                        \
-    if (!isfinite(r->name)) r->name = NAN;
+    if (!isfinite(readings->name)) readings->name = NAN;
         GN_READINGS(X)
 #undef X
     }
@@ -187,13 +190,13 @@ static size_t stage_read(const gn_run *run) {
 }
 
 /* Marks fragments as absent, because the world shows only the present ones. */
-static void leave_fragments(gn_readings *r) {
+static void leave_fragments(gn_readings *readings) {
     const gn_reading list[] = {GN_READING_fragments, GN_READING_largest_fragment};
     for (size_t k = 0; k < 2; k++)
-        if (!r->reason[list[k]][0])
-            snprintf(r->reason[list[k]], GN_REASON_SIZE,
+        if (!readings->reason[list[k]][0])
+            snprintf(readings->reason[list[k]], GN_REASON_SIZE,
                      "fragments are counted at the end of the run, which is in another stage");
-    r->fragments = r->largest_fragment = NAN;
+    readings->fragments = readings->largest_fragment = NAN;
 }
 
 static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings *readings,

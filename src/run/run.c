@@ -7,7 +7,7 @@
 #include "io/snapshot.h"
 #include "run/folder.h"
 #include "run/kept.h"
-#include "run/parts.h"
+#include "run/part_files.h"
 #include "run/spacing.h"
 #include "run/stages.h"
 #include "scene/manifest.h"
@@ -86,7 +86,7 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     run->bad_since = -1;
     double start = gn_now(), cpu_start = gn_process_time();
     GN_TRY(gn_world_create(scene, &run->world, error));
-    gneiss_status status = gn_run_watch(run, error);
+    gneiss_status status = gn_run_begin_history(run, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
         return status;
@@ -165,26 +165,26 @@ static size_t rows_of_thousand(const gn_run *run, size_t rows) {
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
-/* Tells whether the test has begun at least `count` looks before `end`, and computes their mean
+/* Tells whether the test has begun at least `count` samples before `end`, and computes their mean
  * stress. */
 static bool mean_before(const gn_run *run, size_t end, size_t count, double *mean) {
-    const double *stress = run->looks.stress;
+    const double *stress = run->samples.stress;
     if (!run->beginning.begun || end < run->beginning.least + count) return false;
     *mean = 0.0;
     for (size_t k = end - count; k < end; k++) *mean += stress[k] / (double)count;
     return true;
 }
 
-/* Updates the largest mean of `count` looks since the test began, over all of them if it has just
+/* Updates the largest mean of `count` samples since the test began, over all of them if it has just
  * begun, as after a resume. Returns the last mean. */
 static double look_for_peak(gn_run *run, size_t count) {
-    const size_t looks = run->looks.count;
+    const size_t samples = run->samples.count;
     const bool before = run->beginning.begun;
     double mean = NAN;
-    gn_beginning_update(&run->beginning, run->looks.strain, run->looks.stress, looks);
+    gn_beginning_update(&run->beginning, run->samples.strain, run->samples.stress, samples);
     if (!run->beginning.begun) return NAN;
     if (!before) run->peak = 0.0;
-    for (size_t end = before ? looks : run->beginning.least + 1; end <= looks; end++)
+    for (size_t end = before ? samples : run->beginning.least + 1; end <= samples; end++)
         if (mean_before(run, end, count, &mean)) run->peak = fmax(run->peak, mean);
     return mean;
 }
@@ -193,7 +193,7 @@ static double look_for_peak(gn_run *run, size_t count) {
  * rows are compared so that vibrations do not end a test. */
 static void check_end_of_test(gn_run *run, const gn_stops *stops) {
     const double mean = look_for_peak(run, rows_of_thousand(run, GN_ROWS_HELD));
-    const bool fell = run->looks.count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
+    const bool fell = run->samples.count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
                       broken_through(run) && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
                       mean < (1.0 - stops->peak_drop) * run->peak;
     if (stops->peak_drop > 0.0 && fell)
@@ -203,8 +203,9 @@ static void check_end_of_test(gn_run *run, const gn_stops *stops) {
 /* Stop criterion of the scene: the first fall of a single row ends the test. */
 static void check_fall(gn_run *run, double peak_drop) {
     const double stress = look_for_peak(run, 1);
-    const bool counts = run->world.ctx.effects & GN_FX_BONDS ? broken(run) > 0
-                                                             : run->looks.count > ROWS_BEFORE_PEAK;
+    const bool counts = run->world.ctx.effects & GN_FX_BONDS
+                            ? broken(run) > 0
+                            : run->samples.count > ROWS_BEFORE_PEAK;
     if (counts && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
         stress < (1.0 - peak_drop) * run->peak)
         stop(run, "stress fell by %g of its peak", peak_drop);
@@ -224,7 +225,7 @@ static void check_stop_conditions(gn_run *run) {
     if (gn_scene_tested(s) && !(stops.by_kind && run->finished) && stops.strain > 0.0 &&
         last(run, "strain") >= stops.strain)
         (stops.strain_by_kind ? stop_by_kind : stop)(run, "strain reached %g", stops.strain);
-    if (gn_run_balanced(run, run->looks.count, s->stop_unbalanced))
+    if (gn_run_balanced(run, run->samples.count, s->stop_unbalanced))
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 
@@ -329,7 +330,7 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
                          directory, count, first.message);
 }
 
-/* Overrides take effect at once. */
+/* Applies the overrides at once. */
 static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, size_t count,
                                      gneiss_error *error) {
     gn_world *w = &run->world;
@@ -344,7 +345,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                        "--set time.end: expected a time after the %.6g s that the run has reached, "
                        "found %.6g s",
                        w->ctx.time, w->ctx.scene.end);
-    GN_TRY(gn_world_check_duration(&w->ctx, error));
+    GN_TRY(gn_check_duration(&w->ctx, error));
     /* A scene that was written out has auto for keys that were not given. */
     if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
         (sets(overrides, count, "time.stop.strain") ||
@@ -361,7 +362,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
 static void take_up(gn_run *run) {
     set_clock(run);
     if (last(run, "step") == (double)(run->world.ctx.step - 1) &&
-        gn_run_is_look(run, run->history.row_count - 1))
+        gn_run_is_sample(run, run->history.row_count - 1))
         check_stop_conditions(run);
     check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
@@ -406,8 +407,8 @@ gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t
 
 void gn_run_free(gn_run *run) {
     gn_world_free(&run->world);
-    gn_run_unwatch(run);
-    gn_looks_free(&run->looks);
+    gn_run_end_history(run);
+    gn_samples_free(&run->samples);
     gn_kept_free(&run->kept);
     gn_snapshot_times_free(&run->snapshot_times);
     if (run->folder_lock > 0) close(run->folder_lock);
@@ -466,7 +467,7 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
         gn_first_break_start(w, &(gn_first_break_watch){note_state, &b}, &run->first_break, error);
     w->ctx.seconds[GN_PHASE_setup] += gn_now() - start;
     if (status != GNEISS_OK && run->directory[0])
-        (void)rmdir(run->directory); /* nothing has been written to it */
+        (void)rmdir(run->directory); /* the folder is still empty */
     return status;
 }
 
@@ -482,13 +483,13 @@ static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) 
 
 static gneiss_status after_row(gn_run *run, gneiss_error *error) {
     const size_t row = run->history.row_count - 1;
-    const bool look = gn_run_is_look(run, row);
-    if (look) {
-        GN_TRY(gn_run_note_look(run, row, error));
+    const bool sample = gn_run_is_sample(run, row);
+    if (sample) {
+        GN_TRY(gn_run_add_sample(run, row, error));
         GN_TRY(gn_run_check_ledger(run, error));
         check_stop_conditions(run);
     }
-    gn_kept_row(run, look);
+    gn_kept_row(run, sample);
     return gn_run_thin_rows(run, error);
 }
 
@@ -507,20 +508,20 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_run_rescue(run, true, status, error));
     }
     if (first || gn_run_row_is_due(run)) {
-        GN_TRY(gn_history_step(w, &run->history, error));
+        GN_TRY(gn_history_record_step(w, &run->history, error));
         GN_TRY(after_row(run, error));
     } else if (gn_run_time_left(run) <= 1.5 * w->ctx.dt) {
         const bool row = gn_run_has_end_row(run);
-        GN_TRY(gn_history_last(w, row ? &run->history : NULL, error));
+        GN_TRY(gn_history_record_last_step(w, row ? &run->history : NULL, error));
         run->history_end_row = row;
     } else {
         GN_TRY(gn_world_step(w, false, error));
     }
     if (w->ctx.step % (w->solids.count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
-        GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                   &w->ledger, false, error));
+        GN_TRY(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                                 false, error));
     if (w->outcome.halt[0] && !run->finished && last(run, "step") != (double)(w->ctx.step - 1)) {
-        GN_TRY(gn_history_step(w, &run->history, error)); /* the row of the failed step */
+        GN_TRY(gn_history_record_step(w, &run->history, error)); /* the row of the failed step */
         GN_TRY(gn_run_check_ledger(run, error));
     }
     check_halt(run);
@@ -558,10 +559,10 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
     double until = gn_now() + seconds;
     if (!run->finished && run->world.ctx.time >= run->world.ctx.scene.end - 0.5 * run->world.ctx.dt)
         gn_run_out_of_time(run);
-    for (int64_t k = 1; !run->finished; k++) {
+    while (!run->finished) {
         GN_TRY(one_step(run, error));
         if (interrupt && *interrupt) return GNEISS_OK;
-        if (k % CLOCK_INTERVAL) continue;
+        if (run->world.ctx.step % CLOCK_INTERVAL) continue;
         double now = gn_now();
         if (now >= run->next_checkpoint) GN_TRY(gn_run_checkpoint(run, error));
         if (now >= until) return GNEISS_OK;
@@ -569,13 +570,20 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
-    for (int64_t k = 1; k <= steps; k++) {
+gneiss_status gn_run_some_steps(gn_run *run, int64_t *steps, const volatile sig_atomic_t *interrupt,
+                                gneiss_error *error) {
+    while (*steps > 0) {
         GN_TRY(one_step(run, error));
-        if (k % CLOCK_INTERVAL == 0 && gn_now() >= run->next_checkpoint)
+        --*steps;
+        if (run->world.ctx.step % CLOCK_INTERVAL == 0 && gn_now() >= run->next_checkpoint)
             GN_TRY(gn_run_checkpoint(run, error));
+        if (interrupt && *interrupt) return GNEISS_OK;
     }
     return GNEISS_OK;
+}
+
+gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
+    return gn_run_some_steps(run, &steps, NULL, error);
 }
 
 /* Returns the time (s) at which the strain limit is reached at the mean strain rate so far;
@@ -647,9 +655,9 @@ gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     status = also_write(status, gn_checkpoint_save, run, error);
     run->world.ctx.seconds[GN_PHASE_output] += gn_now() - start;
     if (status == GNEISS_OK)
-        status = gn_world_update_reported_limit(&run->world.ctx, &run->world.dem,
-                                                &run->world.boundary, &run->world.solids,
-                                                &run->world.zones, &run->world.ledger, error);
+        status = gn_timestep_update_reported_limit(&run->world.ctx, &run->world.dem,
+                                                   &run->world.boundary, &run->world.solids,
+                                                   &run->world.zones, &run->world.ledger, error);
     status = also_write(status, write_results, run, error);
     return gn_run_rescue(run, save, status, error);
 }

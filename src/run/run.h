@@ -12,10 +12,10 @@
 #include <signal.h>
 
 /* Stress (Pa) and strain of the rows at which stop conditions are evaluated (run/spacing.h). */
-typedef struct gn_looks {
+typedef struct gn_samples {
     size_t count, capacity;
     double *stress, *strain;
-} gn_looks;
+} gn_samples;
 
 /* Snapshots of the run, or of its stage, that may be removed again (run/kept.h). */
 typedef struct gn_kept_snapshot {
@@ -34,7 +34,7 @@ typedef struct gn_kept {
     int64_t due;      /* kinds (gn_kept_kind) of the snapshots with which the next step begins */
     size_t count, capacity;
     gn_kept_snapshot *list;
-    gn_beginning beginning; /* beginning of the test, by the looks */
+    gn_beginning beginning; /* beginning of the test, by the samples */
 } gn_kept;
 
 typedef struct gn_run {
@@ -47,7 +47,7 @@ typedef struct gn_run {
     int64_t history_end_row;  /* 1: the last row is that of the end, at no regular time */
     int64_t history_halvings; /* present halvings of the interval (run/spacing.h) */
     int64_t history_begin;    /* first row that the thinning may remove */
-    gn_looks looks;
+    gn_samples samples;
     int64_t snapshot_interval; /* steps, 0: none */
     int64_t snapshot_next;     /* step of the next snapshots */
     double snapshot_span;      /* s, in which the scene's number of snapshots is requested */
@@ -89,7 +89,7 @@ typedef struct gn_progress {
 } gn_progress;
 
 /* Creates a run without an output folder: `directory` is "" and nothing is written while it
- * advances. Takes over the contents of `scene`. On failure nothing is held. */
+ * advances. Takes over the contents of `scene`. After a failure there is nothing to free. */
 gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error);
 
 /* Creates the world of a scene and its output folder. Nothing is written before the world exists.
@@ -119,6 +119,10 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
  * written; errors as with gn_run_advance. */
 gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error);
 
+/* As gn_run_steps; *interrupt != 0 stops it between steps, and *steps is what is left. */
+gneiss_status gn_run_some_steps(gn_run *run, int64_t *steps, const volatile sig_atomic_t *interrupt,
+                                gneiss_error *error);
+
 /* Runs for about `seconds` of wall time or until the run ends. *interrupt != 0 stops it between
  * steps. Outputs that fall due are written. GNEISS_ERROR_UNSTABLE: the state is kept for
  * gn_run_write_failure. */
@@ -139,10 +143,10 @@ bool gn_run_reads(const gn_run *run, gn_reading which);
 struct gn_budget;
 gneiss_status gn_run_budget(const gn_run *run, const struct gn_budget **budget,
                             gneiss_error *error);
-/* gn_run_watch begins the history of a world and allocates the readings; gn_run_unwatch frees
- * both. */
-gneiss_status gn_run_watch(gn_run *run, gneiss_error *error);
-void gn_run_unwatch(gn_run *run);
+/* gn_run_begin_history begins the history of a world and allocates the readings; gn_run_end_history
+ * frees both. */
+gneiss_status gn_run_begin_history(gn_run *run, gneiss_error *error);
+void gn_run_end_history(gn_run *run);
 
 /* After GNEISS_ERROR_UNSTABLE: writes snapshots of the failed state (failed_*.hdf) and results.h5
  * with the message. The checkpoints on disk are kept. */

@@ -33,26 +33,29 @@ int64_t gn_row_halvings(int64_t interval) {
 
 /* Tells whether rows may be closer at first; all others are equal times apart. Runs that convert
  * elements have their rows at given times, and rates of sinks are means from row to row. */
-static bool adapts(const gn_world *w, size_t stage) {
-    return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
-           !gn_scene_has_flow(&w->ctx.scene) && gn_scene_may_end_early(&w->ctx.scene, stage);
+static bool adapts(const gn_world *world, size_t stage) {
+    return world->ctx.scene.history_rows > 0 && !gn_converts(&world->ctx) &&
+           !gn_scene_has_flow(&world->ctx.scene) &&
+           gn_scene_may_end_early(&world->ctx.scene, stage);
 }
 
-static double rows_expected(const gn_world *w, size_t stage) {
-    const gn_scene *s = &w->ctx.scene;
+static double rows_expected(const gn_world *world, size_t stage) {
+    const gn_scene *s = &world->ctx.scene;
     const gn_stage *e = s->stage_count ? &s->stages[stage] : NULL;
     const double wanted = (double)s->history_rows;
-    double steps = fmin(1e15, (e && e->time >= 0.0 ? fmin(e->time, s->end) : s->end) / w->ctx.dt);
+    double steps =
+        fmin(1e15, (e && e->time >= 0.0 ? fmin(e->time, s->end) : s->end) / world->ctx.dt);
     if (e && e->steps >= 0) steps = fmin(steps, (double)e->steps);
-    if (!(wanted > 0.0) || steps <= wanted || !adapts(w, stage)) return fmin(wanted, steps);
+    if (!(wanted > 0.0) || steps <= wanted || !adapts(world, stage)) return fmin(wanted, steps);
     const int64_t interval = (int64_t)(steps / wanted);
     const double closest = (double)(interval >> gn_row_halvings(interval));
     return fmin(1.25 * wanted, steps / 8.0 / closest);
 }
 
-double gn_run_rows_expected(const gn_world *w) {
+double gn_run_rows_expected(const gn_world *world) {
     double rows = 1.0;
-    for (size_t k = 0; k < w->ctx.scene.stage_count || k == 0; k++) rows += rows_expected(w, k);
+    for (size_t k = 0; k < world->ctx.scene.stage_count || k == 0; k++)
+        rows += rows_expected(world, k);
     return rows;
 }
 
@@ -65,8 +68,8 @@ void gn_run_space_rows(gn_run *run, int64_t interval) {
         adapts(&run->world, run->world.stages.now) ? gn_row_halvings(interval) : 0;
 }
 
-/* Returns the steps between rows with the remaining halvings. The spacing doubles from the closest
- * on, so that the rows that are kept are those of before. */
+/* Returns the steps between rows with the remaining halvings. The spacing is a power of two times
+ * the closest one, so that the rows that are kept are rows of the former spacing. */
 static int64_t spacing_of(const gn_run *run) {
     const int64_t first = gn_row_halvings(run->history_interval);
     return run->history_interval >> first << (first - run->history_halvings);
@@ -106,65 +109,65 @@ gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
     if (!run->history_end_row || run->finished || !run->history.row_count) return GNEISS_OK;
     run->history_end_row = 0;
     run->history.row_count--;
-    return gn_run_note_looks(run, error);
+    return gn_run_rebuild_samples(run, error);
 }
 
-/* --- looks --- */
+/* --- samples --- */
 
-/* The first row of all, or of a stage, is a look as well. */
-bool gn_run_is_look(const gn_run *run, size_t row) {
+/* The first row of all, or of a stage, is a sample as well. */
+bool gn_run_is_sample(const gn_run *run, size_t row) {
     if (row <= (size_t)run->history_begin || !goes_by_steps(run)) return true;
     const double step = gn_history_column(&run->history, "step")[row];
     return (int64_t)step % run->history_interval == 0;
 }
 
-size_t gn_run_looks(const gn_run *run, size_t begin, size_t most) {
-    size_t looks = 0;
-    for (size_t row = run->history.row_count; row > begin && looks < most; row--)
-        looks += gn_run_is_look(run, row - 1);
-    return looks;
+size_t gn_run_sample_count(const gn_run *run, size_t begin, size_t most) {
+    size_t samples = 0;
+    for (size_t row = run->history.row_count; row > begin && samples < most; row--)
+        samples += gn_run_is_sample(run, row - 1);
+    return samples;
 }
 
-size_t gn_run_look(const gn_run *run, size_t back) {
+size_t gn_run_sample_row(const gn_run *run, size_t back) {
     size_t row = run->history.row_count;
-    while (row > 0 && back > 0) back -= gn_run_is_look(run, --row);
+    while (row > 0 && back > 0) back -= gn_run_is_sample(run, --row);
     return row;
 }
 
-static gneiss_status grow(gn_looks *looks, gneiss_error *error) {
-    const size_t capacity = looks->capacity ? 2 * looks->capacity : 256;
-    double *stress = realloc(looks->stress, capacity * sizeof *stress);
-    if (stress) looks->stress = stress;
-    double *strain = realloc(looks->strain, capacity * sizeof *strain);
-    if (strain) looks->strain = strain;
+static gneiss_status grow(gn_samples *samples, gneiss_error *error) {
+    const size_t capacity = samples->capacity ? 2 * samples->capacity : 256;
+    double *stress = realloc(samples->stress, capacity * sizeof *stress);
+    if (stress) samples->stress = stress;
+    double *strain = realloc(samples->strain, capacity * sizeof *strain);
+    if (strain) samples->strain = strain;
     if (!stress || !strain)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu rows of stress", capacity);
-    looks->capacity = capacity;
+    samples->capacity = capacity;
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_note_look(gn_run *run, size_t row, gneiss_error *error) {
-    gn_looks *looks = &run->looks;
+gneiss_status gn_run_add_sample(gn_run *run, size_t row, gneiss_error *error) {
+    gn_samples *samples = &run->samples;
     const double *stress = gn_history_column(&run->history, "stress"),
                  *strain = gn_history_column(&run->history, "strain");
-    if (looks->count == looks->capacity) GN_TRY(grow(looks, error));
-    looks->stress[looks->count] = stress ? stress[row] : NAN;
-    looks->strain[looks->count] = strain ? strain[row] : NAN;
-    looks->count++;
+    if (samples->count == samples->capacity) GN_TRY(grow(samples, error));
+    samples->stress[samples->count] = stress ? stress[row] : NAN;
+    samples->strain[samples->count] = strain ? strain[row] : NAN;
+    samples->count++;
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_note_looks(gn_run *run, gneiss_error *error) {
-    run->looks.count = 0;
+gneiss_status gn_run_rebuild_samples(gn_run *run, gneiss_error *error) {
+    run->samples.count = 0;
     for (size_t row = 0; row < run->history.row_count; row++)
-        if (gn_run_is_look(run, row)) GN_TRY(gn_run_note_look(run, row, error));
+        if (gn_run_is_sample(run, row)) GN_TRY(gn_run_add_sample(run, row, error));
     return GNEISS_OK;
 }
 
-void gn_looks_free(gn_looks *looks) {
-    free(looks->stress);
-    free(looks->strain);
-    *looks = (gn_looks){0};
+void gn_samples_free(gn_samples *samples) {
+    free(samples->stress);
+    free(samples->strain);
+    *samples = (gn_samples){0};
 }
 
 /* --- thinning --- */

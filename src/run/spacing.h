@@ -3,7 +3,7 @@
  * closer than time.end requires, by a power of two, and every second one is removed when there are
  * twice as many as requested. Whenever the run ends, it has the requested number of rows to twice
  * that, and at time.end the requested number. The rule depends on steps and rows alone.
- * Rows at multiples of `history_interval` are never removed. They are the looks: stop conditions
+ * Rows at multiples of `history_interval` are never removed. They are the samples: stop conditions
  * and the limit of the ledger are evaluated at them alone, so that the step at which a run ends
  * does not depend on the rows between them. */
 #ifndef GN_RUN_SPACING_H
@@ -42,18 +42,18 @@ bool gn_run_has_end_row(const gn_run *run);
  * ended. */
 gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error);
 
-/* Tells whether a row of the history is a look. */
-bool gn_run_is_look(const gn_run *run, size_t row);
-/* Returns the number of looks from row `begin` on, at most `most`. */
-size_t gn_run_looks(const gn_run *run, size_t begin, size_t most);
-/* Returns the row of the `back`-th last look (1: the last one), which must exist. */
-size_t gn_run_look(const gn_run *run, size_t back);
+/* Tells whether a row of the history is a sample. */
+bool gn_run_is_sample(const gn_run *run, size_t row);
+/* Returns the number of samples from row `begin` on, at most `most`. */
+size_t gn_run_sample_count(const gn_run *run, size_t begin, size_t most);
+/* Returns the row of the `back`-th last sample (1: the last one), which must exist. */
+size_t gn_run_sample_row(const gn_run *run, size_t back);
 
-/* Appends stress and strain of a look to the list of looks. */
-gneiss_status gn_run_note_look(gn_run *run, size_t row, gneiss_error *error);
-/* Rebuilds the list of looks after a checkpoint was read. */
-gneiss_status gn_run_note_looks(gn_run *run, gneiss_error *error);
-void gn_looks_free(gn_looks *looks);
+/* Appends stress and strain of a sample to the list of samples. */
+gneiss_status gn_run_add_sample(gn_run *run, size_t row, gneiss_error *error);
+/* Rebuilds the list of samples after a checkpoint was read. */
+gneiss_status gn_run_rebuild_samples(gn_run *run, gneiss_error *error);
+void gn_samples_free(gn_samples *samples);
 
 /* Removes every second row, after a row was appended, if there are too many. */
 gneiss_status gn_run_thin_rows(gn_run *run, gneiss_error *error);

@@ -19,8 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Unbalanced forces, and stress after a peak, are evaluated after this number of looks (spacing.h)
- * of the stage because the first ones swing through zero. Servos must hold for ROWS_HELD looks. */
+/* Unbalanced forces, and stress after a peak, are evaluated after this number of samples
+ * (spacing.h) of the stage because the first ones swing through zero. Servos must hold for
+ * ROWS_HELD samples. */
 enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD, ROWS_MOST = ROWS_BEFORE + 1 };
 
 static gn_stage_state *state_of(const gn_run *run) {
@@ -103,11 +104,11 @@ static gn_servo_row membrane_row(const gn_run *run, size_t row) {
                           gn_table_at(&s->membrane.pressure, in_row(run, "time", row))};
 }
 
-static bool has_servo(const gn_world *w) {
+static bool has_servo(const gn_world *world) {
     bool any = false;
-    for (int a = 0; a < 3; a++) any = any || w->ctx.scene.box[a].stress.count;
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
-        any = any || w->ctx.scene.walls[k].servo.active;
+    for (int a = 0; a < 3; a++) any = any || world->ctx.scene.box[a].stress.count;
+    for (size_t k = 0; k < world->ctx.scene.wall_count; k++)
+        any = any || world->ctx.scene.walls[k].servo.active;
     return any;
 }
 
@@ -125,9 +126,9 @@ static bool membrane_holds(const gn_run *run, size_t rows) {
     if (rows < ROWS_HELD || !run->world.ctx.scene.has_membrane || has_servo(&run->world))
         return false;
     for (size_t r = 1; r <= ROWS_HELD; r++) {
-        const size_t look = gn_run_look(run, r);
-        const gn_servo_row row = membrane_row(run, look);
-        if (!(row.wanted > 0.0 ? holds(run, row) : released(run, look))) return false;
+        const size_t sample = gn_run_sample_row(run, r);
+        const gn_servo_row row = membrane_row(run, sample);
+        if (!(row.wanted > 0.0 ? holds(run, row) : released(run, sample))) return false;
     }
     return true;
 }
@@ -137,10 +138,10 @@ static bool servos_hold(const gn_run *run, size_t rows) {
     if (rows < ROWS_HELD || !has_servo(w)) return false;
     for (int a = 0; a < 3; a++)
         for (size_t r = 1; w->ctx.scene.box[a].stress.count && r <= ROWS_HELD; r++)
-            if (!holds(run, gn_run_side_servo(run, a, gn_run_look(run, r)))) return false;
+            if (!holds(run, gn_run_side_servo(run, a, gn_run_sample_row(run, r)))) return false;
     for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
         for (size_t r = 1; w->ctx.scene.walls[k].servo.active && r <= ROWS_HELD; r++)
-            if (!holds(run, gn_run_wall_servo(run, k, gn_run_look(run, r)))) return false;
+            if (!holds(run, gn_run_wall_servo(run, k, gn_run_sample_row(run, r)))) return false;
     return true;
 }
 
@@ -172,7 +173,8 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     const gn_world *w = &run->world;
     const gn_stage *e = stage_of(run);
     gn_stage_state *s = state_of(run);
-    size_t row = run->history.row_count - 1, rows = gn_run_looks(run, (size_t)s->row, ROWS_MOST);
+    size_t row = run->history.row_count - 1,
+           rows = gn_run_sample_count(run, (size_t)s->row, ROWS_MOST);
     if (gn_scene_tested(&w->ctx.scene)) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
         /* The first row is of the instant of the change and includes the stress that stopping the
@@ -191,19 +193,19 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     return GN_STAGE_RUNS;
 }
 
-const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size) {
+const char *gn_stage_reason(const gn_stage *stage, gn_stage_cause cause, char *text, size_t size) {
     const struct {
         const char *format;
         double value;
     } texts[] = {{"not over", 0.0},
-                 {"%g s passed", e->time},
-                 {"%.0f steps done", (double)e->steps},
-                 {"strain grew by %g", e->strain},
-                 {"stress reached %g Pa", e->stress},
-                 {"stress fell by %g of its peak", e->peak_drop},
-                 {"unbalanced force ratio fell below %g", e->unbalanced},
-                 {"servos held their forces to %g", e->held},
-                 {"the mean stress held the pressure of the membrane to %g", e->held}};
+                 {"%g s passed", stage->time},
+                 {"%.0f steps done", (double)stage->steps},
+                 {"strain grew by %g", stage->strain},
+                 {"stress reached %g Pa", stage->stress},
+                 {"stress fell by %g of its peak", stage->peak_drop},
+                 {"unbalanced force ratio fell below %g", stage->unbalanced},
+                 {"servos held their forces to %g", stage->held},
+                 {"the mean stress held the pressure of the membrane to %g", stage->held}};
     snprintf(text, size, texts[cause].format, texts[cause].value);
     return text;
 }

@@ -37,7 +37,7 @@ void gn_run_stage_time(gn_run *run);
 gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error);
 
 /* The force on the servo of a wall (N), or the stress on a pair of sides of a periodic box (Pa), in
- * a row, and its target. A stage with the end `held` evaluates this number of looks. */
+ * a row, and its target. A stage with the end `held` evaluates this number of samples. */
 enum { GN_ROWS_HELD = 10 };
 typedef struct gn_servo_row {
     double found, wanted;
@@ -45,9 +45,9 @@ typedef struct gn_servo_row {
 gn_servo_row gn_run_wall_servo(const gn_run *run, size_t wall, size_t row);
 gn_servo_row gn_run_side_servo(const gn_run *run, int axis, size_t row);
 
-/* s: the longest duration of the stage. */
+/* Returns the longest duration of the stage, s. */
 double gn_run_stage_duration(const gn_run *run);
-/* s to the latest end of the run. */
+/* Returns the time to the latest end of the run, s. */
 double gn_run_time_left(const gn_run *run);
 /* Ends the run because time.end was reached, in any stage. */
 void gn_run_out_of_time(gn_run *run);
@@ -57,7 +57,7 @@ void gn_run_out_of_time(gn_run *run);
  * Limit 0: false. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit);
 /* Writes the reason as text: "unbalanced force ratio fell below 0.01". */
-const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size);
+const char *gn_stage_reason(const gn_stage *stage, gn_stage_cause cause, char *text, size_t size);
 /* Computes the readings of a stage from its rows alone; strain is counted from its start. */
 gneiss_status gn_run_stage_readings(const gn_run *run, size_t stage, gn_readings *readings,
                                     gneiss_error *error);

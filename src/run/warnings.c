@@ -160,12 +160,12 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
 }
 
 /* Tells whether every material specifies that its bonds soften in shear. */
-static bool softens_in_shear(const gn_scene *s) {
-    if (s->softening == GN_SOFTENING_RATIO) return true;
-    for (size_t k = 0; k < s->material_count; k++) {
-        const gn_material *m = &s->materials[k];
-        if (s->softening == GN_SOFTENING_ENERGY ? m->shear_fracture_energy == 0.0
-                                                : m->shear_fracture_strain == 0.0)
+static bool softens_in_shear(const gn_scene *scene) {
+    if (scene->softening == GN_SOFTENING_RATIO) return true;
+    for (size_t k = 0; k < scene->material_count; k++) {
+        const gn_material *m = &scene->materials[k];
+        if (scene->softening == GN_SOFTENING_ENERGY ? m->shear_fracture_energy == 0.0
+                                                    : m->shear_fracture_strain == 0.0)
             return false;
     }
     return true;

@@ -103,8 +103,9 @@ static void warn_of_packing(const gn_run *run, gn_warnings *list) {
 static const double made_most = 0.03;
 
 /* Writes the largest contribution to the gain. */
-static void say_what_made(const gn_conversion_parts *p, char *text, size_t size) {
-    const double parts[] = {p->stiffness, p->sampled, p->uneven, p->motion, p->step};
+static void say_what_made(const gn_conversion_parts *booked, char *text, size_t size) {
+    const double parts[] = {booked->stiffness, booked->sampled, booked->uneven, booked->motion,
+                            booked->step};
     const char *const why[] = {
         "", "volume: particles represent more than the elements that they replace (a thin zone)",
         "strains that vary along a bond, or contacts that had slid or broken",
@@ -120,7 +121,7 @@ static void say_what_made(const gn_conversion_parts *p, char *text, size_t size)
                  "%.3g J of it due to stiffness: the particles stored %.3g times as much at the "
                  "same strain as the elements (calibrate their E and nu to those; small packings "
                  "vary between places and axes)",
-                 -parts[0], p->alike[1] / p->alike[0]);
+                 -parts[0], booked->alike[1] / booked->alike[0]);
 }
 
 static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
@@ -257,9 +258,9 @@ static size_t row_of_pressure(const gn_run *run) {
     return found;
 }
 
-static bool pushed_otherwise(const gn_scene *s) {
-    for (size_t k = 0; k < s->set_count; k++)
-        if (s->sets[k].has_force) return true;
+static bool pushed_otherwise(const gn_scene *scene) {
+    for (size_t k = 0; k < scene->set_count; k++)
+        if (scene->sets[k].has_force) return true;
     return false;
 }
 
@@ -392,37 +393,37 @@ void gn_warn_of_servos(const gn_run *run, gn_warnings *list) {
  * support that is not included accounts for half of the load. */
 static const double imbalance_limit = 0.1;
 
-static void warn_of_balance(const gn_readings *r, gn_warnings *list) {
-    if (!(r->end_imbalance > imbalance_limit)) return;
+static void warn_of_balance(const gn_readings *readings, gn_warnings *list) {
+    if (!(readings->end_imbalance > imbalance_limit)) return;
     gn_warn(
         list, "end_imbalance",
         "the forces of the two ends of the test differ by %.0f %% of their mean: because of "
         "inertia (fast loading) or background damping of a rigid motion, because something else "
         "loads or supports the specimen, or because an end omits a part (it may be a list)",
-        100.0 * r->end_imbalance);
+        100.0 * readings->end_imbalance);
 }
 
 /* The largest rise from one row to the next, that of twenty rows of a stress that rises evenly. */
 static const double rise_limit = 0.05;
 
-static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
-    if (isnan(r->peak_stress) || !(r->peak_rise > rise_limit)) return;
+static void warn_of_rows(const gn_readings *readings, gn_warnings *list) {
+    if (isnan(readings->peak_stress) || !(readings->peak_rise > rise_limit)) return;
     gn_warning *to =
         gn_warn(list, "peak_rows",
                 "the peak was read from a row of the history whose stress is %.0f %% above that "
                 "of the row before: between rows it may have been %.4g Pa instead of %.4g Pa",
-                100.0 * r->peak_rise / (1.0 - r->peak_rise), (1.0 + r->peak_rise) * r->peak_stress,
-                r->peak_stress);
+                100.0 * readings->peak_rise / (1.0 - readings->peak_rise),
+                (1.0 + readings->peak_rise) * readings->peak_stress, readings->peak_stress);
     int used = (int)strlen(to->text);
-    if (r->peak_rise >= 1.0)
+    if (readings->peak_rise >= 1.0)
         used = snprintf(to->text, sizeof to->text,
                         "the peak, %.4g Pa, was read from the first row of the history with a "
                         "load: before it and after it the stress may have been larger",
-                        r->peak_stress);
-    if (!isnan(r->peak_strain))
+                        readings->peak_stress);
+    if (!isnan(readings->peak_strain))
         used += snprintf(to->text + used, sizeof to->text - (size_t)used,
-                         ", at a strain between %.4g and %.4g", r->peak_strain_least,
-                         r->peak_strain_most);
+                         ", at a strain between %.4g and %.4g", readings->peak_strain_least,
+                         readings->peak_strain_most);
     snprintf(to->text + used, sizeof to->text - (size_t)used,
              ": more output.history_rows resolve it better");
 }
@@ -430,21 +431,22 @@ static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
 /* The largest initial stress that vanished, relative to the later peak: as much may break bonds. */
 static const double initial_limit = 0.5;
 
-static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
+static void warn_of_beginning(const gn_readings *readings, gn_warnings *list) {
     /* Without a peak the largest stress of the test is used. */
-    const double most = isnan(r->peak_stress) ? r->largest_stress : r->peak_stress;
-    if (!(r->initial_fall > initial_limit * most)) return;
+    const double most =
+        isnan(readings->peak_stress) ? readings->largest_stress : readings->peak_stress;
+    if (!(readings->initial_fall > initial_limit * most)) return;
     gn_warn(list, "initial_stress",
             "the ends carried %.4g Pa before they moved, and %.4g Pa of that vanished: it is not "
             "part of the readings, but may have broken bonds (ends that start inside particles "
             "push them away: use passive: true of walls, or ends farther out)",
-            r->initial_stress, r->initial_fall);
+            readings->initial_stress, readings->initial_fall);
 }
 
 /* Warns of a body of varying section without a shape that gives its volume. */
-static void warn_of_section(const gn_run *run, const gn_readings *r, gn_warnings *list) {
+static void warn_of_section(const gn_run *run, const gn_readings *readings, gn_warnings *list) {
     const gn_bar_section *x = &run->world.section;
-    if (!(x->mean > 0.0) || x->guessed == 0.0 || isnan(r->young_modulus)) return;
+    if (!(x->mean > 0.0) || x->guessed == 0.0 || isnan(readings->young_modulus)) return;
     gn_warn(list, "uneven_section",
             "the section varies along %c (%.3g of the mean at the narrowest section) and no shape "
             "gives it: moduli are those of a prism of %.4g m2, not of the material (pack a shape, "
@@ -455,10 +457,10 @@ static void warn_of_section(const gn_run *run, const gn_readings *r, gn_warnings
 
 /* Tells whether the test had a stress in its sense. Some stages unload the load of others, so all
  * rows of the run are checked. */
-static bool measured(const gn_run *run, const gn_readings *r) {
+static bool measured(const gn_run *run, const gn_readings *readings) {
     const double *stress = gn_history_column(&run->history, "stress");
     if (!gn_run_staged(run) && !gn_scene_test(&run->world.ctx.scene)->tool)
-        return !isnan(r->largest_stress);
+        return !isnan(readings->largest_stress);
     if (run->world.stages.now + 1 < run->world.ctx.scene.stage_count)
         return true; /* the last stage was not reached */
     for (size_t k = 0; stress && k < run->history.row_count; k++)
@@ -466,31 +468,31 @@ static bool measured(const gn_run *run, const gn_readings *r) {
     return false;
 }
 
-static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings *list) {
+static void warn_of_nothing(const gn_run *run, const gn_readings *readings, gn_warnings *list) {
     const gn_scene *s = &run->world.ctx.scene;
     if (!gn_scene_tested(s) || !run->finished || run->history.row_count < 2) return;
-    if (measured(run, r)) return;
+    if (measured(run, readings)) return;
     gn_warn(list, "nothing_measured", "the test has no strength and no modulus: %s%s",
             gn_run_staged(run) || gn_scene_test(s)->tool
                 ? "the stress never had the sense of the test"
-                : r->reason[GN_READING_largest_stress],
+                : readings->reason[GN_READING_largest_stress],
             gn_scene_test(s)->ends
                 ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
                 : "");
 }
 
 /* Warns that the model ended the run (conversion/conversion.c) before the end of the test. */
-static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warnings *list) {
+static void warn_of_halted_peak(const gn_run *run, const gn_readings *readings, gn_warnings *list) {
     const gn_world *w = &run->world;
     const double drop = gn_run_staged(run) ? w->ctx.scene.stages[w->stages.now].peak_drop
                                            : gn_scene_peak_drop(&w->ctx.scene);
-    if (!run->finished || !w->outcome.halt[0] || isnan(r->peak_stress)) return;
-    if (!(r->peak_fall < drop)) return;
+    if (!run->finished || !w->outcome.halt[0] || isnan(readings->peak_stress)) return;
+    if (!(readings->peak_fall < drop)) return;
     gn_warn(list, "peak_halted",
             "conversion ended the run (conversion_halted) with the stress %.1f %% below the %.4g "
             "Pa from which strengths were read, not the %.1f %% with which a test ends: it might "
             "have risen above that again",
-            100.0 * r->peak_fall, r->peak_stress, 100.0 * drop);
+            100.0 * readings->peak_fall, readings->peak_stress, 100.0 * drop);
 }
 
 gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error) {

@@ -448,7 +448,7 @@ gneiss_status gn_check_side(const check *section, const gn_scene *scene, const c
 
 /* ---- checks that the sides of a periodic box can move as the scene states ---- */
 
-/* Refuses what the convention of a moving box excludes: only particles follow its deformation. */
+/* Refuses parts that a box with moving sides excludes: only particles follow its deformation. */
 static gneiss_status check_company(const check *section, const gn_scene *scene) {
     bool prescribed = false;
     for (size_t k = 0; k < scene->set_count; k++)

@@ -42,7 +42,7 @@ static gneiss_status check_region(const check *section, const gn_scene *scene,
     return GNEISS_OK;
 }
 
-/* m, bounding box of the region. */
+/* Computes the bounding box of the region, m. */
 static void bounds(const gn_flow_region *region, double lower[3], double upper[3]) {
     const bool round = region->has_disc || region->has_cylinder;
     for (size_t a = 0; a < 3; a++) {

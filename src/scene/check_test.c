@@ -1,4 +1,4 @@
-/* Laboratory tests: their ends, and what each kind takes. */
+/* Laboratory tests: their ends, and the keys of each kind. */
 #include "scene/check.h"
 
 #include "base/names.h"
@@ -57,8 +57,8 @@ static gneiss_status check_sides(const check *c, const gn_scene *s, const char *
 /* Cosine from which a wall counts as standing across a direction. */
 static const double across = 0.9;
 
-/* Two walls that are of different ends: they face each other along `way`, the lower one first.
- * Other ends are where their particles, nodes and bodies are, which the world looks at. */
+/* Checks two walls at different ends: they must face each other along `way`, the lower one first.
+ * Other ends are at the positions of their particles, nodes and bodies, which the world checks. */
 static gneiss_status check_two_walls(const check *c, const gn_wall_def *lower,
                                      const gn_wall_def *upper, int way) {
     const double low = lower->normal[way], high = upper->normal[way];
@@ -76,8 +76,8 @@ static gneiss_status check_two_walls(const check *c, const gn_wall_def *lower,
                          lower -> point[way]);
 }
 
-/* A wall along the direction of loading bears nothing of the load. A sheared specimen may be pushed
- * by walls across either direction. */
+/* A wall parallel to the direction of loading carries no load. A sheared specimen may be loaded by
+ * walls normal to either direction. */
 static gneiss_status check_across(const check *c, const gn_scene *s, const char *key,
                                   const gn_test_end *end) {
     const int way = (int)s->test.axis;

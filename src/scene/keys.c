@@ -1,6 +1,7 @@
 #define _GNU_SOURCE /* strcasestr */
 #include "base/names.h"
 #include "scene/manifest.h"
+#include "scene/problems.h"
 #include "scene/units.h"
 
 #include <string.h>
@@ -36,7 +37,7 @@ static void describe_choices(char *text, size_t size, const gn_key *key) {
     }
 }
 
-static void describe(char *text, size_t size, const gn_key *key) {
+void gn_key_describe(const gn_key *key, char *text, size_t size) {
     switch (key->type) {
     case GN_KEY_REAL:
         describe_numbers(text, size, "number", key);
@@ -107,7 +108,7 @@ static void print_cell(FILE *out, const char *text) {
     fputc(' ', out);
 }
 
-static void print_default(char *text, size_t size, const gn_key *key) {
+void gn_key_default(const gn_key *key, char *text, size_t size) {
     if (key->required)
         snprintf(text, size, "required");
     else if (key->type == GN_KEY_VECTOR && key->fallback)
@@ -117,9 +118,9 @@ static void print_default(char *text, size_t size, const gn_key *key) {
 }
 
 static void print_key(key_printer *printer, const char *path, const gn_key *key) {
-    char type[256], fallback[96];
-    describe(type, sizeof type, key);
-    print_default(fallback, sizeof fallback, key);
+    char type[GN_KEY_TYPE_SIZE], fallback[96];
+    gn_key_describe(key, type, sizeof type);
+    gn_key_default(key, fallback, sizeof fallback);
     printer->count++;
     if (printer->markdown) {
         fprintf(printer->out, "| `%s` ", path);
@@ -191,10 +192,10 @@ enum { RANK_START, RANK_NAME, RANK_TEXT, RANKS };
 
 /* Returns the best match of a key with a word, the nearest first; RANKS: none. */
 static int rank_of_word(const char *word, const char *path, const gn_key *key) {
-    char type[256];
+    char type[GN_KEY_TYPE_SIZE];
     if (strncasecmp(path, word, strlen(word)) == 0) return RANK_START;
     if (strcasestr(path, word)) return RANK_NAME;
-    describe(type, sizeof type, key);
+    gn_key_describe(key, type, sizeof type);
     return strcasestr(key->text, word) || strcasestr(type, word) || is_synonym(word, path)
                ? RANK_TEXT
                : RANKS;
@@ -219,16 +220,26 @@ static int rank_of(const key_printer *printer, const char *path, const gn_key *k
     return rank == RANKS && is_term(printer, path) ? RANK_TEXT : rank;
 }
 
-static void print_section(key_printer *printer, const gn_section *section, const char *above) {
+static void visit_section(const gn_section *section, const char *above, gn_key_visit *visit,
+                          void *context) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
-        char path[256];
+        char path[GN_KEY_PATH_SIZE];
         snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
-        if (rank_of(printer, path, key) == printer->rank) print_key(printer, path, key);
+        visit(context, path, key);
         if (!key->section) continue;
         if (key->type == GN_KEY_LIST) strncat(path, "[]", sizeof path - strlen(path) - 1);
-        print_section(printer, key->section, path);
+        visit_section(key->section, path, visit, context);
     }
+}
+
+void gn_scene_visit_keys(gn_key_visit *visit, void *context) {
+    visit_section(&gn_scene_section, "", visit, context);
+}
+
+static void print_ranked(void *printer, const char *path, const gn_key *key) {
+    if (rank_of(printer, path, key) == ((key_printer *)printer)->rank)
+        print_key(printer, path, key);
 }
 
 size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
@@ -244,13 +255,14 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
               "of a list; `--set` reaches it by index or name, as in `walls.top.motion.vz=0.1`.\n\n"
               "| key | value | default | meaning |\n| --- | --- | --- | --- |\n",
               out);
-    for (p.rank = 0; p.rank < RANKS; p.rank++) print_section(&p, &gn_scene_section, "");
+    for (p.rank = 0; p.rank < RANKS; p.rank++)
+        visit_section(&gn_scene_section, "", print_ranked, &p);
     return p.count;
 }
 
 void gn_section_print_keys(FILE *out, const gn_section *section) {
     key_printer p = {.out = out, .markdown = true};
-    print_section(&p, section, "");
+    visit_section(section, "", print_ranked, &p);
 }
 
 /* ---- one key ---- */
@@ -299,22 +311,14 @@ static void offer(key_slip *slip, const char *name) {
     if (slip->names.least < least) snprintf(slip->name, slip->size, "%s", name);
 }
 
-static void offer_section(key_slip *slip, const gn_section *section, const char *above) {
-    for (size_t k = 0; k < section->key_count; k++) {
-        const gn_key *key = &section->keys[k];
-        char path[256];
-        snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
-        offer(slip, key->name);
-        offer(slip, path);
-        if (!key->section) continue;
-        if (key->type == GN_KEY_LIST) strncat(path, "[]", sizeof path - strlen(path) - 1);
-        offer_section(slip, key->section, path);
-    }
+static void offer_key(void *slip, const char *path, const gn_key *key) {
+    offer(slip, key->name);
+    offer(slip, path);
 }
 
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size) {
     key_slip s = {gn_names_for(sought), name, size};
     *name = '\0';
-    offer_section(&s, &gn_scene_section, "");
+    gn_scene_visit_keys(offer_key, &s);
     return *name != '\0';
 }

@@ -120,6 +120,17 @@ bool gn_range_holds(const char *text, double value);
  * vector); NULL: none. Elements of lists need not exist. */
 const gn_key *gn_scene_key_at(const char *path);
 
+/* Writes the value that a key takes in words: "number, m, in (0, inf), or auto". */
+enum { GN_KEY_TYPE_SIZE = 256 };
+void gn_key_describe(const gn_key *key, char *text, size_t size);
+
+/* Writes the default of a key, or "required"; "": none. */
+void gn_key_default(const gn_key *key, char *text, size_t size);
+
+/* Calls `visit` for every key of a scene with its path, such as walls[].motion.vz. */
+typedef void gn_key_visit(void *context, const char *path, const gn_key *key);
+void gn_scene_visit_keys(gn_key_visit *visit, void *context);
+
 /* Prints the keys of any table as rows of a Markdown table. */
 void gn_section_print_keys(FILE *out, const gn_section *section);
 

@@ -484,7 +484,7 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
     if (scene->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (scene->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (scene->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
-    /* The world holds what any of the stages needs; background damping needs no storage. */
+    /* The world stores the data that any of the stages needs; background damping needs none. */
     const gn_effects background =
         GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT;
     return mask | (scene->united & ~background) | background_effect(scene);

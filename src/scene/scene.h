@@ -232,7 +232,7 @@ typedef struct gn_specimen {
     /* Results of another run, or a packing, as written and resolved. */
     char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE];
     gn_scene_place from_where;
-    bool from_velocities, from_bonds; /* quantities that are taken over besides */
+    bool from_velocities, from_bonds; /* additional quantities to take over */
     double scale; /* lengths in a file, surface or mesh times this give metres */
     bool scale_given;
     gn_lattice lattice;
@@ -427,12 +427,21 @@ typedef struct gn_scene_notes {
     char text[GN_SCENE_NOTES_MAX][GN_SCENE_NOTE_SIZE];
 } gn_scene_notes;
 
+/* Changes particles of a specimen before masses, bonds and lists are made: a program's (no key).
+ * `position` [count][4] m, relative to `origin`: centre x y z, radius. */
+typedef struct gn_preparation {
+    gneiss_status (*act)(void *context, size_t count, double *position, int32_t *material,
+                         int32_t *group, const double origin[3], gneiss_error *error);
+    void *context;
+} gn_preparation;
+
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
     char *overridden;          /* keys given on the command line, one per line, for messages */
     bool allow_gmsh; /* the user permits gmsh to mesh a geometry, which may execute commands (no
                         key: a file cannot permit it) */
-    gn_scene_notes notes; /* notes for the user */
+    gn_preparation preparation; /* act NULL: none */
+    gn_scene_notes notes;       /* notes for the user */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;

@@ -1,4 +1,4 @@
-/* Objects that particles touch besides each other, and the kinds of contacts. */
+/* Objects other than particles that particles touch, and the kinds of contacts. */
 #ifndef GN_SCENE_SIDES_H
 #define GN_SCENE_SIDES_H
 

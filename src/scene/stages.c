@@ -174,14 +174,13 @@ static bool begins_with(const char *path, const char *pattern) {
     return alike(&path, &pattern) && !*pattern;
 }
 
-static bool allowed(const char *path) {
+bool gn_stage_may_change(const char *path) {
     for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++)
         if (begins_with(path, may_change[k])) return true;
     return false;
 }
 
-/* True if a stage may change anything at a path or below it. */
-static bool holds_allowed(const char *path) {
+bool gn_stage_may_hold(const char *path) {
     for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++) {
         const char *own = path, *pattern = may_change[k];
         if (alike(&own, &pattern)) return true;
@@ -269,7 +268,7 @@ static gneiss_status merge_list(stage_layer *layer, gn_node *base, const gn_node
 static gneiss_status merge_value(stage_layer *layer, gn_node *base, const gn_node *over,
                                  const gn_key *key) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
-    if (key && !allowed(layer->path))
+    if (key && !gn_stage_may_change(layer->path))
         return fail_at_key(layer, over, "expected a key that a stage may change, found '%s': %s",
                            layer->path, reason_of(layer->path));
     bool off = over->kind == GN_NODE_SCALAR && strcmp(over->text, "off") == 0;
@@ -334,7 +333,7 @@ static gneiss_status merge_child(stage_layer *layer, gn_node *base, const gn_nod
     const gn_key *key = gn_scene_key_at(layer->path);
     bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
     const bool empty = key && (map || list) && !child->first && key->type != GN_KEY_TREE;
-    if (empty && !holds_allowed(layer->path)) return merge_value(layer, base, child, key);
+    if (empty && !gn_stage_may_hold(layer->path)) return merge_value(layer, base, child, key);
     if (key && key->type == GN_KEY_LIST && (map || list))
         return merge_list(layer, (gn_node *)gn_node_child(base, child->key), child);
     if (key && key->type == GN_KEY_SECTION && map) return merge_section(layer, base, child);
@@ -435,7 +434,7 @@ static void point_at(const gn_section *section, const char *from, char *to, gn_s
     }
 }
 
-/* Sets the places for messages during the run to that of the stage. */
+/* Sets the places for messages during the run to those of the stage. */
 static void point_at_stage(gn_scene *scene, gn_scene_place where) {
     scene->time_where = where;
     for (size_t k = 0; k < scene->wall_count; k++) scene->walls[k].where = where;
@@ -541,7 +540,7 @@ gneiss_status gn_stages_add_membrane(const gn_reader *reader, gn_tree *tree) {
     if (!base) return no_memory(reader);
     for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) {
         const gn_node *said = gn_node_child(first, kept[k]);
-        if (!said) continue; /* the check asks for the missing pressure */
+        if (!said) continue; /* the check reports the missing pressure */
         gn_node *own = gn_tree_add(tree, base, said);
         if (!own) return no_memory(reader);
         if (k > 0) continue;

@@ -35,9 +35,9 @@ static inline double gn_stage_length(const gn_stage *stage, double dt) {
     return stage->steps >= 0 ? fmin(time, (double)stage->steps * dt) : time;
 }
 
-/* Makes the scene of a stage, base 0, from one that gn_scene_parse or gn_scene_write gave. Tables
- * that a stage gives count from its own start (gn_table.stage). All places in it are that of the
- * stage. */
+/* Makes the scene of a stage, base 0, from one made by gn_scene_parse or gn_scene_write. Tables
+ * given in a stage count from its start (gn_table.stage). All places in it are that of the stage.
+ * */
 gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
                              gneiss_error *error);
 
@@ -48,6 +48,11 @@ const char *gn_stage_never_ends(const gn_scene *scene, size_t stage, char *why, 
 
 /* Calls `visit` for every table of the scene. */
 void gn_scene_tables(gn_scene *scene, void (*visit)(void *context, gn_table *table), void *context);
+
+/* True if a stage may change the key at a path such as walls.top.motion; a star stands for any
+ * element. gn_stage_may_hold: or a key below it. */
+bool gn_stage_may_change(const char *path);
+bool gn_stage_may_hold(const char *path);
 
 typedef struct gn_stops {
     double peak_drop;    /* relative fall of stress from its peak; 0: no condition */

@@ -10,16 +10,16 @@
 
 /* Tells whether any element has been converted. */
 bool gn_elements_have_left(const gn_solids *solids);
-/* Elements that are there. */
+/* Returns the number of elements that have not been converted. */
 size_t gn_elements_left_count(const gn_solids *solids);
-/* [elements of the mesh] places of those that are there, for gn_particle_travel (gn_fem_places);
- * NULL where nothing converts, or without memory. The caller's. */
+/* Returns [elements of the mesh] the indices of the remaining elements, for gn_particle_travel
+ * (gn_fem_places), owned by the caller; NULL if nothing converts, or without memory. */
 int32_t *gn_element_places(const gn_step_context *ctx, const gn_solids *solids);
-/* Returns the displacement of a particle, m; that of a dormant one follows the elements, and is NaN
- * without their places. Works in any world. */
+/* Returns the displacement of a particle, m; that of a dormant one is that of the elements, and is
+ * NaN without their places. Works in any world. */
 void gn_particle_travel(const gn_dem *dem, const gn_solids *solids, const int32_t *places, size_t p,
                         double u[3]);
-/* m/s: the same of its velocity. */
+/* Velocity of a particle, m/s, in the same way. */
 void gn_particle_velocity(const gn_dem *dem, const gn_solids *solids, const int32_t *places,
                           size_t p, double v[3]);
 

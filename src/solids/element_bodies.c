@@ -23,7 +23,8 @@ static void number_bodies(const gn_fem_solid *b, int32_t *body, size_t *count) {
                          gn_elements_node(&b->elements, a)[e]);
     for (size_t v = 0; v < n; v++) body[v] = gn_set_root(body, (int32_t)v);
     *count = 0;
-    /* A root is the smallest of its set, so that its number is known before the others ask. */
+    /* A root has the smallest index of its set, so that its number is known before the others need
+     * it. */
     for (size_t v = 0; v < n; v++)
         body[v] = body[v] == (int32_t)v ? (int32_t)(*count)++ : body[body[v]];
 }
@@ -59,7 +60,7 @@ static void add_moments(const gn_fem_solid *b, const int32_t *body, body_sums *s
     }
 }
 
-/* Inverts the inertia tr(S) 1 - S; in the plane that about z alone. */
+/* Inverts the inertia tr(S) 1 - S; in 2D only that about z. */
 static void invert_inertia(const double s[9], int dimension, double inverse[9]) {
     const double trace = s[0] + s[4] + s[8];
     double m[9], cofactor[9], determinant = 0.0;

@@ -18,8 +18,8 @@ typedef struct gn_element_body {
 /* Finds them; the caller frees contact.bodies and contact.body. */
 gneiss_status gn_element_bodies_find(struct gn_element_model *q, gneiss_error *error);
 
-/* 1/kg with which the body of a facet gives way as a whole along a unit vector at a point of the
- * facet, where the shape functions of its corners are `weight`. */
+/* Returns the inverse mass, 1/kg, of the body of a facet as a rigid whole along a unit vector, at
+ * the point of the facet with the shape functions `weight`. */
 double gn_element_body_inverse_mass(const gn_surface *surface, int32_t facet,
                                     const double weight[3], const double n[3]);
 

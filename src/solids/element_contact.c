@@ -1,6 +1,6 @@
-/* Particles on the surface of a solid of finite elements: its facets become a surface of the world,
- * and what particles do to the nodes joins their forces as contacts with walls join those of
- * particles. */
+/* Contacts of particles with the surface of a solid of finite elements: its facets become a surface
+ * of the world, and the forces of particles on nodes are added to theirs, as wall forces are added
+ * to those of particles. */
 #include "base/error.h"
 #include "base/new.h"
 #include "base/vec3.h"
@@ -50,9 +50,29 @@ static double facet_size(const gn_fem_solid *b, const gn_facet_set *f) {
     return f->count ? sum / (double)f->count : 0.0;
 }
 
-static const gn_deforming_body deforming = {.refer = gn_element_contact_refer,
-                                            .travel = gn_element_contact_travel,
-                                            .inverse_mass = gn_element_body_inverse_mass};
+/* Stores the positions of nodes when the lists are made. */
+static void refer(gn_element_model *q) {
+    gn_particles *nodes = &q->solid.nodes;
+    q->contact.travel = 0.0;
+    memcpy(nodes->ref, nodes->pos, nodes->soa.count * 4 * sizeof *nodes->ref);
+}
+
+/* Returns a bound on the path of any node since then, m; `exact`: from the present positions. */
+static double travel(gn_element_model *q, bool exact) {
+    const gn_particles *nodes = &q->solid.nodes;
+    double most = 0.0;
+    if (!exact) return q->contact.travel;
+    for (size_t v = 0; v < nodes->soa.count; v++) {
+        double d2 = 0.0;
+        for (size_t a = 4 * v; a < 4 * v + 3; a++)
+            d2 += (nodes->pos[a] - nodes->ref[a]) * (nodes->pos[a] - nodes->ref[a]);
+        most = fmax(most, d2);
+    }
+    return q->contact.travel = sqrt(most);
+}
+
+static const gn_deforming_body deforming = {
+    .refer = refer, .travel = travel, .inverse_mass = gn_element_body_inverse_mass};
 
 static gneiss_status make_surface(const gn_step_context *ctx, gn_boundary *boundary,
                                   gn_element_model *q, gneiss_error *error) {
@@ -112,25 +132,6 @@ double gn_element_contact_speed(const gn_element_model *q) {
 
 void gn_element_contact_moved(gn_element_model *q, double dt) {
     q->contact.travel += dt * gn_element_contact_speed(q);
-}
-
-void gn_element_contact_refer(gn_element_model *q) {
-    gn_particles *nodes = &q->solid.nodes;
-    q->contact.travel = 0.0;
-    memcpy(nodes->ref, nodes->pos, nodes->soa.count * 4 * sizeof *nodes->ref);
-}
-
-double gn_element_contact_travel(gn_element_model *q, bool exact) {
-    const gn_particles *nodes = &q->solid.nodes;
-    double most = 0.0;
-    if (!exact) return q->contact.travel;
-    for (size_t v = 0; v < nodes->soa.count; v++) {
-        double d2 = 0.0;
-        for (size_t a = 4 * v; a < 4 * v + 3; a++)
-            d2 += (nodes->pos[a] - nodes->ref[a]) * (nodes->pos[a] - nodes->ref[a]);
-        most = fmax(most, d2);
-    }
-    return q->contact.travel = sqrt(most);
 }
 
 void gn_element_contact_free(gn_element_contact *k) {

@@ -40,7 +40,7 @@ static bool is_held(const gn_fem_solid *b, const plane *p, size_t n) {
     return slot >= 0;
 }
 
-/* Marks the nodes of elements that are there. */
+/* Marks the nodes of the remaining elements. */
 static uint8_t *find_nodes(const gn_fem_solid *b) {
     uint8_t *used = gn_alloc(b->nodes.soa.count + 1);
     for (size_t e = 0; used && e < b->elements.soa.count; e++)

@@ -1,6 +1,5 @@
-/* Walls that elements would go through, as they have no contact with each other: which, and when
- * (element_walls.c). Beside `couple` alone, where elements are a part of the body that walls press.
- */
+/* Walls that elements would pass through, because elements have no contact with walls, and when
+ * (element_walls.c). With `couple` alone, where elements are a part of the loaded body. */
 #ifndef GN_SOLIDS_ELEMENT_WALLS_H
 #define GN_SOLIDS_ELEMENT_WALLS_H
 
@@ -19,9 +18,9 @@ typedef struct gn_wall_passed {
 /* Counts for the present position of a wall, at the present time. */
 gn_wall_passed gn_wall_passed_now(const gn_step_context *ctx, const gn_boundary *boundary,
                                   const gn_solids *solids, size_t wall);
-/* Predicts for each of passed[walls] of a run that has not begun which nodes come behind it: all
- * nodes at the start, later those that motions drive, by the motions of the first stage. Walls with
- * a servo are taken to stand. */
+/* Predicts for each of passed[walls] of a run that has not begun which nodes will be behind it: all
+ * nodes at the start, later driven nodes, by the motions of the first stage. Walls with a servo
+ * count as fixed. */
 gneiss_status gn_wall_predict_passed(const gn_step_context *ctx, const gn_solids *solids,
                                      gn_wall_passed *passed, gneiss_error *error);
 

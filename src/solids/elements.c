@@ -1,4 +1,4 @@
-/* From the scene to a solid of finite elements, and its part of a step. */
+/* Creation of a solid of finite elements from the scene, and its part of a step. */
 #include "solids/solids.h"
 
 #include "base/effects.h"
@@ -82,7 +82,7 @@ static gneiss_status make_mesh(const gn_step_context *ctx, const gn_element_def 
     return at(ctx, e->where, NULL, NULL, 0, status, error);
 }
 
-/* Files, origins and scales can each be sensible and give together what no key may say. */
+/* Files, origins and scales that are each valid may together give positions that no key allows. */
 static gneiss_status check_places(const gn_step_context *ctx, const gn_element_def *e,
                                   const gn_mesh *mesh, gneiss_error *error) {
     for (size_t n = 0; n < mesh->node_count; n++) {
@@ -273,7 +273,7 @@ static gneiss_status make_drives(const gn_step_context *ctx, gn_element_model *q
 
 /* --- create, free --- */
 
-/* A further solid, empty as yet, among those of the world. */
+/* Appends an empty solid to those of the world. */
 static gn_element_model *append(gn_solids *solids) {
     gn_element_model **all = gn_alloc_array(solids->count + 1, sizeof *all);
     gn_element_model *q = gn_alloc_array(1, sizeof *q);
@@ -383,7 +383,7 @@ gn_element_totals gn_elements_totals(const gn_solids *solids) {
 
 /* --- step --- */
 
-/* After the step: stresses are those of its end. */
+/* Called after the step: stresses are those at its end. */
 static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
     const gn_fem_solid *b = &q->solid;
     double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
@@ -527,7 +527,7 @@ size_t gn_elements_motions(const gn_solids *solids) {
     return count;
 }
 
-/* Finds the solid of a motion; *motion becomes its place in that solid. */
+/* Finds the solid of a motion; *motion becomes its index in that solid. */
 static const gn_element_model *owner_of(const gn_solids *solids, size_t *motion) {
     size_t k = 0;
     for (; *motion >= solids->elements[k]->def->motion_count; k++)
@@ -618,7 +618,7 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
     GN_TRY(gn_fem_bound_update(&q->solid, &q->limit, error));
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
-    q->stiffening = 0.0; /* the next look says what is due */
+    q->stiffening = 0.0; /* the next check finds what is due */
     return GNEISS_OK;
 }
 
@@ -641,7 +641,7 @@ double gn_elements_stable(const gn_solids *solids) {
     return limit;
 }
 
-/* By its id: the place at the start tells more than a number. */
+/* Named by its id, together with its position at the start. */
 const char *gn_elements_culprit(const gn_step_context *ctx, const gn_element_model *q, char *text,
                                 size_t size) {
     const gn_fem_solid *b = &q->solid;

@@ -1,5 +1,5 @@
-/* The part of a world that is finite elements: its solids, what drives them, what is read off them.
- * What is asked of the part is asked of all solids, in their order. */
+/* The part of a world that consists of finite elements: its solids, their prescribed motions and
+ * loads, and their readings. Functions of the part visit all solids, in their order. */
 #ifndef GN_SOLIDS_SOLIDS_H
 #define GN_SOLIDS_SOLIDS_H
 
@@ -21,8 +21,8 @@
 
 /* Contacts of particles with the surface (element_contact.c). */
 typedef struct gn_element_contact {
-    int32_t *corner;       /* of facets, by places of nodes */
-    const double *force;   /* [nodes][4], N; of the surface; NULL: nothing touches it */
+    int32_t *corner;       /* of facets, by indices of nodes */
+    const double *force;   /* [nodes][4], N, forces of the surface; NULL: nothing touches it */
     gn_wall_contacts rows; /* the same, of the nodes of facets, as the motion kernel takes it */
     int32_t *first;        /* [nodes + 1] */
     double travel;         /* m, as gn_rigid.travel */
@@ -32,7 +32,7 @@ typedef struct gn_element_contact {
 
 /* A solid. */
 typedef struct gn_element_model {
-    const gn_element_def *def; /* what the scene says of it; borrowed */
+    const gn_element_def *def; /* its definition in the scene; borrowed */
     gn_fem_solid solid;
     gn_mesh_joints joints; /* of a mesh from a file when it was read */
     gn_element_contact contact;
@@ -44,8 +44,9 @@ typedef struct gn_element_model {
     double (*weight)[3]; /* [nodes] of the mean strain */
 
     gn_fem_limit limit; /* of the solid at its start */
-    double stiffening;  /* what has divided it since (gn_fem_stiffening), when last acted on */
-    double stable;      /* s: sharp limit or bound, divided by it */
+    double stiffening; /* factor by which the limit fell since (gn_fem_stiffening), when it was last
+                          applied */
+    double stable;     /* s: sharp limit or bound, divided by it */
 
     double *vel_past;  /* [nodes][4] before a step of another length than the last; else NULL */
     double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
@@ -59,11 +60,12 @@ struct gn_solids {
     size_t count;
 };
 
-/* Makes what the scene has of it, with mesh, motions and loads; `mesh` NULL: a built-in one, else
- * taken over (also on failure), relative to the origin. Errors say where in the scene. */
+/* Creates the elements of the scene, with mesh, motions and loads; `mesh` NULL: a built-in one,
+ * else taken over (also on failure), relative to the origin. Messages give the place in the scene.
+ * */
 gneiss_status gn_elements_create(const gn_step_context *ctx, gn_solids *solids, gn_mesh *mesh,
                                  gneiss_error *error);
-/* A further solid; `def` has to stay as long as the world. */
+/* Adds a solid; `def` must exist as long as the world. */
 gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
                               const gn_element_def *def, gn_mesh *mesh, gneiss_error *error);
 /* Takes motions, loads, gravity and damping from the scene of another stage. */
@@ -80,19 +82,19 @@ gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn
 /* Adds their ledgers of the last measured step. */
 void gn_elements_book(const gn_solids *solids, gn_energy *ledger);
 
-/* Looks at the stability limits: `full` from the start on, otherwise only at what
- * strain has done since. *due: one has changed. */
+/* Updates the stability limits: `full`: from the start, otherwise only the effect of strain since.
+ * *due: a limit has changed. */
 gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, bool full, bool *due,
                                 gneiss_error *error);
-/* Elements were taken out: the bound holds for those that are left, whatever their parts. */
+/* To be called after elements were removed: the bound holds for the rest, for any weights. */
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 /* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
 double gn_elements_stable(const gn_solids *solids); /* s, the least; INFINITY: no solids */
-/* Where elements of one part are not joined though they touch (a sentence for each of places with
- * two nodes, and hanging nodes, of meshes from files), and whether a particle may press more facets
- * than there is room for; "": nothing. Returns `text`. */
+/* Writes warnings: places where elements of one part touch without being joined (a sentence for
+ * double nodes and one for hanging nodes, in meshes from files), and particles that may press more
+ * facets than there is room for; "": none. Returns `text`. */
 const char *gn_elements_doubts(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids, char *text,
                                size_t size);
@@ -115,7 +117,7 @@ void gn_elements_stress(const gn_solids *solids, double stress[9]);
 void gn_elements_balance(const gn_solids *solids, gn_balance *balance);
 /* Widens a box to all nodes at the start, m. */
 void gn_elements_extent(const gn_solids *solids, double lower[3], double upper[3]);
-/* m: the sides of the smallest box around all of them. */
+/* Returns the sides of the smallest box around all of them, m. */
 void gn_elements_sides(const gn_solids *solids, double side[3]);
 double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *solids);
 
@@ -124,7 +126,7 @@ double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *sol
 size_t gn_elements_motions(const gn_solids *solids);
 const char *gn_elements_motion_name(const gn_solids *solids, size_t motion);
 bool gn_elements_motion_drives(const gn_solids *solids, size_t motion);
-/* The nodes of a motion, and where they stand. */
+/* Returns the nodes of a motion; their positions. */
 const gn_fem_set *gn_elements_motion_set(const gn_solids *solids, size_t motion,
                                          const gn_particles **nodes);
 void gn_elements_travel(const gn_solids *solids, size_t motion, double travel[3]);
@@ -135,15 +137,11 @@ void gn_elements_reaction(const gn_solids *solids, size_t motion, double force[3
 /* Makes the surfaces that particles touch, where the scene wants them: after solids. */
 gneiss_status gn_element_contact_create(const gn_step_context *ctx, gn_boundary *boundary,
                                         gn_solids *solids, gneiss_error *error);
-/* Hands the forces of particles over to the nodes; notes how far nodes came in a step. */
+/* Transfers the forces of particles to the nodes, and records how far nodes moved in a step. */
 void gn_element_contact_load(gn_element_model *q);
 void gn_element_contact_moved(gn_element_model *q, double dt);
-/* m/s, of the fastest node in the last step; 0 where nothing touches them. */
+/* Returns the speed of the fastest node in the last step, m/s; 0 if nothing touches them. */
 double gn_element_contact_speed(const gn_element_model *q);
-/* Notes where the nodes are when the lists are made; bound on the path of any since then. `exact`:
- * looks where they are. */
-void gn_element_contact_refer(gn_element_model *q);
-double gn_element_contact_travel(gn_element_model *q, bool exact);
 void gn_element_contact_free(gn_element_contact *k);
 
 /* Returns the body of elements that shares its zones with particles. */

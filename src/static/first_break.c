@@ -18,7 +18,7 @@
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "limit/equilibrium.h"
-#include "particles/parameters.h"
+#include "particles/bonds.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -46,11 +46,11 @@ enum {
  * more. */
 static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_start = 1e-5;
 static const double balanced_worst = 300.0;
-/* That of states from which elastic constants are read. */
+/* Tolerance of states from which elastic constants are read. */
 static const double balanced_loading = 1e-6;
-/* Strengths of bonds in it over those of the scene: none breaks. */
+/* Factor of the strengths of bonds during the search, so that none breaks. */
 static const double strengthened = 1e9;
-/* Time of their loading over time.end. */
+/* Ratio of the duration of their loading to time.end. */
 static const double slowness = 1e6;
 /* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
  * most to these fractions of its load. */
@@ -64,7 +64,7 @@ static const double rates_most = 1e3;
 /* Below this fraction of the weakest strength, the mean contact force is no scale for loads; the
  * fraction is used instead. */
 static const double strength_part = 1e-2;
-/* A start closer to time 0 saves nothing. */
+/* A start nearer to time 0 saves nothing. */
 static const double steps_least = 2.0;
 /* Relative tolerance of the fraction at the start. */
 static const double near_enough = 1e-3;
@@ -83,7 +83,7 @@ typedef struct search {
     double *shorter;          /* [particles][6] path before the last correction; NULL: not stored */
     bond_force *before, *now; /* [bonds] at both ends of the last increment */
     double span;              /* s, of the last increment; 0: none yet */
-    double scale;             /* N, of forces: see in_balance */
+    double scale;             /* N, scale of forces: see in_balance */
     double speed;             /* m/s, of the prescribed motion */
 } search;
 
@@ -151,7 +151,7 @@ static double time_of_break(search *run) {
     double d[3], middle[3];
     gn_branch(&run->w->ctx, x, run->w->dem.particles.pos + 4 * (int64_t)list->j[c], d);
     for (int a = 0; a < 3; a++) middle[a] = x[a] + 0.5 * d[a];
-    gn_world_point_out(&run->w->ctx, middle, run->found->place);
+    gn_user_point(&run->w->ctx, middle, run->found->place);
     run->found->i = run->w->dem.particles.id[list->i[c]];
     run->found->j = run->w->dem.particles.id[list->j[c]];
     return run->w->ctx.time + left * run->span;
@@ -291,7 +291,7 @@ static gneiss_status take_up_loads(search *run, gneiss_error *error) {
     return take(run, slow, true, error);
 }
 
-/* Tells whether particles may have come into contact on the path that the lists do not contain. */
+/* Tells whether particles that the lists do not contain may have come into contact on the path. */
 static bool beyond_lists(const search *run, double span) {
     const gn_verlet *v = &run->w->dem.verlet;
     const double other =
@@ -457,8 +457,8 @@ static double prescribed_path(const gn_scene *scene, double time) {
     return most;
 }
 
-/* Finds the time at which the prescribed displacement is `path`, s; motions may go on after the end
- * of the scene. */
+/* Finds the time at which the prescribed displacement is `path`, s; motions may continue after the
+ * end of the scene. */
 static gneiss_status time_of_path(const search *run, double path, double *time,
                                   gneiss_error *error) {
     const gn_step_context *ctx = &run->w->ctx;
@@ -500,7 +500,7 @@ static gneiss_status slow_down(search *run, double path, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Goes on to a time, in several increments if contact lists have to be rebuilt on the way. */
+/* Advances to a time, in several increments if contact lists have to be rebuilt on the way. */
 static gneiss_status go_to(search *run, double time, double path, gneiss_error *error) {
     const double near = 1e-9;
     for (int k = 0; k < INCREMENTS_MOST; k++) {

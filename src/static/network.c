@@ -192,8 +192,8 @@ static void spring_force(const network *x, size_t s, int row, const double *u, d
     }
 }
 
-/* Computes the unbalanced loads of all free components; returns their root mean square, N, and
- * gives that of the forces of bonds. */
+/* Computes the unbalanced loads of all free components; returns their root mean square, N, and that
+ * of the forces of bonds. */
 static double unbalanced(const network *x, int row, const double *u, double *load, double *force) {
     const gn_particles *particles = x->assembly.particles;
     double forces = 0.0, loads = 0.0;
@@ -280,7 +280,7 @@ static void add_stresses(const network *x, int row, double volume, double *c) {
         spring_force(x, s, row, x->u, q, m);
         for (int a = 0; a < n; a++) {
             gn_voigt_stretch(x->assembly.dimension, a, x->bond[s].l, e);
-            /* symmetric but for what is left of loads */
+            /* symmetric except for the remaining residual */
             c[n * row + a] += 0.5 * gn_dot3(q, e) / volume;
             c[n * a + row] += 0.5 * gn_dot3(q, e) / volume;
         }

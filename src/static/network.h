@@ -1,5 +1,5 @@
-/* Elastic constants of a bonded packing without a time step: the network of its bonds as linear
- * springs, at the present places of the particles. */
+/* Elastic constants of a bonded packing without time steps: the network of its bonds as linear
+ * springs, at the present positions of the particles. */
 #ifndef GN_STATIC_NETWORK_H
 #define GN_STATIC_NETWORK_H
 

@@ -380,10 +380,10 @@ static double missing(const gn_trial *t) {
     return gn_energy_stored(e) - t->stored + lost - in;
 }
 
-/* In equilibrium prescribed motions supply the stored and lost energy: trapezoidal sums of their
- * works miss some of it where contacts close on the way, and the rest is distributed in the same
- * proportions. Dead loads supply more than is stored; the rest counts as damping, as if the system
- * came to rest under them. */
+/* In equilibrium prescribed motions supply the stored and lost energy. Trapezoidal sums of their
+ * works miss a part of it when contacts close on the path, and the difference is distributed in the
+ * same proportions. Dead loads supply more than is stored; the excess counts as damping, as if the
+ * system came to rest under them. */
 static void close_ledger(gn_trial *t, double walls, double prescribed, bool loads) {
     gn_energy *e = &t->world->ledger.energy;
     e->work_walls += walls;
@@ -464,6 +464,6 @@ gneiss_status gn_trial_leave(gn_trial *t, const double *path, double span, gneis
     w->ledger.reading = w->ledger.energy;
     gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
     w->ctx.dt_past = 0.0;
-    return gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                               true, error);
+    return gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
+                             true, error);
 }

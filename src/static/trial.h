@@ -32,7 +32,7 @@ typedef struct gn_trial {
 
     /* State of the last path. */
     double *load;                     /* [count][6] N, N m; 0 in prescribed components */
-    double rate;                      /* 1/s: of its displacements; 0: at rest */
+    double rate;                      /* 1/s: rate of its displacements; 0: at rest */
     double friction, contact_damping; /* J */
     int64_t broken;
     /* N: mean over free particles (moments over the radius), largest, mean over contacts with a

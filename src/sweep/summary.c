@@ -535,17 +535,7 @@ void gn_summary_free(gn_summary *summary) {
 gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], *kind = NULL;
     static const char *const own[] = {"sweep.csv", "sweep-means.csv"};
-    size_t checkpoints = 0;
-    int64_t step;
-    if (access(directory, F_OK) != 0) return GNEISS_OK;
-    snprintf(path, sizeof path, "%s/results.h5", directory);
-    if (access(path, F_OK) != 0)
-        GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
-    if (checkpoints || access(path, F_OK) == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%.300s: expected a folder for a sweep, found a run in it: choose another "
-                       "with --out",
-                       directory);
+    GN_TRY(gn_folder_check_use(directory, GN_FOLDER_OF_RUNS, error));
     snprintf(path, sizeof path, "%s/sweep.h5", directory);
     if (access(path, F_OK) == 0) {
         gneiss_status status = gn_h5_peek_text(path, "/", "kind", &kind, NULL);

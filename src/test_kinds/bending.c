@@ -1,8 +1,8 @@
 /* A beam of width b on supports S apart, under one load F at mid-span or two that share it, s
- * apart. With a = (S - s)/2 from a support to the load next to it the stress in the fibre below
- * mid-span is M (h/2)/I = 3 F a/(b h^2), with what a notch leaves of the height; loads that went
- * down by d strain it by 3 h d/(a (3 S - 4 a)) without a notch. With one load that is 3 F S/(2 b
- * h^2) and 6 h d/S^2. */
+ * apart. With a = (S - s)/2 from a support to the nearest load the stress in the fibre below
+ * mid-span is M (h/2)/I = 3 F a/(b h^2), with the height that a notch leaves; a displacement d of
+ * the loads causes a strain of 3 h d/(a (3 S - 4 a)) without a notch. With one load that is 3 F
+ * S/(2 b h^2) and 6 h d/S^2. */
 #include "test_kinds/curves.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Readings from curves: what the files of this folder share, and the files of the kinds of tests
+/* Readings from curves: functions that the files of this folder share, and that the kinds of tests
  * use (readings_curves.c). */
 #ifndef GN_TEST_KINDS_CURVES_H
 #define GN_TEST_KINDS_CURVES_H
@@ -55,7 +55,7 @@ typedef struct gn_curves {
     gn_row_span elastic;      /* of these, those before bonds break, yield or soften */
     const char *cut_reason;   /* why they end before 50 %, as "bonds break"; NULL: they do not */
     const double *time;       /* s */
-    double interval;          /* s between rows of time steps; 0: not known */
+    double interval;          /* s between rows of time steps; 0: unknown */
 } gn_curves;
 
 /* Slopes are readings while their standard error is below this share of them. */
@@ -77,8 +77,8 @@ double gn_breaks_until(const gn_curves *curves, size_t row);
 /* Finds the rows that elastic constants are fitted to, from those of `loading`. */
 void gn_find_elastic_rows(gn_curves *curves);
 
-/* Share by which the slopes over the first and the second half of the rows are off the slope over
- * all of them; 0 for fewer than 6 rows. `slope`: of a line or a quotient of two. */
+/* Relative difference of the slopes over the first and the second half of the rows from the slope
+ * over all of them; 0 for fewer than 6 rows. `slope`: of a line or a quotient of two. */
 typedef double gn_slope_of(const gn_curves *curves, gn_row_span span);
 double gn_nonlinearity(const gn_curves *curves, gn_slope_of *slope);
 

@@ -12,7 +12,7 @@ void gn_read_at_peak(const gn_curves *curves, gn_reading which, const double *co
     if (column) *value = factor * column[curves->largest];
 }
 
-/* One of the average strain. */
+/* Reads a component of the average strain at the peak. */
 void gn_read_strain_at_peak(const gn_curves *curves, gn_reading which, const char *name,
                             double *value, gn_readings *readings) {
     const double *column = gn_history_column(curves->history, name);
@@ -43,7 +43,7 @@ void gn_read_slope(const gn_curves *curves, gn_reading which, double *value,
 /* Fraction of the largest load below which a section counts as separated. */
 static const double broken_through = 0.1;
 
-/* Trapezoidal, from the first row to the last. */
+/* Integrates by the trapezoidal rule from the first row to the last. */
 void gn_read_fracture_energy(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_fracture_energy;
     const double *force = gn_history_column(curves->history, "force"),

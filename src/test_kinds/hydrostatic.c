@@ -1,7 +1,8 @@
 /* A specimen that is pressed from all sides alike, by a membrane, walls or a periodic box. */
 #include "test_kinds/curves.h"
 
-/* Stress and strain are measured in the specimen, not formed of forces and ways of ends. */
+/* Stress and strain are measured in the specimen, and not computed from forces and displacements of
+ * ends. */
 static gn_tested_shape unit(const gn_test_sizes *t, const gn_tested_specimen *x) {
     (void)t, (void)x;
     return (gn_tested_shape){.length = 1.0, .area = 1.0, .section = 1.0};

@@ -146,7 +146,7 @@ static void need_ways(const gn_curves *curves, gn_row_span span, gn_reading whic
             unsigned_zero(ways));
 }
 
-/* Requires either that, or that the mean stress is that of the ends: then the whole load passes
+/* Requires either that, or that the mean stress equals that of the ends: then the whole load passes
  * through the whole section, and only the ends are soft, so that the mean strains are those of a
  * specimen loaded along its axis. */
 static void need_ways_or_stress(const gn_curves *curves, gn_row_span span, gn_reading which,

@@ -148,8 +148,8 @@ typedef struct gn_readings {
     GN_READINGS(X)
 #undef X
     char reason[GN_READING_COUNT][GN_REASON_SIZE]; /* why one is absent (NaN); "": it is there */
-    /* By how much of itself the largest stress is above that of the row before, at most 1; the
-     * strains of the rows before and after it. */
+    /* Relative increase of the largest stress over that of the row before, at most 1; the strains
+     * of the rows before and after it. */
     double peak_rise, peak_strain_least, peak_strain_most;
     /* By which share of itself a slope differs over the first and the second half of its rows, from
      * what it is over all of them; 0: not known. */
@@ -185,7 +185,7 @@ typedef struct gn_tested {
     double by_ends, by_mean;
     gn_cut cut;             /* of cutting tests */
     bool zones;             /* particles and elements share some */
-    double returned_energy; /* at the end, found elsewhere; NaN: of nothing */
+    double returned_energy; /* found elsewhere, at the end; NaN: there is none */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

@@ -65,7 +65,7 @@ __extension__ typedef unsigned __int128 gn_reading_set;
 typedef struct gn_tested_specimen {
     int dimension, axis;
     double side[3]; /* m */
-    /* These are known of prisms and of sheared specimens. */
+    /* These are known for prisms and for sheared specimens. */
     double length;  /* m: given, else that of the strained part */
     double height;  /* m: the given length, else that of the whole specimen: times the section it is
                        the volume */
@@ -74,12 +74,12 @@ typedef struct gn_tested_specimen {
 
 /* Sizes that stress and strain refer to. */
 typedef struct gn_tested_shape {
-    double length;   /* m: closing of the ends over the strain of the test */
-    double area;     /* m2: force over the stress of the test */
-    double section;  /* m2: of what breaks: across the axis, of a disc along it, of a beam above its
-                        notch */
-    double volume;   /* m3, from what the scene says of a body from a file; 0: it does not */
-    double diameter; /* m, of a disc */
+    double length;  /* m: closing of the ends over the strain of the test */
+    double area;    /* m2: force over the stress of the test */
+    double section; /* m2: section that breaks: across the axis, of a disc along it, of a beam above
+                       its notch */
+    double volume;  /* m3, from what the scene says of a body from a file; 0: it does not */
+    double diameter;  /* m, of a disc */
     double thickness; /* m, of a disc or a beam */
     double height;    /* m, of a beam */
 } gn_tested_shape;
@@ -106,14 +106,14 @@ typedef struct gn_test_descriptor {
     bool beam;      /* on two supports */
     bool tool;      /* without ends: a body moves along the surface of the specimen; strain is its
                        path over the length, stress its force against the motion over the area */
-    bool sheared;   /* the ends move along a plane, whose normal is a key; strain is their way over
-                       their distance along the normal */
+    bool sheared;   /* the ends move along a plane, whose normal is a key; strain is their
+                       displacement over their distance along the normal */
     bool periodic_sides; /* in a box that is open along the normal, whose section is the area */
     bool sides_stand;    /* beside the specimen along all other directions */
     bool confined;       /* under a membrane: stress is the deviator */
-    bool general;        /* scenes use it for other bodies as well, as beams that are clamped at one
-                            end or pulled out of a block: less is demanded of the places of its ends
-                            and of its sizes */
+    bool general; /* scenes use it for other bodies as well, as beams clamped at one end or pulled
+                     out of a block: the positions of its ends and its sizes are checked less
+                     strictly */
     int sign; /* +1: the upper end moves along the axis where strain and stress are positive, -1:
                  against it */
 

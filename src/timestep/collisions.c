@@ -26,7 +26,7 @@
 #include <math.h>
 #include <string.h>
 
-double gn_world_contact_steps(const gn_step_context *ctx) {
+double gn_timestep_contact_steps(const gn_step_context *ctx) {
     if (ctx->scene.contact_steps > 0.0) return ctx->scene.contact_steps;
     return ctx->effects & GN_FX_HERTZ ? GN_STEPS_PER_HERTZ : GN_STEPS_PER_CONTACT;
 }
@@ -48,7 +48,7 @@ static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t
 typedef struct ties {
     double *stiffest; /* N/m [particles]: of the bonds of each, broken or not; NULL: none */
     double *inverse;  /* 1/kg [particles]: inverse masses */
-    bool apart;       /* most particles with bonds have lost all of them */
+    bool apart;       /* most bonded particles have lost all of their bonds */
     uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
     double share;     /* of the steps that contacts of bonded particles have to last; 0: stability
                        * suffices */
@@ -135,7 +135,8 @@ static bool is_loose(const gn_dem *dem, const ties *t, size_t p) {
 typedef struct fastest {
     double square, share;
     int64_t first, second;
-    double *factor; /* [particles] of the own masses that w^2 <= `most` asks for; NULL: not asked */
+    double *factor; /* [particles] receives the factors of the own masses for w^2 <= `most`; NULL:
+                       not requested */
     double most;    /* 1/s2, for all steps */
 } fastest;
 
@@ -161,7 +162,7 @@ static void consider(fastest *f, double square, double share, const gn_dem *dem,
 /* Steps are counted over the undamped half wave. */
 static gn_resolution resolution_of(const gn_step_context *ctx, const fastest *f) {
     double contact = M_PI / sqrt(f->square);
-    double steps = f->share * gn_world_contact_steps(ctx);
+    double steps = f->share * gn_timestep_contact_steps(ctx);
     return (gn_resolution){contact / steps, contact, f->first, f->second};
 }
 
@@ -387,7 +388,7 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_boundary *boundary, const gn_solids *solids,
                                    const gn_zones *zones, double step, double *factor,
                                    gneiss_error *error) {
-    double wave = M_PI / (gn_world_contact_steps(ctx) * step);
+    double wave = M_PI / (gn_timestep_contact_steps(ctx) * step);
     fastest f = {0.0, 1.0, -1, -1, factor, wave * wave};
     return consider_listed(ctx, dem, boundary, solids, zones, &f, error);
 }

@@ -1,14 +1,14 @@
-/* Wedged debris: a particle whose bonds have all broken, between others that it touches in turn. A
+/* Wedged debris: a particle without intact bonds between others that it touches alternately. A
  * contact that opens or closes gets its part of the step as if it were alone (gn_linear_cross). If
  * another contact presses with F meanwhile, the path p of the next step differs by F dt^2/m from
  * the one for which that part was computed, and the works miss dE = 1/4 s (1 - s) y^2 p F with y =
  * w dt, or 1/24 y^2 p F in the mean over the share s, always of the same sign if the other contact
- * is on the opposite side: in a surroundings the energy grows at every opening and closing, the
+ * is on the opposite side: between two neighbours the energy grows at every opening and closing,
  * faster the larger it is. A light particle has the largest y of all (a stable step allows 1.27 on
  * either side) and passes its gain on to the neighbours. At ten steps per contact, y = 0.31, the
  * gain is some 40 times less than at y = 1. Most debris is in free flight or at rest and needs no
- * smaller step. So the ledger is checked first: only if it misses more than LEDGER_ERROR of the
- * throughput while such a particle collides with a relevant energy are its contacts resolved as
+ * smaller step. Therefore the ledger is checked first: only if its error exceeds LEDGER_ERROR of
+ * the throughput while such a particle collides with a relevant energy are its contacts resolved as
  * those of loose particles. */
 #include "base/error.h"
 #include "base/new.h"

@@ -211,9 +211,10 @@ static gneiss_status check_driven(gn_step_context *ctx, gn_dem *dem, gn_boundary
                                   gneiss_error *error) {
     if (!dem->driven) return GNEISS_OK;
     ctx->choice.gain = driven_gain(ctx, dem, boundary);
-    gneiss_status status = ctx->choice.gain > 0.0 ? gn_world_check_lists(ctx, dem, boundary, solids,
-                                                                         zones, ledger, error)
-                                                  : GNEISS_OK;
+    gneiss_status status =
+        ctx->choice.gain > 0.0
+            ? gn_timestep_check_lists(ctx, dem, boundary, solids, zones, ledger, error)
+            : GNEISS_OK;
     ctx->choice.gain = 0.0;
     return status;
 }
@@ -223,7 +224,7 @@ gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *b
                                gneiss_error *error) {
     GN_TRY(check_driven(ctx, dem, boundary, solids, zones, ledger, error));
     if (!dem->pressed) return GNEISS_OK;
-    return gn_world_check_lists(ctx, dem, boundary, solids, zones, ledger, error);
+    return gn_timestep_check_lists(ctx, dem, boundary, solids, zones, ledger, error);
 }
 
 /* Steps between two checks, each of which takes a third of the time of a step. */

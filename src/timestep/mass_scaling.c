@@ -41,7 +41,7 @@ static const double listed_share = 0.989;
  * listed ones just have to hold it. */
 typedef struct wanted {
     double step;          /* s, of the run */
-    double limit, listed; /* s, limits that the particles need alone */
+    double limit, listed; /* s, limits of the particles alone */
     bool sharp;
     double *factor, *also; /* [particles] of own masses */
     double *own;           /* [particles][2] unraised inverse mass and moment of inertia */
@@ -126,7 +126,7 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
     if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0)) return GNEISS_OK;
     double step = gn_limit_needed(ctx, dem, solids, zones,
                                   s->reached / (listed ? listed_share : ctx->scene.safety));
-    if (!isfinite(step)) return GNEISS_OK; /* other parts leave no room */
+    if (!isfinite(step)) return GNEISS_OK; /* other parts do not allow such a step */
     double *factor = NULL;
     GN_TRY(gn_new(&factor, dem->particles.soa.count + 1, "masses", error));
     gneiss_status status = GNEISS_OK;
@@ -152,7 +152,7 @@ static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boun
     double low = 0.5, high = 1.0, part = q->sharp ? 0.85 : 1.0, added = -1.0;
     for (int k = 1;; k++) {
         GN_TRY(raise(ctx, dem, boundary, solids, zones, q, part, error));
-        GN_TRY(gn_world_check_step(ctx, dem, boundary, solids, zones, ledger, true, error));
+        GN_TRY(gn_timestep_check(ctx, dem, boundary, solids, zones, ledger, true, error));
         double beyond = ctx->scene.safety * ctx->stable / q->step;
         bool reached = ctx->dt >= (1.0 - 1e-9) * q->step;
         if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;

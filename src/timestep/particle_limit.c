@@ -90,19 +90,19 @@ static double tolerance_of(const gn_step_context *ctx) {
 
 /* A question about the springs that are active now, or that may be before the lists are rebuilt. */
 typedef struct question {
-    double step;          /* s; 0: asks for the limit, else whether this step holds */
-    double tolerance;     /* of Lanczos; 0: bounds alone */
+    double step;          /* s; 0: computes the limit, else tests whether this step is stable */
+    double tolerance;     /* tolerance of Lanczos; 0: bounds only */
     gn_step_limit *limit; /* answers */
     gn_step_verdict *verdict;
-    bool whether;          /* does not ask for the step that would hold instead */
+    bool whether;          /* only tests, and does not compute the stable step */
     bool changed;          /* limits the check to particles whose springs have changed since the
                             * last one */
     const uint8_t *turned; /* [particles] limits the check to these and their neighbours; NULL: see
                             * `changed` */
-    double *masses;        /* [particles] receives the factors that would hold the step; NULL: not
-                            * asked for */
-    uint8_t **others; /* asks for this alone: [particles], to be freed, marks of the particles whose
-                       * springs have changed since the last check; NULL: not asked for */
+    double *masses;   /* [particles] receives the mass factors that make the step stable; NULL: not
+                         requested */
+    uint8_t **others; /* only finds these: [particles], freed by the caller, marks of the particles
+                         whose springs have changed since the last check; NULL: not requested */
 } question;
 
 /* rad: the lists are rebuilt before contacts rotate by more than the skin over a diameter. */
@@ -227,10 +227,10 @@ static double trusted(const gn_step_context *ctx, const gn_step_limit *limit) {
     return ctx->scene.estimate == GN_STEP_BOUND ? limit->bound : limit->sharp;
 }
 
-/* The limit that the scene asks for: of the active springs; without any, of all listed ones;
- * without those, of one contact of the stiffest pair of particles, or of particle and wall. The
- * last only gives an initial step: whatever comes near is listed and checked before it touches
- * (gn_world_check_lists). */
+/* Returns the limit that the scene requests: of the active springs; without any, of all listed
+ * ones; without those, of one contact of the stiffest pair of particles, or of particle and wall.
+ * The last only gives an initial step: an approaching particle is listed and checked before it
+ * touches (gn_timestep_check_lists). */
 static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, double *limit, gneiss_error *error) {
     gn_step_limit listed = {0};
@@ -284,7 +284,7 @@ static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundar
 static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell,
                                 gneiss_error *error) {
-    /* With elements the particles may hold more than alone. */
+    /* With elements the particles may be limited less than alone. */
     double known = fmax(trusted(ctx, &ctx->choice.limit), ctx->choice.whole);
     gn_step_verdict verdict = {0};
     question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
@@ -343,8 +343,8 @@ static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_
     return gn_step_holds_by_sums(spectrum, q->step, &q->verdict->holds, error);
 }
 
-/* Grains whose collisions are resolved take steps far below the limit. Row sums then prove that the
- * step holds without a look at what has changed. */
+/* With resolved collisions steps are far below the limit. Row sums then prove that the step is
+ * stable without a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error) {

@@ -77,7 +77,7 @@ static double without(const gn_dem *dem, double rate, double other) {
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
-/* With slaved spins the elements limit it too, unless the limit of both as one is known. */
+/* With slaved spins elements limit it too, unless the limit of the coupled system is known. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double step) {
     const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
@@ -99,9 +99,10 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem, cons
                     limit_of(ctx->choice.surface_rate));
 }
 
-/* Finds the limit of the active springs: that of both sides by themselves, which is never above
- * that of both as one, and the latter where the step may be longer. Without an active spring the
- * particles' limit is that of future contacts, which the system of both does not contain. */
+/* Finds the limit of the active springs: the smaller one of the two separate systems, which never
+ * exceeds that of the coupled system, and the latter where the step may be longer. Without an
+ * active spring the particles' limit is that of future contacts, which the coupled system does not
+ * contain. */
 static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
@@ -165,15 +166,15 @@ static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *de
                    s->sources[source].name);
 }
 
-/* Without a spring, moving bodies limit the step; INFINITY: there are none. It never rises during a
- * run. */
+/* Without springs, moving bodies limit the step; INFINITY: there are none. It never increases
+ * during a run. */
 static double step_of_bodies(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary) {
     double step = ctx->scene.has_specimen ? gn_bodies_step(ctx, dem, boundary) : (double)INFINITY;
     return ctx->step > 0 && isfinite(step) ? fmin(step, ctx->dt) : step;
 }
 
-/* A step below the precision of the time would never end the run. gn_world_check_duration is
+/* A step below the precision of the time would never end the run. gn_check_duration is
  * stricter at the start. */
 static gneiss_status check_advance(const gn_step_context *ctx, const gn_solids *solids,
                                    const gn_zones *zones, gneiss_error *error) {
@@ -218,18 +219,18 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
 
 /* --- what may happen before the lists are made again --- */
 
-static void lower(gn_step_context *ctx, gn_dem *dem, double dt) {
+void gn_timestep_lower(gn_step_context *ctx, gn_dem *dem, double dt) {
     if (ctx->scene.step > 0.0 || ctx->dt <= dt) return;
     if (ctx->step > 0) ctx->dt_lowered++;
     set_step(ctx, dem, dt);
 }
 
-void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
+void gn_timestep_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
     double dt = ctx->dt;
     if (ctx->scene.step > 0.0 || !ctx->scene.has_specimen) return;
     gn_bodies_follow(ctx, dem, boundary, &dt);
     gn_walls_follow(ctx, dem, boundary, &dt);
-    lower(ctx, dem, dt);
+    gn_timestep_lower(ctx, dem, dt);
 }
 
 static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
@@ -237,7 +238,7 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
                                     gneiss_error *error) {
     bool shorter;
     GN_TRY(gn_dem_resolve_listed(ctx, dem, boundary, solids, zones, &shorter, error));
-    if (shorter) lower(ctx, dem, ctx->choice.resolution.step);
+    if (shorter) gn_timestep_lower(ctx, dem, ctx->choice.resolution.step);
     return check_advance(ctx, solids, zones, error);
 }
 
@@ -288,8 +289,8 @@ static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *
         speed = fmax(speed, fastest_body(ctx, boundary)) + ctx->choice.gain;
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     double fall = sqrt(gn_dot3(ctx->scene.gravity, ctx->scene.gravity));
-    if (ctx->dt * ctx->dt * fall > most) lower(ctx, dem, sqrt(0.5 * most / fall));
-    if (ctx->dt * speed > most) lower(ctx, dem, 0.5 * most / speed);
+    if (ctx->dt * ctx->dt * fall > most) gn_timestep_lower(ctx, dem, sqrt(0.5 * most / fall));
+    if (ctx->dt * speed > most) gn_timestep_lower(ctx, dem, 0.5 * most / speed);
 }
 
 /* Particles alone do not hold the step with all listed contacts; with elements they may. */
@@ -325,7 +326,7 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     GN_TRY(check_lighter(ctx, dem, boundary, solids, zones, error));
     gn_pressed_update(ctx, dem, boundary);
     follow_flight(ctx, dem, boundary);
-    gn_world_follow_bodies(ctx, dem, boundary);
+    gn_timestep_follow_bodies(ctx, dem, boundary);
     GN_TRY(resolve_listed(ctx, dem, boundary, solids, zones, error));
     if (!full) GN_TRY(gn_dem_limit_far(ctx, dem, boundary, solids, zones, fine, error));
     if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
@@ -333,13 +334,13 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
     if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
     /* Two hundredths below the limit, so that the next lists need not lower it again. */
-    if (!*fine) lower(ctx, dem, 0.98 * ctx->choice.listed);
+    if (!*fine) gn_timestep_lower(ctx, dem, 0.98 * ctx->choice.listed);
     return check_advance(ctx, solids, zones, error);
 }
 
-gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                   gneiss_error *error) {
+gneiss_status gn_timestep_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                      gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                      gneiss_error *error) {
     double start = gn_now();
     bool fine = true;
     gneiss_status status =
@@ -347,7 +348,7 @@ gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundar
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     /* A given step is not compared with contacts that may form, but with those that have formed. */
     if (status != GNEISS_OK || fine || ctx->scene.step == 0.0) return status;
-    return gn_world_check_step(ctx, dem, boundary, solids, zones, ledger, false, error);
+    return gn_timestep_check(ctx, dem, boundary, solids, zones, ledger, false, error);
 }
 
 /* Chooses the step as at the start: from listed contacts, or from the whole scene if there are
@@ -360,13 +361,13 @@ static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *
     GN_TRY(check_lists(ctx, dem, boundary, solids, zones, ledger, true, &fine, error));
     if (!ctx->scene.has_specimen) return GNEISS_OK;
     GN_TRY(gn_dem_resolve_flight(ctx, dem, boundary, &shorter, error));
-    if (shorter) lower(ctx, dem, ctx->choice.resolution.step);
+    if (shorter) gn_timestep_lower(ctx, dem, ctx->choice.resolution.step);
     return GNEISS_OK;
 }
 
-gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                                  gneiss_error *error) {
+gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
@@ -387,7 +388,7 @@ gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary
     if (status == GNEISS_OK && !full && ctx->scene.has_specimen)
         status = resolve_listed(ctx, dem, boundary, solids, zones, error);
     /* Lists are not checked with a vanishing step. */
-    if (status == GNEISS_OK && full) status = gn_world_check_duration(ctx, error);
+    if (status == GNEISS_OK && full) status = gn_check_duration(ctx, error);
     if (status == GNEISS_OK && full)
         status = check_anew(ctx, dem, boundary, solids, zones, ledger, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
@@ -402,9 +403,9 @@ static gneiss_status check_again(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     return status;
 }
 
-gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                    gneiss_error *error) {
+gneiss_status gn_timestep_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       gneiss_error *error) {
     if (!gn_debris_exceeds_ledger(ledger)) return GNEISS_OK;
     ctx->choice.debris_reported = true;
     gneiss_status status = check_again(ctx, dem, boundary, solids, zones, error);
@@ -415,9 +416,10 @@ gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_bounda
 /* Unbonded debris would be noticed late by lists that are kept for long. Without damping of
  * collisions it is checked whenever another sixteenth of the bonds has broken, from half of them
  * on. */
-gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, int64_t broken_before,
-                                   gneiss_error *error) {
+gneiss_status gn_timestep_check_after_breaks(gn_step_context *ctx, gn_dem *dem,
+                                             gn_boundary *boundary, gn_solids *solids,
+                                             gn_zones *zones, int64_t broken_before,
+                                             gneiss_error *error) {
     const int64_t all = dem->bonds_at_start, now = dem->broken_tension + dem->broken_shear;
     if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(ctx, dem))
         return GNEISS_OK;
@@ -425,10 +427,10 @@ gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundar
     return check_again(ctx, dem, boundary, solids, zones, error);
 }
 
-gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
-                                             gn_boundary *boundary, gn_solids *solids,
-                                             gn_zones *zones, gn_ledger *ledger,
-                                             gneiss_error *error) {
+gneiss_status gn_timestep_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
+                                                gn_boundary *boundary, gn_solids *solids,
+                                                gn_zones *zones, gn_ledger *ledger,
+                                                gneiss_error *error) {
     bool due;
     if (!ctx->scene.has_specimen || solids->count || ctx->effects & GN_FX_BONDS) return GNEISS_OK;
     GN_TRY(gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, true, &due, error));

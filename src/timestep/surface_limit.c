@@ -21,8 +21,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The largest stiffness of a contact before the lists are rebuilt; of a facet of a patch that of
- * its part, with the same part of the particle's mass. */
+/* Returns the largest stiffness of a contact before the lists are rebuilt; of a facet of a patch
+ * that of its part, with the same part of the particle's mass. */
 static gn_law_spring law_spring(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_surface_contact *c, double part) {
     gn_touch_side side = gn_surface_side(ctx, dem, c->surface, c->particle, part);
@@ -39,7 +39,7 @@ static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
     memcpy(e.n, k->n, sizeof e.n);
     e.arm = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
                                                       : dem->particles.pos[4 * c->particle + 3];
-    /* Against rolling k_t r^2/I is 2.5 of the 3.5 k_t/m of a tangential spring. */
+    /* For rolling k_t r^2/I is 2.5 of the 3.5 k_t/m of a tangential spring. */
     if (ctx->effects & GN_FX_ROLLING) e.kt += fmax(e.kt, e.kn);
     if (joined) e.kt += e.kn;
     /* Contacts that share a stiffness resist in every direction in which one of them does: with the
@@ -86,8 +86,8 @@ static double hertz_stiffness(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.2 * modulus * radius;
 }
 
-/* Squared frequency, 1/s2, of a body at its contacts; `hertz`: stiffness of Hertz contacts, besides
- * its own. */
+/* Returns the squared frequency, 1/s2, of a body at its contacts; `hertz`: stiffness of Hertz
+ * contacts, in addition to its own. */
 static double square_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                         double hertz) {
     const gn_surface *s = &boundary->surfaces[body];
@@ -232,8 +232,8 @@ static void add_wall_contact(const gn_boundary *boundary, const gn_body_wall *c,
 }
 
 /* Dashpots of simultaneous contacts with one wall are 2 alpha sqrt(m/k) times their springs, with k
- * of these alone and m of all of them together, of 1/m >= `whole`. Their eigenvalue is that factor
- * times that of the springs, which is k times the largest inverse mass of one of them. */
+ * of one contact and m of all of them together, with 1/m >= `whole`. Their eigenvalue is that
+ * factor times that of the springs, which is k times the largest inverse mass of one of them. */
 typedef struct wall_damping {
     double stiffness, most, whole, fraction;
 } wall_damping;

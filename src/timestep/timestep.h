@@ -25,31 +25,34 @@ double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_so
                       const gn_zones *zones);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
-gneiss_status gn_world_check_step(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                                  gneiss_error *error);
+gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
+                                gneiss_error *error);
 /* Updates the limit of unbonded grains at the end of a run for the output, after the state has been
  * saved. The step is unchanged. */
-gneiss_status gn_world_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
-                                             gn_boundary *boundary, gn_solids *solids,
-                                             gn_zones *zones, gn_ledger *ledger,
-                                             gneiss_error *error);
-/* Checks the step, as gn_world_check_step does, after a step in which bonds broke and the specimen
+gneiss_status gn_timestep_update_reported_limit(gn_step_context *ctx, gn_dem *dem,
+                                                gn_boundary *boundary, gn_solids *solids,
+                                                gn_zones *zones, gn_ledger *ledger,
+                                                gneiss_error *error);
+/* Checks the step, as gn_timestep_check does, after a step in which bonds broke and the specimen
  * may have disintegrated. */
-gneiss_status gn_world_check_apart(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, int64_t broken_before,
-                                   gneiss_error *error);
+gneiss_status gn_timestep_check_after_breaks(gn_step_context *ctx, gn_dem *dem,
+                                             gn_boundary *boundary, gn_solids *solids,
+                                             gn_zones *zones, int64_t broken_before,
+                                             gneiss_error *error);
 /* Checks the step after one that was measured because of debris, which needs smaller steps if it
  * creates energy. */
-gneiss_status gn_world_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                    gneiss_error *error);
+gneiss_status gn_timestep_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       gneiss_error *error);
 /* Checks the step against all events that are possible until the new lists are made again. */
-gneiss_status gn_world_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                   gneiss_error *error);
+gneiss_status gn_timestep_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                      gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                      gneiss_error *error);
+/* Lowers an automatic step to at most `dt`, s; a given one stays. */
+void gn_timestep_lower(gn_step_context *ctx, gn_dem *dem, double dt);
 /* Lowers an automatic step for bodies that move far in it. */
-void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
+void gn_timestep_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
 /* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
  * need a smaller one. "": there is none. */
 const char *gn_world_step_warning(const gn_step_context *ctx, char *text, size_t size);
@@ -83,7 +86,7 @@ gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem
 /* Tells whether collisions are hardly damped. */
 bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem);
 /* Steps that a collision must last. */
-double gn_world_contact_steps(const gn_step_context *ctx);
+double gn_timestep_contact_steps(const gn_step_context *ctx);
 /* Names the two bodies of the shortest collision. */
 const char *gn_resolution_text(const gn_step_context *ctx, char *text, size_t size);
 
@@ -112,8 +115,8 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
 gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
                                   gneiss_error *error);
-/* Tells whether the step of the world holds with all listed contacts closed; else dem.listed is the
- * step that would. `full`: checks all of them. */
+/* Tells whether the step of the world is stable with all listed contacts closed; else dem.listed is
+ * a stable one. `full`: checks all of them. */
 gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                                   bool *fine, gneiss_error *error);
@@ -122,14 +125,14 @@ gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error);
-/* The shortest collision among what is listed; among all of the scene, when nothing is listed that
- * collides. *shorter: than known before. */
+/* Finds the shortest collision among listed pairs (resolve_listed), or of the whole scene if no
+ * listed pair collides (resolve_flight). *shorter: it is shorter than known before. */
 gneiss_status gn_dem_resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                     const gn_solids *solids, const gn_zones *zones, bool *shorter,
                                     gneiss_error *error);
 gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                     bool *shorter, gneiss_error *error);
-/* Forgets what was found of lists and collisions. */
+/* Discards the results about lists and collisions. */
 void gn_dem_limit_anew(gn_step_context *ctx);
 
 /* Raises masses, if the scene asks for it, from the step that the world has found without. */
@@ -147,17 +150,18 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
  * step. */
 double gn_dem_added_kinetic(const gn_dem *dem);
 
-/* That no particle went bad or too far in the step (paths.c). */
-gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, bool measure, gneiss_error *error);
+/* Checks that velocities of particles are finite and their paths in the step short enough
+ * (paths.c). */
+gneiss_status gn_dem_check_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, bool measure, gneiss_error *error);
 
 /* Returns the largest squared frequency, 1/s2, of the body of a row on the springs of its wall, all
  * listed ones closed; moves *row to the first row of the next group (surface_limit.c). */
 double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t *row);
 
 /* Checks that nothing moved too far in the step (paths.c). */
-gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, gneiss_error *error);
+gneiss_status gn_boundary_check_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_boundary *boundary, gneiss_error *error);
 
 /* Limits by bodies and vertices of elements that yield (surface_limit.c). The first tells
  * whether their rates have risen by more than a fiftieth; the second also stores them then, or
@@ -168,12 +172,13 @@ gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *
 gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                                 bool anew, bool *due, gneiss_error *error);
 
-/* That no node that particles touch moved too far in the step (paths.c). */
-gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_solids *solids, gneiss_error *error);
+/* Checks that no node in contact with particles moved too far in the step (paths.c). */
+gneiss_status gn_elements_check_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_solids *solids, gneiss_error *error);
 
-/* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
- * pressure form, nor where the scene trusts bounds alone. */
+/* gn_coupled_limit computes the sharp limit of the coupled system: of the active springs or, with
+ * `listed`, of all listed ones. gn_coupled_has_limit: false for the pressure form, and if the scene
+ * requests bounds only. */
 bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids);
 
 gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
@@ -181,7 +186,7 @@ gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_zones *zones, bool listed, gn_whole_limit *limit,
                                gneiss_error *error);
 
-/* As last looked for; NULL: not looked for. */
+/* Returns the last result of gn_coupled_limit; NULL: there is none. */
 const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones);
 
 /* Names the side ("particles", "elements", "zone") and its member ("particle 12", "a node of the

@@ -34,41 +34,43 @@ static const gn_feature *feature_at(const gn_features *features, size_t k) {
                                     : &features->added[k - features->used_count];
 }
 
-void gn_features_choose(gn_world *w) {
-    gn_features *f = &w->features;
+void gn_features_choose(gn_world *world) {
+    gn_features *f = &world->features;
     f->used_count = 0;
     for (size_t k = 0; k < GN_FEATURE_COUNT; k++)
-        if (!all[k]->used || all[k]->used(w)) f->used[f->used_count++] = all[k];
+        if (!all[k]->used || all[k]->used(world)) f->used[f->used_count++] = all[k];
     f->holds = false;
     for (size_t k = 0; k < count_of(f); k++)
         f->holds |= feature_at(f, k)->hook[GN_HOOK_LISTS] != NULL;
 }
 
-gneiss_status gn_features_run(gn_world *w, gn_hook_place place, gneiss_error *error) {
-    const gn_features *f = &w->features;
+gneiss_status gn_features_run(gn_world *world, gn_hook_place place, gneiss_error *error) {
+    const gn_features *f = &world->features;
     for (size_t k = 0; k < count_of(f); k++) {
         const gn_feature *one = feature_at(f, k);
-        if (one->hook[place]) GN_TRY(one->hook[place](one->context, w, error));
+        if (one->hook[place]) GN_TRY(one->hook[place](one->context, world, error));
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_features_follow_lists(gn_world *w, gneiss_error *error) {
-    gn_features_choose(w);
-    gn_hold_clear(&w->dem.hold);
-    for (size_t k = 0; k < w->solids.count; k++) gn_hold_clear(&w->solids.elements[k]->solid.hold);
-    return gn_features_run(w, GN_HOOK_LISTS, error);
+gneiss_status gn_features_follow_lists(gn_world *world, gneiss_error *error) {
+    gn_features_choose(world);
+    gn_hold_clear(&world->dem.hold);
+    for (size_t k = 0; k < world->solids.count; k++)
+        gn_hold_clear(&world->solids.elements[k]->solid.hold);
+    return gn_features_run(world, GN_HOOK_LISTS, error);
 }
 
-gneiss_status gn_feature_add(gn_world *w, gn_feature feature, gneiss_error *error) {
-    gn_features *f = &w->features;
+gneiss_status gn_feature_add(gn_world *world, gn_feature feature, gneiss_error *error) {
+    gn_features *f = &world->features;
     gn_feature *added = NULL;
     GN_TRY(gn_new(&added, f->added_count + 1, "a feature", error));
     if (f->added) memcpy(added, f->added, f->added_count * sizeof *added);
     added[f->added_count++] = feature;
     gn_free(f->added);
     f->added = added;
-    gneiss_status status = w->dem.motion_sums ? gn_features_follow_lists(w, error) : GNEISS_OK;
+    gneiss_status status =
+        world->dem.motion_sums ? gn_features_follow_lists(world, error) : GNEISS_OK;
     if (status != GNEISS_OK) f->added_count--;
     return status;
 }
@@ -81,12 +83,12 @@ void gn_features_free(gn_features *features) {
 
 /* --- elements that turn into particles --- */
 
-static bool converts(const gn_world *w) {
-    return gn_converts(&w->ctx);
+static bool converts(const gn_world *world) {
+    return gn_converts(&world->ctx);
 }
 
 GN_HOOK(convert) {
-    const gn_convertible model = gn_world_convertible(w);
+    const gn_convertible model = gn_world_convertible(world);
     return gn_conversion_check_limits(&model, error);
 }
 
@@ -98,13 +100,13 @@ const gn_feature gn_feature_conversion = {
 
 /* --- the length of the step --- */
 
-static bool is_hertz(const gn_world *w) {
-    return w->ctx.effects & GN_FX_HERTZ;
+static bool is_hertz(const gn_world *world) {
+    return world->ctx.effects & GN_FX_HERTZ;
 }
 
 GN_HOOK(check_indentation) {
-    return gn_pressed_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                            error);
+    return gn_pressed_check(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                            &world->zones, &world->ledger, error);
 }
 
 const gn_feature gn_feature_indentation = {
@@ -113,12 +115,12 @@ const gn_feature gn_feature_indentation = {
     .hook = {[GN_HOOK_LIMIT] = check_indentation},
 };
 
-static bool has_automatic_step(const gn_world *w) {
-    return w->ctx.scene.step == 0.0 && w->ctx.scene.has_specimen;
+static bool has_automatic_step(const gn_world *world) {
+    return world->ctx.scene.step == 0.0 && world->ctx.scene.has_specimen;
 }
 
 GN_HOOK(follow_bodies) {
-    gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
+    gn_timestep_follow_bodies(&world->ctx, &world->dem, &world->boundary);
     return GNEISS_OK;
 }
 
@@ -128,26 +130,26 @@ const gn_feature gn_feature_bodies = {
     .hook = {[GN_HOOK_LIMIT] = follow_bodies},
 };
 
-/* Wedged debris gains some tenths of its energy in every collision of a few steps. Counted by
- * steps, so that it does not depend on what is written, or resumed. */
+/* Wedged debris gains some tenths of its energy in every collision of a few steps. The interval is
+ * counted in steps, so that it does not depend on output or a resume. */
 enum { DEBRIS_EVERY = 20 };
 
-static bool may_have_debris(const gn_world *w) {
-    return w->ctx.effects & GN_FX_ENERGY && has_automatic_step(w);
+static bool may_have_debris(const gn_world *world) {
+    return world->ctx.effects & GN_FX_ENERGY && has_automatic_step(world);
 }
 
 GN_HOOK(find_debris) {
-    w->ctx.choice.debris_read = false;
-    if ((w->ctx.step + 1) % DEBRIS_EVERY != 0) return GNEISS_OK;
-    GN_TRY(gn_debris_find(&w->ctx, &w->dem, &w->ctx.choice.debris_read, error));
-    w->ctx.measure |= w->ctx.choice.debris_read;
+    world->ctx.choice.debris_read = false;
+    if ((world->ctx.step + 1) % DEBRIS_EVERY != 0) return GNEISS_OK;
+    GN_TRY(gn_debris_find(&world->ctx, &world->dem, &world->ctx.choice.debris_read, error));
+    world->ctx.measure |= world->ctx.choice.debris_read;
     return GNEISS_OK;
 }
 
 GN_HOOK(check_debris) {
-    return w->ctx.choice.debris_read
-               ? gn_world_check_debris(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                       &w->ledger, error)
+    return world->ctx.choice.debris_read
+               ? gn_timestep_check_debris(&world->ctx, &world->dem, &world->boundary,
+                                          &world->solids, &world->zones, &world->ledger, error)
                : GNEISS_OK;
 }
 
@@ -159,13 +161,13 @@ const gn_feature gn_feature_debris = {
 
 /* --- readings --- */
 
-static bool has_specimen(const gn_world *w) {
-    return w->ctx.scene.has_specimen;
+static bool has_specimen(const gn_world *world) {
+    return world->ctx.scene.has_specimen;
 }
 
 GN_HOOK(look_at_depth) {
-    if (!w->ctx.measure) return GNEISS_OK;
-    return gn_depth_update_when_due(&w->ctx, &w->dem, &w->boundary, error);
+    if (!world->ctx.measure) return GNEISS_OK;
+    return gn_depth_update_when_due(&world->ctx, &world->dem, &world->boundary, error);
 }
 
 const gn_feature gn_feature_depth = {
@@ -175,7 +177,7 @@ const gn_feature gn_feature_depth = {
 };
 
 GN_HOOK(look_at_gauge) {
-    return gn_gauge_update(&w->ctx, &w->dem, &w->gauge, error);
+    return gn_gauge_update(&world->ctx, &world->dem, &world->gauge, error);
 }
 
 const gn_feature gn_feature_gauge = {
@@ -184,12 +186,13 @@ const gn_feature gn_feature_gauge = {
     .hook = {[GN_HOOK_BEFORE_FORCES] = look_at_gauge},
 };
 
-static bool has_ends(const gn_world *w) {
-    return gn_scene_tested(&w->ctx.scene);
+static bool has_ends(const gn_world *world) {
+    return gn_scene_tested(&world->ctx.scene);
 }
 
 GN_HOOK(look_at_ends) {
-    gn_ends_note_contact(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach, false);
+    gn_ends_note_contact(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                         &world->approach, false);
     return GNEISS_OK;
 }
 
@@ -199,12 +202,12 @@ const gn_feature gn_feature_ends = {
     .hook = {[GN_HOOK_ACT] = look_at_ends},
 };
 
-static bool cuts(const gn_world *w) {
-    return gn_scene_test(&w->ctx.scene)->tool;
+static bool cuts(const gn_world *world) {
+    return gn_scene_test(&world->ctx.scene)->tool;
 }
 
 GN_HOOK(add_cut) {
-    return gn_cutting_add(&w->ctx, &w->dem, &w->boundary, &w->cutting, error);
+    return gn_cutting_add(&world->ctx, &world->dem, &world->boundary, &world->cutting, error);
 }
 
 const gn_feature gn_feature_cutting = {
@@ -213,12 +216,12 @@ const gn_feature gn_feature_cutting = {
     .hook = {[GN_HOOK_WORK] = add_cut},
 };
 
-static bool has_events(const gn_world *w) {
-    return w->ctx.effects & GN_FX_EVENTS;
+static bool has_events(const gn_world *world) {
+    return world->ctx.effects & GN_FX_EVENTS;
 }
 
 GN_HOOK(note_events) {
-    return gn_events_note(&w->ctx, &w->dem, error);
+    return gn_events_note(&world->ctx, &world->dem, error);
 }
 
 const gn_feature gn_feature_events = {
@@ -229,12 +232,12 @@ const gn_feature gn_feature_events = {
 
 /* --- what acts on the specimen --- */
 
-static bool is_controlled(const gn_world *w) {
-    return w->ctx.scene.test.has_control;
+static bool is_controlled(const gn_world *world) {
+    return world->ctx.scene.test.has_control;
 }
 
 GN_HOOK(control_ends) {
-    gn_control_update(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->gauge);
+    gn_control_update(&world->ctx, &world->dem, &world->boundary, &world->solids, &world->gauge);
     return GNEISS_OK;
 }
 
@@ -244,12 +247,12 @@ const gn_feature gn_feature_control = {
     .hook = {[GN_HOOK_BEFORE_FORCES] = control_ends},
 };
 
-static bool has_membrane(const gn_world *w) {
-    return w->ctx.effects & GN_FX_MEMBRANE;
+static bool has_membrane(const gn_world *world) {
+    return world->ctx.effects & GN_FX_MEMBRANE;
 }
 
 GN_HOOK(press) {
-    return gn_membrane_apply(&w->ctx, &w->dem, &w->membrane, error);
+    return gn_membrane_apply(&world->ctx, &world->dem, &world->membrane, error);
 }
 
 const gn_feature gn_feature_membrane = {
@@ -258,23 +261,23 @@ const gn_feature gn_feature_membrane = {
     .hook = {[GN_HOOK_BEFORE_FORCES] = press},
 };
 
-static bool is_periodic(const gn_world *w) {
-    return w->ctx.effects & GN_FX_PERIODIC;
+static bool is_periodic(const gn_world *world) {
+    return world->ctx.effects & GN_FX_PERIODIC;
 }
 
-/* A servo asks for the stress in every step. */
+/* A servo needs the stress in every step. */
 GN_HOOK(ask_for_sums) {
-    w->ctx.sums |= gn_box_moves(&w->ctx, &w->box);
+    world->ctx.sums |= gn_box_moves(&world->ctx, &world->box);
     return GNEISS_OK;
 }
 
 GN_HOOK(book_box) {
-    gn_box_book(&w->ctx, &w->dem, &w->box, &w->ledger);
+    gn_box_book(&world->ctx, &world->dem, &world->box, &world->ledger);
     return GNEISS_OK;
 }
 
 GN_HOOK(move_box) {
-    return gn_box_move(&w->ctx, &w->dem, &w->box, &w->ledger, error);
+    return gn_box_move(&world->ctx, &world->dem, &world->box, &world->ledger, error);
 }
 
 const gn_feature gn_feature_box = {
@@ -284,36 +287,37 @@ const gn_feature gn_feature_box = {
         {[GN_HOOK_READING] = ask_for_sums, [GN_HOOK_WORK] = book_box, [GN_HOOK_MOVED] = move_box},
 };
 
-static bool has_zones(const gn_world *w) {
-    return w->zones.coupled != NULL;
+static bool has_zones(const gn_world *world) {
+    return world->zones.coupled != NULL;
 }
 
 GN_HOOK(hold_zones) {
-    return gn_zones_hold(&w->ctx, &w->dem, &w->solids, &w->zones, error);
+    return gn_zones_hold(&world->ctx, &world->dem, &world->solids, &world->zones, error);
 }
 
 /* The stress of the elements is that at the places of the instant, before these have their loads.
  */
 GN_HOOK(read_zones) {
-    if (!w->ctx.measure) return GNEISS_OK;
+    if (!world->ctx.measure) return GNEISS_OK;
     const double begin = gn_now();
-    gneiss_status status = gn_coupled_mean_stress(&w->ctx, &w->dem, &w->solids, &w->zones,
-                                                  w->zones.state.stress, error);
-    w->ctx.seconds[GN_PHASE_measure] += gn_now() - begin;
+    gneiss_status status = gn_coupled_mean_stress(&world->ctx, &world->dem, &world->solids,
+                                                  &world->zones, world->zones.state.stress, error);
+    world->ctx.seconds[GN_PHASE_measure] += gn_now() - begin;
     return status;
 }
 
 GN_HOOK(act_on_zones) {
-    gn_zones_act(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger);
+    gn_zones_act(&world->ctx, &world->dem, &world->solids, &world->zones, &world->ledger);
     return GNEISS_OK;
 }
 
 GN_HOOK(follow_elements) {
-    return gn_zones_elements_moved(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, error);
+    return gn_zones_elements_moved(&world->ctx, &world->dem, &world->solids, &world->zones,
+                                   &world->ledger, error);
 }
 
 GN_HOOK(add_zones) {
-    gn_zones_add_to_reading(&w->zones, &w->ledger);
+    gn_zones_add_to_reading(&world->zones, &world->ledger);
     return GNEISS_OK;
 }
 

@@ -1,6 +1,6 @@
 /* The features of a world (frame/feature.h): those that its scene uses, and those that were added.
- * They are not saved with the world: what a feature of a scene has to keep is a member of the
- * world, and one that was added is added again after a resume. */
+ * They are not in checkpoints: the state of a scene's feature is a member of the world, and an
+ * added feature must be added again after a resume. */
 #ifndef GN_WORLD_FEATURES_H
 #define GN_WORLD_FEATURES_H
 
@@ -20,7 +20,7 @@ gneiss_status gn_feature_add(gn_world *world, gn_feature feature, gneiss_error *
 
 void gn_features_free(gn_features *features);
 
-/* Finds which of them the scene uses. */
+/* Finds which features the scene uses. */
 void gn_features_choose(gn_world *world);
 /* Finds the used features and holds their blocks, after lists were made. */
 gneiss_status gn_features_follow_lists(gn_world *world, gneiss_error *error);

@@ -13,7 +13,7 @@
 #ifndef NDEBUG
 #include <assert.h>
 
-enum { ALL_PAIRS_UP_TO = 400 }; /* particles, for what is looked at pair by pair */
+enum { ALL_PAIRS_UP_TO = 400 }; /* particles up to which all pairs are checked */
 
 static void assert_particles(const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
@@ -29,7 +29,7 @@ static void assert_particles(const gn_dem *dem) {
     for (size_t p = n; p < n + 2 && n > 0; p++) assert(q->pos[4 * p + 3] == 0.0);
 }
 
-/* Sorted by (i, j), none twice; padding belongs to the null particles. */
+/* Contacts are sorted by (i, j) and unique; padding refers to the null particles. */
 static void assert_contacts(const gn_dem *dem, const gn_contacts *list) {
     int32_t n = (int32_t)dem->particles.soa.count;
     for (size_t c = 0; c < list->soa.count; c++) {
@@ -59,12 +59,14 @@ static void assert_wall_contacts(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 /* Every end of a contact has a row among the partial sums of its block, which belongs to it. */
-static void assert_partials(const gn_dem *dem, const gn_contacts *list, const gn_partials *q) {
+static void assert_partials(const gn_dem *dem, const gn_contacts *list,
+                            const gn_partials *partials) {
     if (list->soa.count == 0) return;
-    assert(q->blocks == gn_blocks(list->soa.count, q->length));
+    assert(partials->blocks == gn_blocks(list->soa.count, partials->length));
     for (size_t b = 0; b <= gn_blocks(dem->particles.soa.count, GN_PARTICLE_BLOCK); b++)
-        assert(b == 0 || q->start[b - 1] <= q->start[b]);
-    for (size_t b = 0; b < q->blocks; b++) assert(q->first[b] <= q->first[b + 1]);
+        assert(b == 0 || partials->start[b - 1] <= partials->start[b]);
+    for (size_t b = 0; b < partials->blocks; b++)
+        assert(partials->first[b] <= partials->first[b + 1]);
 }
 
 static bool listed(const gn_contacts *list, int32_t i, int32_t j) {

@@ -41,7 +41,8 @@ static void add_elements(const gn_scene *scene, const gn_mesh *mesh, gn_extent *
     gn_extent_add(extent, upper, 0.0);
 }
 
-/* Only axes along which the model lies far away get more than a small multiple of its extent. */
+/* Only axes along which the model is far from 0 get an origin of more than a small multiple of its
+ * extent. */
 static void settle(gn_scene *scene, const gn_extent *extent) {
     double size = 0.0, far = 0.0, middle[3] = {0, 0, 0};
     int exponent;
@@ -102,18 +103,18 @@ static void take_off(const gn_scene *scene, double *rows, size_t count, size_t w
             rows[width * k + a] -= scene->origin[a];
 }
 
-gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
-    if (w->ctx.given.stage_count) {
-        GN_TRY(gn_stages_scene(w, &w->ctx.scene, error));
+gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error) {
+    if (world->ctx.given.stage_count) {
+        GN_TRY(gn_stages_scene(world, &world->ctx.scene, error));
     } else {
-        GN_TRY(gn_scene_copy(&w->ctx.given, &w->ctx.scene, error));
-        gn_scene_shift(&w->ctx.scene);
+        GN_TRY(gn_scene_copy(&world->ctx.given, &world->ctx.scene, error));
+        gn_scene_shift(&world->ctx.scene);
     }
-    w->ctx.scene.specimen.packed = w->ctx.given.specimen.packed;
-    w->ctx.scene.specimen.packed_count = w->ctx.given.specimen.packed_count;
-    w->ctx.scene.specimen.packed_volume = w->ctx.given.specimen.packed_volume;
-    w->ctx.given.specimen.packed = NULL;
-    w->ctx.given.specimen.packed_count = 0;
+    world->ctx.scene.specimen.packed = world->ctx.given.specimen.packed;
+    world->ctx.scene.specimen.packed_count = world->ctx.given.specimen.packed_count;
+    world->ctx.scene.specimen.packed_volume = world->ctx.given.specimen.packed_volume;
+    world->ctx.given.specimen.packed = NULL;
+    world->ctx.given.specimen.packed_count = 0;
     return GNEISS_OK;
 }
 
@@ -141,8 +142,8 @@ static gneiss_status read_specimen(gn_scene *scene, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    gn_scene *s = &w->ctx.given;
+gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error) {
+    gn_scene *s = &world->ctx.given;
     *mesh = (gn_mesh){0};
     GN_TRY(read_specimen(s, error));
     if (s->has_elements && s->elements.mesh[0]) GN_TRY(read_elements(s, mesh, error));
@@ -150,7 +151,7 @@ gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     if (s->specimen.file[0] || s->specimen.from[0])
         take_off(s, s->specimen.packed, s->specimen.packed_count, 4);
     take_off(s, mesh->node, mesh->node_count, 3);
-    return gn_origin_shift(w, error);
+    return gn_origin_shift(world, error);
 }
 
 /* --- what is lost even so --- */
@@ -165,11 +166,11 @@ static double largest(const double x[3]) {
 }
 
 /* The largest coordinates of a record of particles or nodes at the start. */
-static void reach_of(const gn_particles *q, double reach[3]) {
+static void reach_of(const gn_particles *particles, double reach[3]) {
     for (size_t a = 0; a < 3; a++) {
         reach[a] = 0.0;
-        for (size_t p = 0; p < q->soa.count; p++)
-            reach[a] = fmax(reach[a], fabs(q->start[4 * p + a]));
+        for (size_t p = 0; p < particles->soa.count; p++)
+            reach[a] = fmax(reach[a], fabs(particles->start[4 * p + a]));
     }
 }
 
@@ -187,8 +188,9 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
-/* Refuses a path in a step that is too short; components far below the largest count as round-off.
- * A constant velocity is rounded the same way in step after step, up to half the spacing each. */
+/* Refuses a displacement per step that is too short; components far below the largest count as
+ * round-off. A constant velocity is rounded in the same way in every step, by up to half the
+ * spacing. */
 static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, const char *what,
                               const double velocity[3], const double reach[3],
                               gneiss_error *error) {
@@ -267,7 +269,7 @@ static gneiss_status check_bodies(const gn_step_context *ctx, const gn_dem *dem,
                               "the smallest radius", dem->radius_min, error));
         fastest(ctx->scene.bodies[k].motion.velocity, velocity);
         GN_TRY(too_slow(ctx, ctx->scene.bodies[k].where, what, velocity, b->position, error));
-        if (ctx->step == 0) /* what has come to rest since may be as slow as it likes */
+        if (ctx->step == 0) /* velocities may be arbitrarily small after the start */
             GN_TRY(
                 too_slow(ctx, ctx->scene.bodies[k].where, what, b->velocity, b->position, error));
     }

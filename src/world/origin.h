@@ -1,7 +1,7 @@
-/* The origin to which positions are relative in computations. A double has 16 digits: the farther a
- * model lies from 0, the fewer of them are left for its motion. Points come in relative to an
- * origin near the model (gn_origin_enter, gn_scene_shift) and go out again as the user sees them
- * (gn_world_point_out, gn_point_text). */
+/* The origin of the coordinates in computations. A double has 16 digits: the farther a model is
+ * from 0, the fewer of them resolve its motion. Points are converted to coordinates relative to an
+ * origin near the model (gn_origin_enter, gn_scene_shift) and back to the user's coordinates for
+ * output (gn_user_point, gn_point_text). */
 #ifndef GN_WORLD_ORIGIN_H
 #define GN_WORLD_ORIGIN_H
 
@@ -20,10 +20,10 @@ gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_erro
  * world->ctx.scene from it. The caller frees *mesh: the elements' file, relative to the origin. */
 gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error);
 
-/* world->ctx.scene from world->ctx.given, which says its origin. */
+/* Makes world->ctx.scene from world->ctx.given, which contains its origin. */
 gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
 
-/* Refuses a specimen of which, even so, places are too coarse: the spacing of doubles there above
+/* Refuses a specimen whose positions are too coarse even so: the spacing of doubles there exceeds
  * 1e-8 of the smallest radius. */
 gneiss_status gn_origin_check_specimen(const gn_step_context *ctx, const gn_dem *dem,
                                        gneiss_error *error);

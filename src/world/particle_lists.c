@@ -30,7 +30,8 @@ static double surface_speed(const gn_boundary *boundary, const gn_surface *surfa
     return sqrt(gn_dot3(b->velocity, b->velocity)) + b->reach * sqrt(gn_dot3(b->spin, b->spin));
 }
 
-/* By how much two things that may touch moved apart in the last step, at most. */
+/* Returns an upper bound of the distance by which two objects that may touch moved apart in the
+ * last step. */
 static double widest_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          const gn_periodic_box *box) {
     double own = largest_speed(dem->particles.vel, dem->particles.soa.count), other = own;
@@ -63,40 +64,45 @@ static gneiss_status drop_removed(const gn_step_context *ctx, gn_dem *dem, gn_bo
     return gn_boundary_renumber(boundary, place, error);
 }
 
-/* Removes the particles that have left the domain or come into a sink. */
-static gneiss_status remove_gone(gn_world *w, gneiss_error *error) {
+/* Removes the particles that have left the domain or entered a sink. */
+static gneiss_status remove_gone(gn_world *world, gneiss_error *error) {
     GN_FREED int32_t *gone = NULL;
-    GN_TRY(gn_particles_find_gone(&w->ctx, &w->dem, &w->boundary, &w->ledger, &gone, error));
+    GN_TRY(gn_particles_find_gone(&world->ctx, &world->dem, &world->boundary, &world->ledger, &gone,
+                                  error));
     if (!gone) return GNEISS_OK;
-    gn_coupled_remove(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, gone);
-    GN_TRY(gn_particles_take_out(&w->ctx, &w->dem, &w->ledger, gone, error));
-    return gn_gauge_leave(&w->ctx, &w->dem, &w->gauge, error);
+    gn_coupled_remove(&world->ctx, &world->dem, &world->solids, &world->zones, &world->ledger,
+                      gone);
+    GN_TRY(gn_particles_take_out(&world->ctx, &world->dem, &world->ledger, gone, error));
+    return gn_gauge_leave(&world->ctx, &world->dem, &world->gauge, error);
 }
 
-gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
-    GN_TRY(remove_gone(w, error));
-    gn_dem_wrap(&w->ctx, &w->dem);
-    GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
-    GN_TRY(gn_lists_form(&w->ctx, &w->dem, error));
-    return gn_converts(&w->ctx) ? gn_conversion_deactivate_all(&w->ctx, &w->dem, &w->boundary,
-                                                               &w->solids, &w->converted, error)
-                                : GNEISS_OK;
+gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error) {
+    GN_TRY(remove_gone(world, error));
+    gn_dem_wrap(&world->ctx, &world->dem);
+    GN_TRY(reorder(&world->ctx, &world->dem, &world->boundary, error));
+    GN_TRY(gn_lists_form(&world->ctx, &world->dem, error));
+    return gn_converts(&world->ctx)
+               ? gn_conversion_deactivate_all(&world->ctx, &world->dem, &world->boundary,
+                                              &world->solids, &world->converted, error)
+               : GNEISS_OK;
 }
 
-gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
-    gn_near_repack(&w->ctx, &w->dem);
-    gn_dem_tune_skin(&w->ctx, &w->dem);
-    gn_dem_widen_skin(&w->ctx, &w->dem, widest_gap(&w->ctx, &w->dem, &w->boundary, &w->box));
-    GN_TRY(drop_removed(&w->ctx, &w->dem, &w->boundary, error));
-    GN_TRY(remove_gone(w, error));
-    gn_dem_wrap(&w->ctx, &w->dem);
-    GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, false, error));
-    if (gn_dem_order_is_old(&w->ctx, &w->dem))
-        GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
-    GN_TRY(gn_dem_make_lists(&w->ctx, &w->dem, &w->box, error));
-    gn_flow_listed(&w->ctx, &w->dem);
-    gn_box_listed(&w->ctx, &w->dem, &w->box);
-    gn_walls_listed(&w->ctx, &w->dem, &w->boundary);
+gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error) {
+    gn_near_repack(&world->ctx, &world->dem);
+    gn_dem_tune_skin(&world->ctx, &world->dem);
+    gn_dem_widen_skin(&world->ctx, &world->dem,
+                      widest_gap(&world->ctx, &world->dem, &world->boundary, &world->box));
+    GN_TRY(drop_removed(&world->ctx, &world->dem, &world->boundary, error));
+    GN_TRY(remove_gone(world, error));
+    gn_dem_wrap(&world->ctx, &world->dem);
+    GN_TRY(
+        gn_flow_arrive(&world->ctx, &world->dem, &world->boundary, &world->ledger, false, error));
+    if (gn_dem_order_is_old(&world->ctx, &world->dem))
+        GN_TRY(reorder(&world->ctx, &world->dem, &world->boundary, error));
+    GN_TRY(gn_dem_make_lists(&world->ctx, &world->dem, &world->box, error));
+    gn_flow_listed(&world->ctx, &world->dem);
+    gn_box_listed(&world->ctx, &world->dem, &world->box);
+    gn_walls_listed(&world->ctx, &world->dem, &world->boundary);
     return GNEISS_OK;
 }
 

@@ -1,11 +1,11 @@
-/* The particles take over what the next stage of the scene says. */
+/* Applies the scene of the next stage to the particles. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/contact_rows.h"
 #include "particles/bonds.h"
 #include "particles/law.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
+#include "particles/sets.h"
 #include "world/particle_step.h"
 #include "world/world.h"
 
@@ -35,14 +35,15 @@ static gneiss_status enter_hertz(const gn_step_context *ctx, gn_dem *dem,
     return status;
 }
 
-gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
-    if (!w->ctx.scene.has_specimen) return GNEISS_OK;
-    double stored = gn_contacts_stored(&w->ctx, &w->dem, &w->box);
-    GN_TRY(enter_hertz(&w->ctx, &w->dem, &w->boundary, &w->ledger, error));
-    GN_TRY(gn_dem_take_effects(&w->ctx, &w->dem, error));
-    GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->stages, error));
-    w->ledger.energy.stage_change += gn_contacts_stored(&w->ctx, &w->dem, &w->box) - stored;
-    gn_dem_step_changed(&w->ctx, &w->dem); /* dashpots */
-    gn_near_forget(&w->ctx, &w->dem);      /* velocities and parameters may be others */
-    return gn_sets_enter(&w->ctx, &w->dem, error);
+gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error) {
+    if (!world->ctx.scene.has_specimen) return GNEISS_OK;
+    double stored = gn_contacts_stored(&world->ctx, &world->dem, &world->box);
+    GN_TRY(enter_hertz(&world->ctx, &world->dem, &world->boundary, &world->ledger, error));
+    GN_TRY(gn_dem_take_effects(&world->ctx, &world->dem, error));
+    GN_TRY(enter_bonds(&world->ctx, &world->dem, &world->stages, error));
+    world->ledger.energy.stage_change +=
+        gn_contacts_stored(&world->ctx, &world->dem, &world->box) - stored;
+    gn_dem_step_changed(&world->ctx, &world->dem); /* dashpots */
+    gn_near_forget(&world->ctx, &world->dem);      /* velocities and parameters may be others */
+    return gn_sets_enter(&world->ctx, &world->dem, error);
 }

@@ -1,4 +1,4 @@
-/* The particles' part of a step: forces, motion, and what both sum up to. */
+/* The particles' part of a step: forces, motion, and their sums. */
 #include "world/particle_step.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -10,9 +10,10 @@
 #include "membrane/membrane.h"
 #include "particles/active_pairs.h"
 #include "particles/flow.h"
+#include "particles/law.h"
 #include "particles/motion.h"
-#include "particles/parameters.h"
 #include "particles/particles.h"
+#include "particles/sets.h"
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "world/space.h"
@@ -42,25 +43,27 @@ gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_bo
     return a;
 }
 
-static void list_args(const gn_world *w, bool measure, gn_contact_args args[GN_LIST_COUNT]) {
+static void list_args(const gn_world *world, bool measure, gn_contact_args args[GN_LIST_COUNT]) {
     for (int l = 0; l < GN_LIST_COUNT; l++)
-        args[l] = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.list[l], measure);
+        args[l] = gn_dem_contact_args(&world->ctx, &world->dem, &world->box, &world->dem.list[l],
+                                      measure);
 }
 
 /* --- forces and motion --- */
 
-void gn_dem_forces(gn_world *w, bool measure) {
-    gn_dem *d = &w->dem;
-    if (w->ctx.effects & GN_FX_PRESCRIBED)
-        gn_prescription_update(&w->ctx, &w->dem, w->ctx.time + 0.5 * w->ctx.dt);
+void gn_dem_forces(gn_world *world, bool measure) {
+    gn_dem *d = &world->dem;
+    if (world->ctx.effects & GN_FX_PRESCRIBED)
+        gn_prescription_update(&world->ctx, &world->dem, world->ctx.time + 0.5 * world->ctx.dt);
     if (!d->particles.soa.count) return;
-    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds.contacts);
-    if (w->ctx.dt_past > 0.0 && w->ctx.dt != w->ctx.dt_past && w->ctx.effects & GN_FX_ENERGY)
+    gn_dem_confine(&world->ctx, &world->dem, &world->dem.bonds.contacts);
+    if (world->ctx.dt_past > 0.0 && world->ctx.dt != world->ctx.dt_past &&
+        world->ctx.effects & GN_FX_ENERGY)
         gn_dem_keep_velocities(d);
     gn_contact_args contacts[GN_LIST_COUNT];
-    list_args(w, measure, contacts);
-    gn_motion_args motion = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, measure);
-    gn_dem_sweep(w, contacts, &motion);
+    list_args(world, measure, contacts);
+    gn_motion_args motion = gn_dem_motion_args(&world->ctx, &world->dem, &world->boundary, measure);
+    gn_dem_sweep(world, contacts, &motion);
 }
 
 /* Sums of the contacts of particles, bodies and facets with walls and each other. */
@@ -84,29 +87,30 @@ void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
 
 /* --- at another state than the last --- */
 
-void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
-    const double past = w->ctx.dt_past;
-    if (w->ctx.effects & GN_FX_PRESCRIBED) gn_prescription_update(&w->ctx, &w->dem, w->ctx.time);
-    w->ctx.dt_past = span;
-    gn_dem_forget_speed(&w->ctx, &w->dem);
-    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds.contacts);
+void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure) {
+    const double past = world->ctx.dt_past;
+    if (world->ctx.effects & GN_FX_PRESCRIBED)
+        gn_prescription_update(&world->ctx, &world->dem, world->ctx.time);
+    world->ctx.dt_past = span;
+    gn_dem_forget_speed(&world->ctx, &world->dem);
+    gn_dem_confine(&world->ctx, &world->dem, &world->dem.bonds.contacts);
     gn_contact_args contacts[GN_LIST_COUNT];
-    list_args(w, measure, contacts);
-    gn_motion_args motion = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, measure);
+    list_args(world, measure, contacts);
+    gn_motion_args motion = gn_dem_motion_args(&world->ctx, &world->dem, &world->boundary, measure);
     motion.dt_past = 0.0;
     motion.dt = kick;
     if (kick > 0.0) motion.damping = motion.damping_spin = 0.0;
-    gn_dem_sweep(w, contacts, &motion);
-    w->ctx.dt_past = past;
-    const gn_contact_sums walls = wall_sums(&w->ctx, &w->dem, &w->boundary);
-    gn_dem_add_up(&w->dem, &walls);
-    if (w->ctx.effects & GN_FX_PRESCRIBED) gn_reactions_sum(&w->ctx, &w->dem);
+    gn_dem_sweep(world, contacts, &motion);
+    world->ctx.dt_past = past;
+    const gn_contact_sums walls = wall_sums(&world->ctx, &world->dem, &world->boundary);
+    gn_dem_add_up(&world->dem, &walls);
+    if (world->ctx.effects & GN_FX_PRESCRIBED) gn_reactions_sum(&world->ctx, &world->dem);
 }
 
 /* --- what came of it --- */
 
-static void book_contacts(const gn_dem_sums *s, gn_energy *e) {
-#define X(name, text) e->name += s->contacts.name + s->walls.name;
+static void book_contacts(const gn_dem_sums *sums, gn_energy *energy) {
+#define X(name, text) energy->name += sums->contacts.name + sums->walls.name;
     GN_CONTACT_LOSSES(X)
 #undef X
 }
@@ -121,10 +125,11 @@ void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger) {
     ledger->step_change += dem->done.step_change[half];
 }
 
-void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
-    const gn_dem_sums *s = &w->dem.done;
-    const double volume = gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
-                                          &w->box, &w->approach);
+void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]) {
+    const gn_dem_sums *s = &world->dem.done;
+    const double volume =
+        gn_space_volume(&world->ctx, &world->dem, &world->membrane, &world->boundary,
+                        &world->solids, &world->box, &world->approach);
     ledger->kinetic = s->motion.kinetic;
     ledger->rotational = s->motion.rotational;
     ledger->elastic_normal = s->contacts.elastic_normal;
@@ -132,7 +137,7 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     ledger->elastic_bending = s->contacts.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++) stress[k] = (s->contacts.stress[k] + s->walls.stress[k]) / volume;
-    gn_membrane_stress(&w->ctx, &w->membrane, volume, stress);
+    gn_membrane_stress(&world->ctx, &world->membrane, volume, stress);
 }
 
 /* N: sizes of the forces of all contacts of particles, with each other and with walls, bodies and

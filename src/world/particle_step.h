@@ -12,26 +12,26 @@
 
 #include <stdbool.h>
 
-/* Takes what the scene of another stage says, before the lists are made anew. */
+/* Applies the scene of another stage, before the lists are rebuilt. */
 gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
-/* Sorts the particles and forms their bonds, once all of the scene is there. */
+/* Sorts the particles and forms their bonds, when the scene is complete. */
 gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
-/* Makes the lists anew. */
+/* Rebuilds the lists. */
 gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
 /* All that follows from records and lists, which were read. */
 gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
                              gneiss_error *error);
-/* Forces of the instant, and the motion of what does not wait for an exchange, in one sweep; */
+/* Computes the forces of the instant, and moves all blocks that no exchange holds, in one sweep. */
 void gn_dem_forces(gn_world *world, bool measure);
-/* then the motion of what waited, and what the step sums up to. */
+/* Moves the held blocks, and computes the sums of the step. */
 void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure);
-/* Computes forces at the present positions, for a search for equilibrium: contacts take the
+/* Computes forces at the present positions, for a search for equilibrium: contacts use the
  * velocities as those of a path of `span` s that led here, 0: none. Then the loads, including
  * gravity and applied forces, change the velocities for half of `kick` s, without background
  * damping; positions are undefined after that. With `kick` 0 nothing moves. */
 void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
-/* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
- * stress, Pa. */
+/* gn_dem_book books works and the energy that contacts dissipated; gn_dem_measure writes the stored
+ * energy at the instant between the halves, and the stress, Pa. */
 void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger);
 void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]);
 /* Adds the mean resultant on a free particle over the mean contact force. */
@@ -40,7 +40,7 @@ void gn_dem_balance(const gn_dem *dem, const gn_boundary *boundary, gn_balance *
 gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   bool measure);
 
-/* sweep.c: walls, contacts and motion of one step, in parallel. */
+/* particle_sweep.c: walls, contacts and motion of one step, in parallel. */
 void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
                   const gn_motion_args *motion);
 

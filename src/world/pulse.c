@@ -1,4 +1,4 @@
-/* A plane wave that is under way at the start (initial.pulse). */
+/* A plane wave that exists at the start (initial.pulse). */
 #include "base/error.h"
 #include "base/vec3.h"
 #include "fem/fem.h"
@@ -13,27 +13,27 @@
 
 #include <math.h>
 
-static void start(const gn_scene *scene, gn_particles *q) {
+static void start(const gn_scene *scene, gn_particles *particles) {
     const gn_pulse *p = &scene->pulse;
     double n[3] = {0.0}, size2 = 0.0;
     for (int a = 0; a < (int)scene->dimension; a++) size2 += p->direction[a] * p->direction[a];
     for (int a = 0; a < (int)scene->dimension; a++) n[a] = p->direction[a] / sqrt(size2);
-    for (size_t k = 0; k < q->soa.count; k++) {
+    for (size_t k = 0; k < particles->soa.count; k++) {
         double at = 0.0, u, v;
-        for (size_t a = 0; a < 3; a++) at += n[a] * (q->start[4 * k + a] - p->centre[a]);
+        for (size_t a = 0; a < 3; a++) at += n[a] * (particles->start[4 * k + a] - p->centre[a]);
         if (!(fabs(at) < 0.5 * p->length)) continue;
         u = 0.5 * p->size * (1.0 + cos(2.0 * M_PI * at / p->length));
         v = p->speed * p->size * M_PI / p->length * sin(2.0 * M_PI * at / p->length);
         for (size_t a = 0; a < 3; a++) {
-            q->pos[4 * k + a] += u * n[a];
-            q->vel[4 * k + a] += v * n[a];
+            particles->pos[4 * k + a] += u * n[a];
+            particles->vel[4 * k + a] += v * n[a];
         }
     }
 }
 
-/* Bonds are sheared as the pulse shears them: their tangential springs build up with what happens
- * and know nothing of places. Without that a disordered packing would keep a part of the pulse
- * where it began, normal springs against tangential ones. */
+/* Shears bonds with the pulse: tangential springs are incremental and do not follow from positions.
+ * Otherwise a disordered packing would keep a part of the pulse where it began, held between normal
+ * and tangential springs. */
 static void shear_bonds(const gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const gn_contacts *b = &dem->bonds.contacts;
@@ -83,13 +83,14 @@ static void start_elements(const gn_step_context *ctx, gn_solids *solids) {
 
 /* Bonds were made at the places without it. Elements that reach into a zone may have nodes in it
  * that no particle of the zone is in, which follows them all the same. */
-gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
-    const bool particles = w->dem.particles.soa.count > 0;
-    if (!w->ctx.scene.has_pulse) return GNEISS_OK;
-    if (particles) start(&w->ctx.scene, &w->dem.particles);
-    GN_TRY(check_zones(&w->ctx, &w->dem, error));
-    start_elements(&w->ctx, &w->solids);
-    if (w->ctx.scene.has_couple) gn_coupled_begin(&w->ctx, &w->dem, &w->solids, &w->zones);
-    if (particles) shear_bonds(&w->ctx, &w->dem);
-    return particles ? gn_world_rebuild(w, error) : GNEISS_OK;
+gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error) {
+    const bool particles = world->dem.particles.soa.count > 0;
+    if (!world->ctx.scene.has_pulse) return GNEISS_OK;
+    if (particles) start(&world->ctx.scene, &world->dem.particles);
+    GN_TRY(check_zones(&world->ctx, &world->dem, error));
+    start_elements(&world->ctx, &world->solids);
+    if (world->ctx.scene.has_couple)
+        gn_coupled_begin(&world->ctx, &world->dem, &world->solids, &world->zones);
+    if (particles) shear_bonds(&world->ctx, &world->dem);
+    return particles ? gn_world_rebuild(world, error) : GNEISS_OK;
 }

@@ -16,44 +16,45 @@
 
 #include <math.h>
 
-gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
+gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error) {
     const double start = gn_now();
-    const bool first = w->dem.verlet.rebuilds == 0;
-    GN_TRY(gn_dem_refresh(w, error));
-    GN_TRY(gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, first, error));
-    GN_TRY(gn_features_follow_lists(w, error));
-    GN_TRY(gn_depth_update(&w->ctx, &w->dem, &w->boundary, error));
-    gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
-    w->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
+    const bool first = world->dem.verlet.rebuilds == 0;
+    GN_TRY(gn_dem_refresh(world, error));
+    GN_TRY(gn_boundary_refresh(&world->ctx, &world->dem, &world->boundary, first, error));
+    GN_TRY(gn_features_follow_lists(world, error));
+    GN_TRY(gn_depth_update(&world->ctx, &world->dem, &world->boundary, error));
+    gn_world_assert_lists(&world->ctx, &world->dem, &world->boundary);
+    world->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
 }
 
-gn_convertible gn_world_convertible(gn_world *w) {
-    return (gn_convertible){
-        &w->ctx,         &w->dem,    &w->boundary, &w->solids,       &w->zones, &w->converted,
-        &w->most_loaded, &w->ledger, &w->outcome,  gn_world_rebuild, w};
+gn_convertible gn_world_convertible(gn_world *world) {
+    return (gn_convertible){&world->ctx,         &world->dem,    &world->boundary,
+                            &world->solids,      &world->zones,  &world->converted,
+                            &world->most_loaded, &world->ledger, &world->outcome,
+                            gn_world_rebuild,    world};
 }
 
-gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
-    GN_TRY(gn_boundary_restore(&w->ctx, &w->dem, &w->boundary, error));
-    return gn_features_follow_lists(w, error);
+gneiss_status gn_world_restore(gn_world *world, gneiss_error *error) {
+    GN_TRY(gn_dem_restore(&world->ctx, &world->dem, &world->box, error));
+    GN_TRY(gn_boundary_restore(&world->ctx, &world->dem, &world->boundary, error));
+    return gn_features_follow_lists(world, error);
 }
 
-gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
+gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error) {
     bool more = false;
-    GN_TRY(gn_world_rebuild(w, error));
-    /* A surface that gives way may have come near many particles since the last look. */
-    GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &more, error));
+    GN_TRY(gn_world_rebuild(world, error));
+    /* A deformable surface may have come near many particles since the last check. */
+    GN_TRY(gn_boundary_yields_more(&world->ctx, &world->dem, &world->boundary, &more, error));
     if (more)
-        GN_TRY(gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                   &w->ledger, false, error));
-    return gn_world_check_lists(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                                error);
+        GN_TRY(gn_timestep_check(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                                 &world->zones, &world->ledger, false, error));
+    return gn_timestep_check_lists(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                                   &world->zones, &world->ledger, error);
 }
 
-/* m: how far a particle may go before the lists are made anew, whatever is beside it. Sinks and the
- * sides of a domain are looked at then as well. */
+/* Returns the path of a particle, m, after which the lists are rebuilt even without neighbours.
+ * Sinks and the sides of a domain are checked then as well. */
 static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
     const double skin = dem->verlet.skin;
     return ctx->effects & GN_FX_WALLS || ctx->scene.has_domain || ctx->scene.sink_count
@@ -73,22 +74,23 @@ static double flown(const gn_step_context *ctx, const gn_dem *dem) {
 /* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle
  * and a wall or a surface by the sum of theirs. The cheap bound on the path adds up the largest
  * speed; when it runs out, the true displacements take its place. */
-gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
-    const gn_verlet *v = &w->dem.verlet;
-    double other = gn_boundary_travel(&w->ctx, &w->boundary, false);
-    const double ahead = flown(&w->ctx, &w->dem), flow = w->box.path + 2.0 * ahead;
-    gn_dem_force_lists(&w->dem, false);
-    const bool due = gn_flow_due(&w->ctx, &w->dem) || gn_sinks_are_due(&w->ctx, &w->dem);
-    const double most = farthest(&w->ctx, &w->dem) - ahead;
+gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error) {
+    const gn_verlet *v = &world->dem.verlet;
+    double other = gn_boundary_travel(&world->ctx, &world->boundary, false);
+    const double ahead = flown(&world->ctx, &world->dem), flow = world->box.path + 2.0 * ahead;
+    gn_dem_force_lists(&world->dem, false);
+    const bool due =
+        gn_flow_due(&world->ctx, &world->dem) || gn_sinks_are_due(&world->ctx, &world->dem);
+    const double most = farthest(&world->ctx, &world->dem) - ahead;
     if (!due && v->closed + flow <= v->skin && v->drift + other <= most) return GNEISS_OK;
     double start = gn_now();
-    gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
-    other = gn_boundary_travel(&w->ctx, &w->boundary, true);
-    w->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
-    /* A tenth of the skin in hand, or the next step would run out again. */
+    gn_dem_look_at_travel(&world->ctx, &world->dem, &world->box);
+    other = gn_boundary_travel(&world->ctx, &world->boundary, true);
+    world->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
+    /* Requires a margin of a tenth of the skin, or the next step would exceed it again. */
     if (1.1 * v->closed + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * most) {
         if (!due) return GNEISS_OK;
-        gn_dem_force_lists(&w->dem, true);
+        gn_dem_force_lists(&world->dem, true);
     }
-    return gn_world_renew_lists(w, error);
+    return gn_world_renew_lists(world, error);
 }

@@ -19,18 +19,18 @@
 static const double large = 5.0, large_in_test = 2.0, large_tool = 1.0;
 /* Least displacement over the size of a specimen that loads it; rock breaks at 1e-4 to 1e-2. */
 static const double next_to_nothing = 1e-4;
-/* kg/m3: of materials as they are given in kg and m. */
+/* kg/m3: densities of materials given in kg and m are above this. */
 static const double density_least = 10.0, density_most = 3e4;
 /* Waves cross a body that often before it is loaded as a whole. */
 static const double crossings = 3.0;
 /* Largest size of a tool or container over that of its contents. */
 static const double size_ratio = 50.0;
 
-/* A file, the size of what is in it, and the size of its parts: radii, heights of elements. */
+/* A file, the size of its content, and the size of its parts: radii, heights of elements. */
 typedef struct file_size {
     const char *key;
     gn_scene_place where;
-    double longest, part; /* m; part 0: not known */
+    double longest, part; /* m; part 0: unknown */
 } file_size;
 
 static double longest_side(const double *pos, size_t count, bool radii, int dimension) {
@@ -52,7 +52,7 @@ static double specimen_size(const gn_step_context *ctx, const gn_dem *dem) {
     return longest_side(q->pos, q->soa.count, true, (int)ctx->scene.dimension);
 }
 
-static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_size *f) {
+static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_size *file) {
     const gn_specimen *s = &ctx->scene.specimen;
     const char *key = s->file[0]                           ? "specimen.file"
                       : s->pack.shape == GN_SHAPE_SURFACE  ? "specimen.surface"
@@ -60,7 +60,7 @@ static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_si
                       : gn_scene_from_packing(&ctx->scene) ? "specimen.from"
                                                            : NULL;
     if (!ctx->scene.has_specimen || s->scale_given || !key) return false;
-    *f = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
+    *file = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
     return true;
 }
 
@@ -84,7 +84,7 @@ static double length_of(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
 
-/* m/s, of whatever is moved; NaN: what drives the model is no speed. */
+/* m/s, largest prescribed speed; NaN: the model is not driven by speeds. */
 static double largest_speed(const gn_scene *scene) {
     double most = scene->random_velocity;
     if (scene->source_count || scene->has_membrane || scene->has_pulse ||
@@ -111,7 +111,7 @@ static double largest_speed(const gn_scene *scene) {
     return most;
 }
 
-/* Why a specimen of that size is none; "": nothing speaks against it. */
+/* Writes the reason why this size is implausible; "": there is none. */
 static void reason(const gn_step_context *ctx, const file_size *file, char *text, size_t size) {
     const gn_scene *s = &ctx->scene;
     const double speed = ctx->given.stage_count ? NAN : largest_speed(s),
@@ -148,23 +148,23 @@ static bool is_in_kilograms(const gn_scene *scene) {
     return true;
 }
 
-static bool tell(const gn_step_context *ctx, const file_size *f, const char *why, char *text,
+static bool tell(const gn_step_context *ctx, const file_size *file, const char *why, char *text,
                  size_t size) {
     char part[64] = "";
-    if (f->part > 0.0)
+    if (file->part > 0.0)
         snprintf(part, sizeof part,
-                 f->key[0] == 'e' ? ", elements down to %.3g m high"
-                                  : ", particles from %.3g m in diameter on",
-                 2.0 * f->part);
+                 file->key[0] == 'e' ? ", elements down to %.3g m high"
+                                     : ", particles from %.3g m in diameter on",
+                 2.0 * file->part);
     snprintf(text, size,
              "%s: %.4g m long%s, without a scale, which takes the file's lengths for metres, and "
              "%s; %sscale: 0.001 if they are millimetres, scale: 1 if they are metres",
-             gn_scene_at(&ctx->scene, f->where, f->key).text, f->longest, part, why,
-             strcmp(f->key, "specimen.from") == 0 ? "pack it with " : "");
+             gn_scene_at(&ctx->scene, file->where, file->key).text, file->longest, part, why,
+             strcmp(file->key, "specimen.from") == 0 ? "pack it with " : "");
     return true;
 }
 
-/* A tool or container far larger than all that it meets. */
+/* Reports a tool or container that is far larger than the objects in contact with it. */
 static bool body_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         char *text, size_t size) {
     const double specimen = specimen_size(ctx, dem);

@@ -7,10 +7,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Tells whether a specimen, mesh or body from a file, without a `scale`, is so large that it does
- * not go together with the rest of the scene: a test in a laboratory, speeds and times that move it
- * by next to nothing, a specimen that is much smaller. `text`: which, its size, and why. What is
- * dense as nothing is in kg/m3 is taken for a scene in other units. */
+/* Tells whether a specimen, mesh or body from a file, without a `scale`, is implausibly large for
+ * the rest of the scene: a laboratory test, speeds and times that move it by a negligible distance,
+ * a specimen that is much smaller. `text`: the object, its size, and the reason. A density that no
+ * material has in kg/m3 is taken as a sign of other units. */
 bool gn_scale_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      const gn_solids *solids, char *text, size_t size);
 

@@ -18,7 +18,7 @@
 /* Distances of two walls, or of the sides of a periodic box, along an axis, m. */
 typedef struct span {
     double lower, upper; /* where they are now */
-    double now, start;   /* 0: there are none */
+    double now, start;   /* 0: not applicable */
 } span;
 
 static int find_wall(const gn_scene *scene, int axis, double sense) {
@@ -94,7 +94,8 @@ static bool is_periodic_all_round(const gn_step_context *ctx) {
     return ctx->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&ctx->scene);
 }
 
-/* How a membrane has changed what it encloses; several bodies under one move apart. */
+/* Returns the growth of the volume inside a membrane; several bodies under one membrane move apart.
+ * */
 static double membrane_growth(const gn_membrane *membrane) {
     const double *f = membrane->state->gradient;
     double cofactor[9];

@@ -1,5 +1,5 @@
-/* Going from one stage of the scene to the next: the scene of the stage takes the place of the one
- * before, and each part of the world takes what it holds of it anew. */
+/* Transition from one stage of the scene to the next: the scene of the stage replaces the former
+ * one, and each part of the world updates what it holds of it. */
 #include "scene/stages.h"
 
 #include "base/error.h"
@@ -37,52 +37,54 @@ static gneiss_status stages_create(const gn_step_context *ctx, gn_stages *stages
                          : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu stages", count);
 }
 
-gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error) {
-    GN_TRY(stages_create(&w->ctx, &w->stages, error));
-    GN_TRY(gn_scene_stage(&w->ctx.given, w->stages.now, scene, error));
+gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error) {
+    GN_TRY(stages_create(&world->ctx, &world->stages, error));
+    GN_TRY(gn_scene_stage(&world->ctx.given, world->stages.now, scene, error));
     gn_scene_shift(scene);
-    gn_scene_tables(scene, start_table, w);
+    gn_scene_tables(scene, start_table, world);
     return GNEISS_OK;
 }
 
-/* As at the start of a run: the step may become longer as well. */
-gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
-    int64_t lowered = w->ctx.dt_lowered;
-    w->ctx.dt = INFINITY;
-    gneiss_status status = gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids,
-                                               &w->zones, &w->ledger, true, error);
-    w->ctx.dt_lowered = lowered;
+/* Chooses the step as at the start of a run: it may also become longer. */
+gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error) {
+    int64_t lowered = world->ctx.dt_lowered;
+    world->ctx.dt = INFINITY;
+    gneiss_status status =
+        gn_timestep_check(&world->ctx, &world->dem, &world->boundary, &world->solids, &world->zones,
+                          &world->ledger, true, error);
+    world->ctx.dt_lowered = lowered;
     GN_TRY(status);
-    return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);
+    return gn_origin_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error);
 }
 
-gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
+gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error) {
     gn_scene *next = calloc(1, sizeof *next); /* too large for a stack */
     if (!next) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
-    const double pressure = gn_membrane_pressure_now(&w->ctx, &w->membrane);
-    w->stages.now = stage;
-    w->stages.state[stage].time = w->ctx.time;
-    w->stages.state[stage].step = w->ctx.step;
-    gneiss_status status = gn_stages_scene(w, next, error);
+    const double pressure = gn_membrane_pressure_now(&world->ctx, &world->membrane);
+    world->stages.now = stage;
+    world->stages.state[stage].time = world->ctx.time;
+    world->stages.state[stage].step = world->ctx.step;
+    gneiss_status status = gn_stages_scene(world, next, error);
     if (status == GNEISS_OK) {
-        gn_scene_free(&w->ctx.scene);
-        w->ctx.scene = *next; /* parts that point into it point to its place */
+        gn_scene_free(&world->ctx.scene);
+        world->ctx.scene = *next; /* parts that point into it point to its place */
     }
     free(next);
     if (status != GNEISS_OK) return status;
-    w->ctx.effects = gn_scene_effects(&w->ctx.scene);
-    gn_features_choose(w);
-    gn_membrane_enter(&w->ctx, &w->membrane, w->stages.now, pressure);
-    GN_TRY(gn_dem_enter(w, error));
-    gn_boundary_enter(&w->ctx, &w->boundary);
-    GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
-    GN_TRY(gn_elements_enter(&w->ctx, &w->solids, error));
-    if (w->ctx.scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
-    const bool forms = w->ctx.scene.bonds_stage == stage + 1 && w->ctx.scene.bonds == GN_SWITCH_ON;
+    world->ctx.effects = gn_scene_effects(&world->ctx.scene);
+    gn_features_choose(world);
+    gn_membrane_enter(&world->ctx, &world->membrane, world->stages.now, pressure);
+    GN_TRY(gn_dem_enter(world, error));
+    gn_boundary_enter(&world->ctx, &world->boundary);
+    GN_TRY(gn_bodies_check_speeds(&world->ctx, &world->boundary, error));
+    GN_TRY(gn_elements_enter(&world->ctx, &world->solids, error));
+    if (world->ctx.scene.has_specimen) GN_TRY(gn_world_rebuild(world, error));
+    const bool forms =
+        world->ctx.scene.bonds_stage == stage + 1 && world->ctx.scene.bonds == GN_SWITCH_ON;
     if (forms)
-        GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
-                                          error));
-    return gn_world_choose_step(w, error);
+        GN_TRY(gn_membrane_update_bearers(&world->ctx, &world->dem, &world->membrane,
+                                          &world->boundary, &world->solids, error));
+    return gn_world_choose_step(world, error);
 }
 
 /* --- a first stage in which nothing happens --- */

@@ -1,6 +1,6 @@
-/* One step of the model: lists, forces of all parts, motion, and the ledger. What a part does in
- * each is its own affair (particles.h, boundary.h, solids.h); what only some scenes use hooks into
- * the places of frame/feature.h. */
+/* One step of the model: lists, forces of all parts, motion, and the ledger. Each part implements
+ * its own share (particle_step.h, boundary.h, solids.h); features that only some scenes use are
+ * hooked into the places of frame/feature.h. */
 #include "base/error.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
@@ -22,111 +22,113 @@ typedef struct watch {
     double mark;
 } watch;
 
-static void start(watch *t) {
-    if (t->runs) t->mark = gn_now();
+static void start(watch *time) {
+    if (time->runs) time->mark = gn_now();
 }
 
-static void lap(watch *t, gn_phase phase) {
-    if (!t->runs || (phase == GN_PHASE_exchange && !t->w->features.holds)) return;
+static void lap(watch *time, gn_phase phase) {
+    if (!time->runs || (phase == GN_PHASE_exchange && !time->w->features.holds)) return;
     double now = gn_now();
-    t->w->ctx.seconds[phase] += GN_BOOKED * (now - t->mark);
-    t->mark = now;
+    time->w->ctx.seconds[phase] += GN_BOOKED * (now - time->mark);
+    time->mark = now;
 }
 
-/* Bonds that are made beyond their strength break in the first evaluation: what contacts lose there
- * was stored, as was what a sink or the domain took out before. */
-static void begin_ledger(gn_energy *e) {
-    e->stored_at_start = gn_energy_stored(e) + e->removed;
-#define X(name, text) e->stored_at_start += e->name;
+/* Bonds made with a load beyond their strength break in the first evaluation: the energy that
+ * contacts lose there counts as stored at the start, and so does the energy removed by a sink or
+ * the domain before. */
+static void begin_ledger(gn_energy *energy) {
+    energy->stored_at_start = gn_energy_stored(energy) + energy->removed;
+#define X(name, text) energy->stored_at_start += energy->name;
     GN_CONTACT_LOSSES(X)
 #undef X
 }
 
-/* The reading of the particles and what they touch. */
-static void read_particles(gn_world *w) {
-    gn_energy *e = &w->ledger.energy;
-    gn_dem_measure(w, e, w->ledger.stress);
-    gn_boundary_measure(&w->ctx, &w->boundary, e);
-    if (w->ctx.step == 0) begin_ledger(e);
-    w->ledger.balance = (gn_balance){0};
-    gn_dem_balance(&w->dem, &w->boundary, &w->ledger.balance);
-    gn_boundary_balance(&w->ctx, &w->boundary, &w->ledger.balance);
-    w->ledger.reading = *e;
+/* Takes the readings of the particles and of their contacts. */
+static void read_particles(gn_world *world) {
+    gn_energy *e = &world->ledger.energy;
+    gn_dem_measure(world, e, world->ledger.stress);
+    gn_boundary_measure(&world->ctx, &world->boundary, e);
+    if (world->ctx.step == 0) begin_ledger(e);
+    world->ledger.balance = (gn_balance){0};
+    gn_dem_balance(&world->dem, &world->boundary, &world->ledger.balance);
+    gn_boundary_balance(&world->ctx, &world->boundary, &world->ledger.balance);
+    world->ledger.reading = *e;
 }
 
-/* Elements keep a ledger of their own, which is added to the reading alone. Beside particles they
- * are no part of the specimen; alone they are it. */
-static gneiss_status read_elements(gn_world *w, gneiss_error *error) {
-    if (!w->ctx.scene.has_specimen) gn_elements_stress(&w->solids, w->ledger.stress);
-    gn_elements_balance(&w->solids, &w->ledger.balance);
-    gn_elements_book(&w->solids, &w->ledger.reading);
-    GN_TRY(gn_features_run(w, GN_HOOK_READ, error));
-    w->ledger.unbalanced = fmin(w->ledger.balance.ratio, GN_UNBALANCED_MOST);
+/* Elements have a ledger of their own, which is added to the reading only. In a model with
+ * particles elements are no part of the specimen; without particles they are the specimen. */
+static gneiss_status read_elements(gn_world *world, gneiss_error *error) {
+    if (!world->ctx.scene.has_specimen) gn_elements_stress(&world->solids, world->ledger.stress);
+    gn_elements_balance(&world->solids, &world->ledger.balance);
+    gn_elements_book(&world->solids, &world->ledger.reading);
+    GN_TRY(gn_features_run(world, GN_HOOK_READ, error));
+    world->ledger.unbalanced = fmin(world->ledger.balance.ratio, GN_UNBALANCED_MOST);
     return GNEISS_OK;
 }
 
 /* Moves held blocks, and rigid walls and bodies. Works are trapezoidal: one half closes the
  * interval that led here, one opens the coming one, and the reading lies between them. */
-static gneiss_status move(gn_world *w, watch *time, gneiss_error *error) {
+static gneiss_status move(gn_world *world, watch *time, gneiss_error *error) {
     start(time);
-    gn_dem_move(&w->ctx, &w->dem, &w->boundary, w->ctx.measure);
+    gn_dem_move(&world->ctx, &world->dem, &world->boundary, world->ctx.measure);
     lap(time, GN_PHASE_motion);
-    gn_boundary_book(&w->ctx, &w->boundary, GN_HALF_BEFORE, &w->ledger.energy);
-    gn_boundary_kick(&w->ctx, &w->dem, &w->boundary, &w->ledger);
-    gn_dem_book(&w->dem, GN_HALF_BEFORE, &w->ledger.energy);
-    GN_TRY(gn_features_run(w, GN_HOOK_WORK, error));
-    if (w->ctx.measure) read_particles(w);
-    gn_dem_book(&w->dem, GN_HALF_AFTER, &w->ledger.energy);
-    gn_boundary_move(&w->ctx, &w->dem, &w->boundary, &w->ledger);
-    gn_boundary_book(&w->ctx, &w->boundary, GN_HALF_AFTER, &w->ledger.energy);
+    gn_boundary_book(&world->ctx, &world->boundary, GN_HALF_BEFORE, &world->ledger.energy);
+    gn_boundary_kick(&world->ctx, &world->dem, &world->boundary, &world->ledger);
+    gn_dem_book(&world->dem, GN_HALF_BEFORE, &world->ledger.energy);
+    GN_TRY(gn_features_run(world, GN_HOOK_WORK, error));
+    if (world->ctx.measure) read_particles(world);
+    gn_dem_book(&world->dem, GN_HALF_AFTER, &world->ledger.energy);
+    gn_boundary_move(&world->ctx, &world->dem, &world->boundary, &world->ledger);
+    gn_boundary_book(&world->ctx, &world->boundary, GN_HALF_AFTER, &world->ledger.energy);
     lap(time, GN_PHASE_walls);
-    return gn_features_run(w, GN_HOOK_MOVED, error);
+    return gn_features_run(world, GN_HOOK_MOVED, error);
 }
 
-static gneiss_status finish(gn_world *w, watch *time, gneiss_error *error) {
-    const bool measure = w->ctx.measure;
-    GN_TRY(move(w, time, error));
-    GN_TRY(gn_dem_check(&w->ctx, &w->dem, &w->boundary, measure, error));
-    GN_TRY(gn_boundary_check(&w->ctx, &w->dem, &w->boundary, error));
+static gneiss_status finish(gn_world *world, watch *time, gneiss_error *error) {
+    const bool measure = world->ctx.measure;
+    GN_TRY(move(world, time, error));
+    GN_TRY(gn_dem_check_paths(&world->ctx, &world->dem, &world->boundary, measure, error));
+    GN_TRY(gn_boundary_check_paths(&world->ctx, &world->dem, &world->boundary, error));
     lap(time, GN_PHASE_motion);
-    GN_TRY(gn_elements_move(&w->ctx, &w->solids, &w->ledger, w->ctx.seconds, measure, error));
+    GN_TRY(gn_elements_move(&world->ctx, &world->solids, &world->ledger, world->ctx.seconds,
+                            measure, error));
     start(time);
-    GN_TRY(gn_features_run(w, GN_HOOK_ELEMENTS_MOVED, error));
+    GN_TRY(gn_features_run(world, GN_HOOK_ELEMENTS_MOVED, error));
     lap(time, GN_PHASE_exchange);
-    if (measure) GN_TRY(read_elements(w, error));
-    return gn_elements_check(&w->ctx, &w->dem, &w->solids, error);
+    if (measure) GN_TRY(read_elements(world, error));
+    return gn_elements_check_paths(&world->ctx, &world->dem, &world->solids, error);
 }
 
-static gneiss_status find_forces(gn_world *w, watch *time, gneiss_error *error) {
-    GN_TRY(gn_features_run(w, GN_HOOK_BEFORE_FORCES, error));
+static gneiss_status find_forces(gn_world *world, watch *time, gneiss_error *error) {
+    GN_TRY(gn_features_run(world, GN_HOOK_BEFORE_FORCES, error));
     /* Blocks that no feature holds move with their forces. */
-    gn_dem_forces(w, w->ctx.measure || w->ctx.sums);
+    gn_dem_forces(world, world->ctx.measure || world->ctx.sums);
     start(time);
-    gn_boundary_forces(&w->ctx, &w->dem, &w->boundary);
+    gn_boundary_forces(&world->ctx, &world->dem, &world->boundary);
     lap(time, GN_PHASE_walls);
-    gn_elements_forces(&w->ctx, &w->solids, w->ctx.seconds, w->ctx.measure);
+    gn_elements_forces(&world->ctx, &world->solids, world->ctx.seconds, world->ctx.measure);
     start(time);
-    GN_TRY(gn_features_run(w, GN_HOOK_ACT, error));
+    GN_TRY(gn_features_run(world, GN_HOOK_ACT, error));
     lap(time, GN_PHASE_exchange);
     return GNEISS_OK;
 }
 
-gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
-    watch time = {w, w->ctx.step % GN_BOOKED == 0, 0.0};
-    w->ctx.measure = measure;
-    w->ctx.sums = false;
-    GN_TRY(gn_features_run(w, GN_HOOK_BEFORE_LISTS, error));
-    const int64_t broken = w->dem.broken_tension + w->dem.broken_shear;
-    GN_TRY(gn_world_refresh_lists(w, error));
-    GN_TRY(gn_features_run(w, GN_HOOK_LIMIT, error));
-    GN_TRY(gn_features_run(w, GN_HOOK_READING, error));
-    GN_TRY(find_forces(w, &time, error));
-    gneiss_status status = finish(w, &time, error);
-    w->ctx.time += w->ctx.dt;
-    w->ctx.dt_past = w->ctx.dt;
-    w->ctx.step++;
+gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error) {
+    watch time = {world, world->ctx.step % GN_BOOKED == 0, 0.0};
+    world->ctx.measure = measure;
+    world->ctx.sums = false;
+    GN_TRY(gn_features_run(world, GN_HOOK_BEFORE_LISTS, error));
+    const int64_t broken = world->dem.broken_tension + world->dem.broken_shear;
+    GN_TRY(gn_world_refresh_lists(world, error));
+    GN_TRY(gn_features_run(world, GN_HOOK_LIMIT, error));
+    GN_TRY(gn_features_run(world, GN_HOOK_READING, error));
+    GN_TRY(find_forces(world, &time, error));
+    gneiss_status status = finish(world, &time, error);
+    world->ctx.time += world->ctx.dt;
+    world->ctx.dt_past = world->ctx.dt;
+    world->ctx.step++;
     if (status == GNEISS_OK)
-        status = gn_world_check_apart(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, broken,
-                                      error);
-    return status == GNEISS_OK ? gn_features_run(w, GN_HOOK_AFTER_STEP, error) : status;
+        status = gn_timestep_check_after_breaks(&world->ctx, &world->dem, &world->boundary,
+                                                &world->solids, &world->zones, broken, error);
+    return status == GNEISS_OK ? gn_features_run(world, GN_HOOK_AFTER_STEP, error) : status;
 }

@@ -38,14 +38,16 @@
 #include <pthread.h>
 #include <string.h>
 
-/* A shape leaves its volume. */
+/* Sets the volume if the specimen has a shape. */
 static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_packing packing = {0};
     if (!ctx->scene.specimen_given) return gn_dem_create(ctx, dem, &packing, error);
     GN_TRY(gn_specimen_make(&ctx->scene, &packing, &ctx->volume, error));
     gneiss_status status = gn_dem_create(ctx, dem, &packing, error);
+    if (status == GNEISS_OK) status = gn_specimen_prepare(ctx, dem, error);
+    ctx->given.preparation = (gn_preparation){0};
     gn_packing_free(&packing);
-    gn_free(ctx->scene.specimen.packed); /* was needed for this alone */
+    gn_free(ctx->scene.specimen.packed); /* used here only */
     ctx->scene.specimen.packed = NULL;
     ctx->scene.specimen.packed_count = 0;
     return status;
@@ -87,14 +89,14 @@ static gneiss_status measure_test(gn_step_context *ctx, const gn_dem *dem,
                    isfinite(shape.length) ? "ends that overlap" : "an end without particles");
 }
 
-/* Along an axis without sides as far as the particles reach. */
+/* Returns the volume of a periodic box; along an open axis its extent is that of the particles. */
 static double box_volume(const gn_step_context *ctx) {
     int64_t open = ctx->scene.periodic_open;
     return gn_box_section(ctx) * (open >= 0 ? ctx->upper[open] - ctx->lower[open] : 1.0);
 }
 
-/* Extent with radii and the volume that density, porosity and average stress refer to. That of a
- * shape is there already. */
+/* Computes the extent with radii, and the volume to which density, porosity and average stress
+ * refer, unless a shape has set it. */
 static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
@@ -119,7 +121,7 @@ double gn_world_mass(const gn_dem *dem, const gn_solids *solids) {
     return dem->mass + gn_elements_totals(solids).mass;
 }
 
-/* From what files show, so that a resumed run has the same bits. */
+/* Computed from values in the output files, so that a resumed run has the same bits. */
 static void set_domain(gn_step_context *ctx, const gn_dem *dem) {
     gn_scene *s = &ctx->scene, *given = &ctx->given;
     if (s->has_domain || (ctx->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(s))) return;
@@ -150,15 +152,9 @@ static gneiss_status choose_kernels(gn_step_context *ctx, gneiss_error *error) {
     return status;
 }
 
-gneiss_status gn_world_use_threads(gn_step_context *ctx, gn_dem *dem, int threads,
-                                   gneiss_error *error) {
-    ctx->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
-    return gn_dem_use_threads(ctx, dem, error);
-}
-
-static gneiss_status check_built(const gn_scene *s, gneiss_error *error) {
+static gneiss_status check_built(const gn_scene *scene, gneiss_error *error) {
     char names[256] = "";
-    gn_effects missing = gn_scene_not_built(s);
+    gn_effects missing = gn_scene_not_built(scene);
     for (int k = 0; k < GN_EFFECT_COUNT; k++)
         if (missing >> k & 1) {
             size_t used = strlen(names);
@@ -169,11 +165,11 @@ static gneiss_status check_built(const gn_scene *s, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a scene without %s, which this build leaves out (option 'without' "
                    "of meson), found one that calls for it",
-                   s->source, names);
+                   scene->source, names);
 }
 
-/* Scene -> effects, threads, kernels, period: everything that does not depend on particles. Resume
- * calls this too, so that a checkpoint goes on with the kernels of its scene. */
+/* Sets effects, threads, kernels and period from the scene: everything that does not depend on
+ * particles. A resume calls this too, so that a checkpoint uses the kernels of its scene. */
 gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box,
                                gneiss_error *error) {
     GN_TRY(check_built(&ctx->scene, error));
@@ -205,7 +201,7 @@ static gneiss_status check_specimen(const gn_step_context *ctx, const gn_dem *de
     return GNEISS_OK;
 }
 
-/* Sinks take at the start what is in them. */
+/* Sinks remove the particles in them at the start. */
 static gneiss_status check_some_left(const gn_step_context *ctx, const gn_dem *dem,
                                      gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -219,35 +215,39 @@ static gneiss_status check_some_left(const gn_step_context *ctx, const gn_dem *d
                    (long long)dem->ids);
 }
 
-static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
-    GN_TRY(load_specimen(&w->ctx, &w->dem, error));
-    GN_TRY(gn_origin_check_specimen(&w->ctx, &w->dem, error));
-    GN_TRY(measure_specimen(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    set_domain(&w->ctx, &w->dem);
-    GN_TRY(check_specimen(&w->ctx, &w->dem, error));
-    GN_TRY(gn_dem_complete(&w->ctx, &w->dem, error));
-    GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids, error));
-    if (gn_converts(&w->ctx))
-        GN_TRY(gn_conversion_prepare(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    GN_TRY(gn_coupled_create(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, w->solids.count, error));
-    GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
-    /* The volume that bodies leave free is sheared. */
-    if (gn_scene_test(&w->ctx.scene)->sheared)
-        GN_TRY(measure_test(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    GN_TRY(gn_element_contact_create(&w->ctx, &w->boundary, &w->solids, error));
-    GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, true, error));
-    GN_TRY(gn_dem_arrange(w, error));
-    GN_TRY(gn_world_rebuild(w, error));
-    GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
-                                      error));
-    return check_some_left(&w->ctx, &w->dem, error);
+static gneiss_status build_particles(gn_world *world, gneiss_error *error) {
+    GN_TRY(load_specimen(&world->ctx, &world->dem, error));
+    GN_TRY(gn_origin_check_specimen(&world->ctx, &world->dem, error));
+    GN_TRY(measure_specimen(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
+    set_domain(&world->ctx, &world->dem);
+    GN_TRY(check_specimen(&world->ctx, &world->dem, error));
+    GN_TRY(gn_dem_complete(&world->ctx, &world->dem, error));
+    GN_TRY(gn_membrane_create(&world->ctx, &world->dem, &world->membrane, &world->boundary,
+                              &world->solids, error));
+    if (gn_converts(&world->ctx))
+        GN_TRY(gn_conversion_prepare(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                                     error));
+    GN_TRY(gn_coupled_create(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                             &world->zones, error));
+    GN_TRY(
+        gn_boundary_create(&world->ctx, &world->dem, &world->boundary, world->solids.count, error));
+    GN_TRY(gn_bodies_check_speeds(&world->ctx, &world->boundary, error));
+    /* The sheared volume is the one that bodies leave free. */
+    if (gn_scene_test(&world->ctx.scene)->sheared)
+        GN_TRY(measure_test(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
+    GN_TRY(gn_element_contact_create(&world->ctx, &world->boundary, &world->solids, error));
+    GN_TRY(gn_flow_arrive(&world->ctx, &world->dem, &world->boundary, &world->ledger, true, error));
+    GN_TRY(gn_dem_arrange(world, error));
+    GN_TRY(gn_world_rebuild(world, error));
+    GN_TRY(gn_membrane_update_bearers(&world->ctx, &world->dem, &world->membrane, &world->boundary,
+                                      &world->solids, error));
+    return check_some_left(&world->ctx, &world->dem, error);
 }
 
-static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
-    w->ctx.choice.stable = INFINITY;
-    GN_TRY(gn_dem_create_empty(&w->ctx, &w->dem, error));
-    return gn_world_restore(w, error);
+static gneiss_status build_empty(gn_world *world, gneiss_error *error) {
+    world->ctx.choice.stable = INFINITY;
+    GN_TRY(gn_dem_create_empty(&world->ctx, &world->dem, error));
+    return gn_world_restore(world, error);
 }
 
 /* Without particles the elements are the specimen. */
@@ -278,55 +278,58 @@ static void *make_gauge(void *context) {
 
 /* The strain gauge and the step: the two longest parts of setting up. Qhull has one thread only,
  * so that the other threads do the step meanwhile. */
-static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_error *error) {
-    gauge_work gauge = {w, GNEISS_OK, {0}};
+static gneiss_status make_gauge_and_step(gn_world *world, bool particles, gneiss_error *error) {
+    gauge_work gauge = {world, GNEISS_OK, {0}};
     pthread_t thread;
-    const int threads = w->ctx.threads;
-    /* A box that is periodic all round has no surface whose displacements would tell its strain;
-     * what comes and goes has none. */
-    bool box = w->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->ctx.scene);
-    bool wanted = particles && !box && !gn_scene_has_flow(&w->ctx.scene),
+    const int threads = world->ctx.threads;
+    /* A fully periodic box has no surface whose displacements give its strain; with sources or
+     * sinks there is no fixed set of particles either. */
+    bool box = world->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&world->ctx.scene);
+    bool wanted = particles && !box && !gn_scene_has_flow(&world->ctx.scene),
          beside = wanted && threads > 1;
     if (beside) beside = pthread_create(&thread, NULL, make_gauge, &gauge) == 0;
     if (wanted && !beside) make_gauge(&gauge);
-    w->ctx.threads = beside ? threads - 1 : threads;
+    world->ctx.threads = beside ? threads - 1 : threads;
     gneiss_status status = GNEISS_OK;
     if (beside || gauge.status == GNEISS_OK)
-        status = gn_world_check_step(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                     &w->ledger, true, error);
+        status = gn_timestep_check(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                                   &world->zones, &world->ledger, true, error);
     if (beside) (void)pthread_join(thread, NULL);
-    w->ctx.threads = threads;
-    if (gauge.status == GNEISS_OK) gn_gauge_note_apart(&w->ctx, &w->dem, &w->gauge);
+    world->ctx.threads = threads;
+    if (gauge.status == GNEISS_OK) gn_gauge_note_apart(&world->ctx, &world->dem, &world->gauge);
     if (gauge.status == GNEISS_OK) return status;
     return gn_fail(error, gauge.status, "%s", gauge.error.message);
 }
 
-static gneiss_status build(gn_world *w, gneiss_error *error) {
-    bool particles = w->ctx.given.has_specimen;
+static gneiss_status build(gn_world *world, gneiss_error *error) {
+    bool particles = world->ctx.given.has_specimen;
     gn_mesh mesh = {0};
-    gneiss_status status = gn_origin_enter(w, &mesh, error);
-    if (status == GNEISS_OK) status = gn_world_prepare(&w->ctx, &w->dem, &w->box, error);
+    gneiss_status status = gn_origin_enter(world, &mesh, error);
     if (status == GNEISS_OK)
-        status = gn_elements_create(&w->ctx, &w->solids,
-                                    w->ctx.scene.elements.mesh[0] ? &mesh : NULL, error);
+        status = gn_world_prepare(&world->ctx, &world->dem, &world->box, error);
+    if (status == GNEISS_OK)
+        status = gn_elements_create(&world->ctx, &world->solids,
+                                    world->ctx.scene.elements.mesh[0] ? &mesh : NULL, error);
     gn_mesh_free(&mesh);
     GN_TRY(status);
-    GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
-    if (!particles) GN_TRY(measure_elements(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    GN_TRY(gn_ends_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    gn_ends_begin(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach);
-    w->section = gn_section_of(&w->ctx, &w->dem, &w->boundary, &w->solids);
-    GN_TRY(gn_geometry_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    GN_TRY(gn_sides_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    GN_TRY(gn_cutting_begin(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->cutting, error));
-    GN_TRY(gn_stages_check_first(&w->ctx, &w->dem, &w->solids, &w->stages, error));
-    GN_TRY(gn_pulse_start(w, error));
-    GN_TRY(make_gauge_and_step(w, particles, error));
-    GN_TRY(gn_dem_scale_masses(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
-                               error));
+    GN_TRY(particles ? build_particles(world, error) : build_empty(world, error));
+    if (!particles)
+        GN_TRY(measure_elements(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
+    GN_TRY(gn_ends_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
+    gn_ends_begin(&world->ctx, &world->dem, &world->boundary, &world->solids, &world->approach);
+    world->section = gn_section_of(&world->ctx, &world->dem, &world->boundary, &world->solids);
+    GN_TRY(gn_geometry_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
+    GN_TRY(gn_sides_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
+    GN_TRY(gn_cutting_begin(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                            &world->cutting, error));
+    GN_TRY(gn_stages_check_first(&world->ctx, &world->dem, &world->solids, &world->stages, error));
+    GN_TRY(gn_pulse_start(world, error));
+    GN_TRY(make_gauge_and_step(world, particles, error));
+    GN_TRY(gn_dem_scale_masses(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                               &world->zones, &world->ledger, error));
     /* The step is now also limited by the resolution of collisions. */
-    GN_TRY(gn_world_check_duration(&w->ctx, error));
-    return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);
+    GN_TRY(gn_check_duration(&world->ctx, error));
+    return gn_origin_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error);
 }
 
 gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error) {
@@ -342,19 +345,19 @@ gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *er
     return status;
 }
 
-void gn_world_free(gn_world *w) {
-    gn_boundary_free(&w->boundary);
-    gn_elements_free(&w->solids);
-    gn_dem_free(&w->dem);
-    gn_membrane_free(&w->membrane);
-    gn_strain_gauge_free(&w->gauge.weights);
-    gn_free(w->gauge.belongs);
-    gn_features_free(&w->features);
-    gn_coupled_free(w->zones.coupled);
-    gn_free(w->stages.state);
-    gn_scene_free(&w->ctx.scene);
-    gn_scene_free(&w->ctx.given);
-    memset(w, 0, sizeof *w);
+void gn_world_free(gn_world *world) {
+    gn_boundary_free(&world->boundary);
+    gn_elements_free(&world->solids);
+    gn_dem_free(&world->dem);
+    gn_membrane_free(&world->membrane);
+    gn_strain_gauge_free(&world->gauge.weights);
+    gn_free(world->gauge.belongs);
+    gn_features_free(&world->features);
+    gn_coupled_free(world->zones.coupled);
+    gn_free(world->stages.state);
+    gn_scene_free(&world->ctx.scene);
+    gn_scene_free(&world->ctx.given);
+    memset(world, 0, sizeof *world);
 }
 
 void gn_world_delete(gn_world **world) {

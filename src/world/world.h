@@ -25,17 +25,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The course of a stage of the scene. */
+/* State of a stage of the scene. */
 typedef struct gn_stage_state {
     double time;   /* s: when it began */
     double strain; /* of the test in its first row */
-    double peak;   /* Pa, largest stress of the test in it */
+    double peak;   /* Pa, largest stress of the test during the stage */
     int64_t step;  /* when it began */
     int64_t row;   /* rows of the history before it */
     int64_t ended; /* gn_stage_cause; 0: not yet */
 } gn_stage_state;
 
-/* The stage of the scene that runs, and how each went. */
+/* The present stage of the scene, and the states of all stages. */
 struct gn_stages {
     size_t now;            /* base 0 */
     gn_stage_state *state; /* [given.stage_count] */
@@ -50,9 +50,9 @@ struct gn_world {
     gn_boundary boundary;     /* walls, bodies and facets that they touch */
     gn_solids solids;         /* bodies of finite elements */
     gn_membrane membrane;     /* around the specimen */
-    gn_zones zones;           /* particles and elements as one body */
+    gn_zones zones;           /* particles and elements that share one body */
     gn_conversions converted; /* sums over conversions */
-    gn_features features;     /* what only some scenes use */
+    gn_features features;     /* parts of the step that only some scenes use */
 
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */
@@ -66,8 +66,8 @@ struct gn_world {
     gn_ending outcome;
 };
 
-/* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
- * failure nothing is held. */
+/* Builds the world; takes over the contents of `scene` (also on failure, when they are freed).
+ * After a failure there is nothing to free. */
 gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error);
 
 void gn_world_free(gn_world *world);
@@ -84,10 +84,6 @@ gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error)
 /* Chooses the step as at the start. */
 gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error);
 
-/* Another number of threads from now on; results stay the same. */
-gneiss_status gn_world_use_threads(gn_step_context *ctx, gn_dem *dem, int threads,
-                                   gneiss_error *error);
-
 /* Advances by one step. Forces, wall forces, reactions and, with `measure`, `reading` and
  * `unbalanced` are those of the instant at which the step starts; positions, velocities and time
  * are those at its end. GNEISS_ERROR_UNSTABLE: the state is the last computed one. */
@@ -96,13 +92,14 @@ gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error);
 /* Makes the lists of all parts anew (refresh.c); at the start, forms bonds as well. */
 gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
 
-/* After the records of a checkpoint were read: null particles, padding, partial and block sums. */
+/* Restores null particles, padding, partial and block sums after the records of a checkpoint were
+ * read. */
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 
-/* Returns the parts of the world as conversion takes them; valid as long as the world. */
+/* Returns the parts of the world that conversion uses; valid as long as the world. */
 gn_convertible gn_world_convertible(gn_world *world);
 
-/* Rebuilds if the displacement bound says so. */
+/* Rebuilds the lists if the displacement bound requires it. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
 /* Rebuilds the lists in any case. */
@@ -119,11 +116,11 @@ uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       const gn_solids *solids);
 
-/* The scene of world->stages.now, relative to the origin, from world->ctx.given; room for what the
- * stages come to (stages.c). */
+/* Makes the scene of stage world->stages.now, relative to the origin, from world->ctx.given, and
+ * allocates the states of stages (stages.c). */
 gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
 
-/* GNEISS_ERROR_INPUT where the first stage waits for what no pressed contact can bring. */
+/* GNEISS_ERROR_INPUT if the first stage waits for a state that no loaded contact can produce. */
 gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_stages *stages,
                                     gneiss_error *error);
@@ -131,9 +128,9 @@ gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *de
 /* The wave that the scene begins with, when lists have been made (pulse.c). */
 gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
 
-/* Seconds are booked under phases in one step of so many, which counts for the others: looking at
- * the clock after every block takes a percent of a step. Prime, so that it keeps no time with
- * readings. */
+/* Times are measured in one step of GN_BOOKED and multiplied by it, because reading the clock after
+ * every block costs a percent of a step. It is prime, so that measured steps do not coincide with
+ * regular readings. */
 enum { GN_BOOKED = 7 };
 
 #endif

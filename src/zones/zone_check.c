@@ -20,8 +20,8 @@
 
 /* --- what is in a zone --- */
 
-/* The extent of an element; its place in a zone, of the node that is farthest among the particles.
- */
+/* Returns the position of an element in a zone, that of its node farthest among the particles, and
+ * the extent of the element. */
 static double element_place(const gn_fem_solid *b, size_t e, const gn_couple_zone *z,
                             double size[3]) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -124,7 +124,7 @@ static gneiss_status check_inside(const gn_step_context *ctx, const gn_dem *dem,
     const gn_particles *q = &dem->particles;
     char at[GN_POINT_SIZE];
     size_t next = 0;
-    for (size_t p = 0; p < q->soa.count; p++) { /* in the order of their ids as yet */
+    for (size_t p = 0; p < q->soa.count; p++) { /* still sorted by their ids */
         if (next < ties->count && ties->tie[next].id == q->id[p]) {
             next++;
             continue;
@@ -321,7 +321,7 @@ static bool is_off(double quotient) {
     return (1.0 - z) * (1.0 - z) > returned_most * (1.0 + z) * (1.0 + z);
 }
 
-/* Sides without bonds soften what is thin along its axis alone: that counts in the mean. */
+/* Free sides soften a thin body along its axis only; this counts in the mean. */
 bool gn_zone_differs(const gn_zone_material *m) {
     double mean = 0.0, most = 0.0;
     int axes = 0;
@@ -349,8 +349,8 @@ static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
         gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
 
-/* Returns the weight that an element leaves to particles; 0: it is in no zone, or leaves all, which
- * its volume does not tell. */
+/* Returns the weight that an element leaves to particles; 0: it is in no zone, or leaves all of it,
+ * which cannot be told from its volume. */
 static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_t zone, size_t e) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double centre[3] = {0.0}, share = 0.0;
@@ -374,7 +374,7 @@ static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn
     double left = 0.0, mass = 0.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double part =
-            left_by(ctx, solids, zone, e); /* the volume is that of the elements' own part */
+            left_by(ctx, solids, zone, e); /* the volume is that of the elements' own weight */
         left += part / (1.0 - part) * b->density[b->elements.material[e]] * b->elements.volume[e];
     }
     for (size_t k = 0; k < c->ties.count; k++) {

@@ -1,6 +1,6 @@
-/* A step of the masses that tie the nodes of zones to each other (couple/consistent.h): what the
- * lump's motion needs on top of loads, and what it misses of the energy; what nodes are to a force
- * at a particle's place. */
+/* A step with consistent masses, which couple the nodes of zones (couple/consistent.h): the
+ * correction of the lumped motion, the difference of its energy, and the inertia of nodes against a
+ * force at the position of a particle. */
 #include "couple/consistent.h"
 #include "fem/fem.h"
 #include "frame/frame.h"
@@ -20,8 +20,8 @@ void gn_masses_store(const gn_solids *solids, gn_coupled *q) {
         memcpy(q->before + 3 * n, nodes->vel + 4 * (size_t)q->ties.node[n], 3 * sizeof(double));
 }
 
-/* Loads, without gravity and background damping, which join them by the lump: that is right of the
- * first, and what the second is proportional to. */
+/* Sets up the system with all loads except gravity and background damping, which the lumped motion
+ * adds: gravity is exact there, and damping is proportional to the lumped mass. */
 static void set_system(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     const double interval = 0.5 * (ctx->dt_past + ctx->dt);
@@ -56,10 +56,10 @@ void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_c
     }
 }
 
-/* Viscous damping of the lump, -a lump (v(-) + v(+))/2, beside accelerations r of the masses
- * without it, leaves M dv/dt = f - a M v of the consistent ones: lump dv/dt = f + (lump - M) r - a
- * lump v with f = M r is dv/dt = r - a v. What it takes is that of M. In the halves before and
- * after the instant, as of nodes. */
+/* Viscous damping of the lumped motion, -a lump (v(-) + v(+))/2, in addition to the accelerations r
+ * of the masses without it, gives M dv/dt = f - a M v with the consistent masses: lump dv/dt = f +
+ * (lump - M) r - a lump v with f = M r is dv/dt = r - a v. The dissipation is that of M, in the
+ * halves before and after the instant, as for nodes. */
 static void book_damping(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
     gn_fem_solid *b = gn_coupled_solid(solids);
     gn_consistent *y = &q->consistent;
@@ -104,9 +104,9 @@ void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coup
     find_kinetic(ctx, solids, q);
 }
 
-/* v_i = N_a v_a, so that a force at the place of i moves it by N_a N_a/m_a. Of consistent masses
- * at least those of the nodes alone and the particle's own are in the way: with y = N_a N_a/m_a of
- * these (D + m N N^T)^-1 gives y/(1 + m y) there. Driven nodes count as free. */
+/* v_i = N_a v_a, so that a force at the position of i moves it by N_a N_a/m_a. With consistent
+ * masses at least those of the nodes alone and the particle's own resist: with y = N_a N_a/m_a of
+ * these, (D + m N N^T)^-1 gives y/(1 + m y) there. Driven nodes count as free. */
 void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, const gn_zones *zones, double *inverse) {
     const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;

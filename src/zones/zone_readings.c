@@ -57,7 +57,8 @@ gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *de
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stress of particles");
 }
 
-/* The place of the element that a particle is in, of the elements that are there; -1: of none. */
+/* Returns the index of the element that contains a particle, among the remaining elements; -1:
+ * none. */
 static int32_t *elements_of(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones) {
     const gn_coupled *q = zones->coupled;

@@ -7,20 +7,20 @@
 
 #include <stdint.h>
 
-/* The element that came nearest to a limit of couple.convert: its part of it, when and where at the
- * start, relative to the origin. Nothing moves by it. */
+/* The element that came nearest to a limit of couple.convert: the fraction of the limit, the time
+ * and the position at the start, relative to the origin. It does not affect the motion. */
 struct gn_most_loaded {
     double share, time, place[3];
     int32_t element;
 };
 
-/* Doubles alone, as checkpoints hold it. */
+/* Doubles only, as checkpoints store them. */
 typedef struct gn_zone_state {
     double frequency; /* rad/s, largest of the particles, which sets the springs of zones */
-    double rate[2];   /* 1/s: what springs add to the rates 1/dt of particles and elements */
-    double turned;    /* what slaved spins add, over the square of the particles' frequency */
-    double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
-                       * the last measured instant */
+    double rate[2]; /* 1/s: contributions of springs to the rates 1/dt of particles and elements */
+    double turned;  /* contribution of slaved spins, over the square of the particles' frequency */
+    double stress[9]; /* Pa: contribution of elements to the mean stress over the particles' volume,
+                         at the last measured instant */
 } gn_zone_state;
 
 struct gn_zones {

@@ -46,7 +46,7 @@ static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, co
                    where.line, where.column, key, message);
 }
 
-/* Elements end at the edge that says so: none leads on into the particles. */
+/* Elements must end at the edge towards the particles that the scene states. */
 static gneiss_status check_end(const gn_step_context *ctx, const gn_solids *solids, size_t zone,
                                gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
@@ -213,8 +213,8 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
                         "expected particles in elements, found none", error);
 }
 
-/* Forces have the part that elements do not have; masses at least what half a distance of
- * neighbours is of the zone, so that none is without. */
+/* Force weight = 1 - element weight; the mass weight is at least r/width, so that no particle is
+ * massless. */
 static void weigh(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                   const gn_ties *ties) {
     const gn_particles *q = &dem->particles, *nodes = &gn_coupled_solid(solids)->nodes;
@@ -234,7 +234,8 @@ static void weigh(const gn_step_context *ctx, const gn_dem *dem, const gn_solids
     }
 }
 
-/* kg: what nodes carry, lumped: sum of m_i N_a(X_i), which keeps the mass and its centre. */
+/* Computes the lumped mass that nodes carry, kg: sum of m_i N_a(X_i), which preserves the mass and
+ * its centre. */
 static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q) {
     for (size_t n = 0; n < q->ties.nodes; n++) {
         double *carried = &gn_coupled_solid(solids)->carried[q->ties.node[n]];
@@ -242,7 +243,7 @@ static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_cou
         for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
             const gn_tie_share *share = &q->ties.share[s];
             const int32_t p = dem->index_of_id[q->ties.tie[share->tie].id];
-            if (q->place[share->tie] < 0 || p < 0) continue; /* it leaves, or has left */
+            if (q->place[share->tie] < 0 || p < 0) continue; /* it is removed, or about to be */
             double mass = 1.0 / dem->particles.vel[4 * (size_t)p + 3];
             *carried += mass * q->ties.tie[share->tie].shape[share->corner];
         }
@@ -266,7 +267,7 @@ static void load_nodes(gn_fem_solid *b) {
 
 /* --- its part of a step --- */
 
-/* Masses that tie nodes to each other, of the particles that are there; scratch: loads. */
+/* Assembles consistent masses from the particles in the model; scratch: loads. */
 static void weigh_consistent(const gn_dem *dem, gn_coupled *q) {
     double *mass = &q->load[0][0];
     for (size_t k = 0; k < q->ties.count; k++)
@@ -298,8 +299,8 @@ gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_so
     return GNEISS_OK;
 }
 
-/* Takes the force of a particle away, so that what it moves by itself and what that costs are zero:
- * its mass is at the nodes, and so is its weight. */
+/* Removes the force of a particle, so that its own motion and energy are zero: its mass and its
+ * weight are at the nodes. */
 static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, double load[3]) {
     const gn_particles *q = &dem->particles;
     double *row = gn_hold_load(&dem->hold, width, p), *v = q->vel + 4 * p;
@@ -374,7 +375,7 @@ static inline __attribute__((always_inline)) void follow_nodes(const gn_tie *t,
         }
 }
 
-/* Puts a particle where the nodes take it; returns the square of its speed. */
+/* Moves a particle with its nodes; returns the square of its speed. */
 static double place(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                     const gn_coupled *q, size_t k) {
     const gn_particles *nodes = &gn_coupled_solid(solids)->nodes, *a = &dem->particles;
@@ -516,7 +517,7 @@ gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boun
 
 /* --- particles that leave --- */
 
-/* J: what the nodes of ties have by the masses that they carry. */
+/* Returns the kinetic energy of the masses that nodes carry, J. */
 static double carried_energy(const gn_solids *solids, const gn_coupled *q) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double sum = 0.0;
@@ -541,7 +542,7 @@ void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids 
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
-    ctx->choice.whole = -fabs(ctx->choice.whole); /* to be looked for anew */
+    ctx->choice.whole = -fabs(ctx->choice.whole); /* is outdated */
     const bool lumped = !q->before && !q->stiffness;
     double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {

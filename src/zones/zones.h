@@ -1,5 +1,5 @@
-/* Particles and elements as one body: particles of zones (couple/zone.h) move with the nodes and
- * hand them their forces. */
+/* Zones in which particles and elements share one body: their particles (couple/zone.h) move with
+ * the nodes and transfer their forces to them. */
 #ifndef GN_ZONES_ZONES_H
 #define GN_ZONES_ZONES_H
 
@@ -12,15 +12,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Which part of a model sets its step. */
+/* The part of a model that sets its step. */
 typedef enum gn_side { GN_SIDE_PARTICLES, GN_SIDE_ELEMENTS, GN_SIDE_ZONE, GN_SIDES } gn_side;
 
 /* Stability limit of particles and elements as one system (coupled_limit.c). */
 typedef struct gn_whole_limit {
-    double sharp, low;      /* s: 1/tau by Lanczos, contact damping included; with its residual */
-    int iterations;         /* Lanczos vectors; 0: not looked for */
-    gn_side side;           /* where the fastest mode is: zones are nodes that carry particles, and
-                             * what of these moves by itself */
+    double sharp, low; /* s: 1/tau by Lanczos, contact damping included; with its residual */
+    int iterations;    /* Lanczos vectors; 0: not looked for */
+    gn_side side; /* location of the fastest mode; zones include the nodes that carry particles and
+                     the particles' own motion */
     double share[GN_SIDES]; /* of its kinetic energy */
     int32_t particle, node; /* the one with the largest share, -1: it is one of the others */
 } gn_whole_limit;
@@ -32,14 +32,15 @@ typedef struct gn_coupled {
     gn_consistent consistent; /* without ties: masses are lumped */
     double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
     double (*turn)[4][3];     /* [ties] N, slaved spins: forces of a moment on the corners */
-    double kinetic;           /* J, consistent: what it has beyond the lump's */
-    gn_whole_limit whole;     /* as it was when last looked for */
+    double kinetic;       /* J, with consistent masses: kinetic energy in addition to that of lumped
+                             masses */
+    gn_whole_limit whole; /* result of the last search */
     /* Springs instead of a constraint: [ties] N/m, N s/m, J stored, J lost in half a step, N and
      * N m of the dashpot; [nodes of ties] scratch. NULL: none. */
     double *stiffness, *viscosity, *stored, *lost, (*drag)[3], (*twist)[3], *sum;
 } gn_coupled;
 
-void gn_coupled_free(gn_coupled *coupled); /* NULL: nothing to do */
+void gn_coupled_free(gn_coupled *coupled); /* NULL is allowed */
 
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
  * masses and before they have bonds. */
@@ -90,20 +91,20 @@ gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *d
 
 /* Tells whether a particle, by its id, belongs to a zone. */
 bool gn_coupled_has(const gn_coupled *q, int32_t id);
-/* Where it is in the elements; NULL: it is none. */
+/* Returns its position in the elements; NULL: it belongs to no zone. */
 const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id);
 
-/* [particles] 1/kg: for those of zones, under a constraint, how much the nodes give way to a force
- * at their place, instead of their own (zone_masses.c). */
+/* [particles] 1/kg: for particles of zones with a constraint the inverse mass of the nodes against
+ * a force at their position, in place of their own (zone_masses.c). */
 void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, const gn_zones *zones, double *inverse);
 
-/* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
- * before these lose their masses. `gone` [particles], not 0. */
+/* Removes the mass, momentum and energy of particles that leave the model from the nodes that carry
+ * them; to be called before they lose their masses. `gone` [particles]: nonzero for these. */
 void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones, gn_ledger *ledger, const int32_t *gone);
-/* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
- * particles of zones (zone_readings.c). */
+/* Adds the part of the stress that elements carry at the particles of zones, Pa, [particles][6] as
+ * gn_stress_particles (zone_readings.c). */
 gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_zones *zones, double *sigma,
                                     gneiss_error *error);
@@ -112,19 +113,19 @@ gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *de
 gneiss_status gn_coupled_mean_stress(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_solids *solids, const gn_zones *zones,
                                      double sigma[9], gneiss_error *error);
-/* Particles of zones that have left. */
+/* Returns the number of removed particles of zones. */
 size_t gn_coupled_removed_count(const gn_step_context *ctx, const gn_zones *zones);
 
 /* J: energy of plane waves in the elements outside of zones that run away from the particles of
  * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
 double gn_coupled_returned(const gn_step_context *ctx, const gn_solids *solids, size_t k);
-/* Returns it relative to the energy that was present at the start or has come in; NaN without such
- * energy beyond rounding, or without a ledger. */
+/* Returns that energy relative to the energy present at the start or supplied since; NaN without
+ * such energy beyond rounding, or without a ledger. */
 double gn_coupled_returned_share(const gn_step_context *ctx, const gn_solids *solids,
                                  const gn_ledger *ledger, size_t k);
 
-/* Bonds that broke in zones, where elements hold together what they held all the same. */
+/* Returns the number of broken bonds in zones, where elements still hold the material together. */
 size_t gn_coupled_broken(const gn_dem *dem);
 
 /* Properties of the particles in elements of one material and of these elements, along the zone's n
@@ -134,15 +135,15 @@ typedef struct gn_zone_material {
     int32_t material; /* of the elements */
     size_t particles;
     double modulus[2], density[2], returned;
-    double tension[4]; /* Pa, along each axis of particles with free sides, of the elements; 0: not
-                          known. Of what converts alone */
+    double tension[4]; /* Pa, moduli of particles and of elements in tension along each axis of
+                          particles with free sides; 0: unknown. Only where elements convert */
 } gn_zone_material;
 /* Tells whether they differ by 12 % or more of the modulus, of the mean of those in tension, or of
  * one in which the particles are stiffer. */
 bool gn_zone_differs(const gn_zone_material *material);
 enum {
     GN_ZONE_MATERIALS = 8
-}; /* that are distinguished; the last one stands for all further ones */
+}; /* materials that are listed separately; the last entry stands for all further ones */
 
 /* Properties of a zone at the start (zone_check.c). */
 typedef struct gn_zone_figures {
@@ -152,7 +153,7 @@ typedef struct gn_zone_figures {
     size_t particles;                /* in elements */
     size_t beyond;                   /* of them where they have no weight, beyond its edge */
     size_t shared, other;            /* that are in another zone as well, and which: the first */
-    double mass;                     /* of their part of the body over what elements leave of it */
+    double mass; /* mass of their share of the body over that which elements leave to them */
     size_t materials;
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_zone_figures;

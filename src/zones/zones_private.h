@@ -21,16 +21,16 @@ gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, cons
 void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              gn_coupled *q);
 
-/* Consistent masses (zone_masses.c): velocities before the motion; loads that make the lump
- * move as they do; after it, what they have of kinetic energy and lose to damping beyond the lump.
- */
+/* Consistent masses (zone_masses.c): store velocities before the motion; compute loads that give
+ * the lumped masses their motion; after the motion, the kinetic energy and the damping in addition
+ * to those of lumped masses. */
 void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
-/* Springs instead of a constraint (zone_penalty.c): makes them; sets their stiffnesses from
- * gn_zone_state.frequency; registers them as what holds particles that touch walls; their part of a
- * step. */
+/* Springs in place of a constraint (zone_penalty.c): create them; set their stiffnesses from
+ * gn_zone_state.frequency; register them as supports of particles that touch walls; perform their
+ * part of a step. */
 gneiss_status gn_penalty_create(gn_coupled *q, gneiss_error *error);
 void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_zones *zones, gn_coupled *q);
@@ -48,8 +48,8 @@ void gn_spins_take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, i
 void gn_spins_set(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                   const gn_coupled *q, size_t k);
 
-/* Threads for so many particles or nodes of zones: one where they are few, or where the threads of
- * the particles have found that they wait for each other (sched/pace.h). */
+/* Returns the number of threads for a number of particles or nodes of zones: one if they are few,
+ * or if the threads of the particles spend their time waiting for each other (sched/pace.h). */
 static inline int gn_coupled_team(const gn_step_context *ctx, const gn_dem *dem, size_t count) {
     enum { FEW = 200 };
     return count <= FEW ? 1 : dem->deal.team > 0 ? dem->deal.team : ctx->threads;

@@ -1,4 +1,4 @@
-"""One hard case: a scene, what should happen in it, and what of the engine sees to that. And how a case is run."""
+"""One hard case: a scene, the expected result, and the part of the engine that ensures it. Also runs a case."""
 import copy
 import dataclasses
 import math
@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 from program import *  # noqa: F403
 
-# Keys of every hard scene besides its own. The step and all else that decides about a result stay at their defaults.
+# Common keys of the hard scenes. The step and everything else that affects a result keep their defaults.
 QUIET = {"output": {"snapshots": 0, "history_rows": 100, "checkpoint": "off"}, "run": {"threads": 1}}
 DENSITY = 2500.0
-# Relative rounding of a double, and of what a few thousand steps make of it.
+# Relative rounding of a double, and its growth in a few thousand steps.
 EPS = 2.0**-52
 
 
@@ -17,13 +17,13 @@ EPS = 2.0**-52
 class Case:
     """A row of the table."""
     name: str        # of the test as well
-    hard: str        # what is hard
-    should: str      # what should happen
+    hard: str        # the difficulty
+    should: str      # the expected result
     scene: Callable  # folder -> scene; may write files into the folder
     check: Callable  # Seen -> figures, in words; asserts
-    guard: str       # what of the engine it tests
-    without: str     # what was seen with that taken out; or why there is nothing to take out
-    others: str = ""  # what other codes do, where that is known
+    guard: str       # the part of the engine that it tests
+    without: str     # the result without that part; or the reason why no part can be removed
+    others: str = ""  # the result of other codes, where it is known
     ends: int = 0     # exit code of a run
     more: str = ""    # tests that run variants of it
     long: float = 0.0  # how many times as long its long form is; 0: it has none
@@ -35,7 +35,7 @@ def sphere_mass(radius, density=DENSITY):
 
 
 def material(**changes):
-    friction = 0.3 if changes.get("kratio", 2) else 0  # without a spring there is none
+    friction = 0.3 if changes.get("kratio", 2) else 0  # without a tangential spring there is no friction
     return {"name": "ball", "density": DENSITY, "normal_stiffness": 1e6, "kratio": 2, "friction": friction, **changes}
 
 
@@ -54,7 +54,7 @@ def spheres(particles, end, ball=None, **changes):
 
 
 def add_material(scene, **changes):
-    """Another material than that of the specimen."""
+    """A material other than that of the specimen."""
     scene["specimen"]["material"] = "ball"
     scene["materials"].append(material(**changes))
 
@@ -129,7 +129,7 @@ def start(folder, scene, name, *arguments, **options):
 
 
 def watch(case, folder):
-    """Runs a case once and holds it against what should happen; the figures."""
+    """Runs a case once and compares it with the expected result; returns the figures."""
     one = start(folder, case.scene(folder), "one")
     assert one.code == case.ends, f"exit code {one.code}, expected {case.ends}: {one.message[:600]}"
     return one, case.check(one)
@@ -175,7 +175,7 @@ def same_everywhere(case, one, sets):
 # --- checks that many cases share ------------------------------------------------------------------------------
 
 def keeps_ledger(limit):
-    """The energy that went through a run is accounted for."""
+    """The energy ledger of a run closes."""
     def check(one):
         assert one.residual < limit, f"residual {one.residual:.2g}, expected below {limit}"
         return f"residual {one.residual:.1e}, {one.summary['steps']} steps"
@@ -199,7 +199,7 @@ def swing(values):
 
 
 def keeps_energy(limit):
-    """Kinetic and elastic energy stay what they were at the start."""
+    """Kinetic and elastic energy keep their initial sum."""
     def check(one):
         off = swing(total(one))
         assert off < limit, f"energy changes by {off:.2g} of itself, expected below {limit}"

@@ -43,7 +43,8 @@ def between(one):
 
 
 def have_met(one):
-    """The material between the notches carries little and converts because neither zone has room there; beside one notch alone some of it stays."""
+    """The material between the notches carries little load and converts because no zone fits there; beside a single
+    notch a part of it stays."""
     alone = one.again(drawn(one.folder, (8,)), "alone")
     assert between(one) == 0 and between(alone) > 0, (between(one), between(alone))
     return keeps_ledger(1e-3)(one) + f"; none left between, {between(alone)} with one notch"
@@ -90,7 +91,8 @@ def edges(folder):
 
 
 def bears_as_before(one):
-    """The lower edges of the middle are gone; the bar carries what elements alone do, of which four over the height are some percent too stiff."""
+    """The lower edges of the middle have converted; the bar carries the load of the elements alone, which with four
+    over the height are some percent too stiff."""
     at = centres(one)
     low = (at[:, 1] < 1e-3) & (abs(at[:, 0] - 0.02) < 1e-3)
     assert not low.any(), at[low]
@@ -115,7 +117,8 @@ def relaxing(folder):
 
 
 def relaxed_on_both_sides(one):
-    """Conversions before and after the half of the run, at which another takes it up; all of them in balance."""
+    """Conversions in both halves of the run, the second of which another program continues; the ledger closes in
+    both."""
     rows, relaxation = one.history, one.summary["relaxation"]
     active, half = rows["particles"], int((rows["time"] < 0.5 * one.summary["time"]).sum())
     assert 0 < active[half] < active[-1], (active[half], active[-1])

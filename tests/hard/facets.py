@@ -21,7 +21,7 @@ def plate_of(corners_at, nx, ny):
 
 
 def sliding(start, velocity, triangles, **changes):
-    """A sphere at rest in height that slides over a plate; the length of its way does not depend on what is below it."""
+    """A sphere that slides over a plate at constant height; the distance does not depend on the facets below it."""
     def scene(folder):
         stl(folder, "plate.stl", triangles)
         made = spheres([[*start, 1e-3 - SINK, 1e-3]], 0.02, {"normal_stiffness": K, "kratio": 0, "friction": 0},
@@ -107,9 +107,9 @@ def groove(angle):
 
 
 def comes_back(angle):
-    """On a spring of 2 k cos^2(a/2)/(1 + f), f = (1 + 4 x)(1 - x)^4 with x = a/0.6: the largest force is v sqrt(m k), of
-    which steps of y/w see at least 1 - y^2/8, y up to 0.4. The speed is kept to y^4/80, in steps that one face would meet
-    in ten to a contact."""
+    """On a spring of 2 k cos^2(a/2)/(1 + f), f = (1 + 4 x)(1 - x)^4 with x = a/0.6: the largest force is v sqrt(m k),
+    of which steps of y/w resolve at least 1 - y^2/8, y up to 0.4. The speed is kept to y^4/80, with the step that
+    resolves the contact with one face in ten steps."""
     def check(one):
         x = min(angle / 0.6, 1)
         stiffness = 1e6 * 2 * math.cos(angle / 2)**2 / (1 + (1 + 4 * x) * (1 - x)**4)

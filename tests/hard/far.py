@@ -1,4 +1,4 @@
-"""Places far away, motion that is slow or fast, many quiet steps: what rounding takes."""
+"""Positions far from the origin, slow and fast motion, many steps at rest: effects of rounding."""
 from hard.case import *  # noqa: F403
 
 # Dyadic, so that the scene has the same digits at every place.

@@ -12,7 +12,7 @@ def coincident_bonded(folder):
 
 
 def nearly_coincident(folder):
-    """Centres 1e-9 radii apart: nothing but the rounding of one of them tells the direction."""
+    """Centres 1e-9 radii apart: only the rounding of one of them determines the direction."""
     return spheres([[0, 0, 0, 1e-3], [0, 0, 1e-12, 1e-3]], 3e-5, {"kratio": 0})
 
 
@@ -37,8 +37,8 @@ def through_each_other(folder):
 
 
 def comes_out_behind(one):
-    """Within a step the normal turns round, at the largest force: half of the work of that step may be missing, up to a
-    tenth of the energy; where more is missing the run would have been stopped."""
+    """Within a step the normal reverses at the largest force: half of the work of that step may be missing, up to a
+    tenth of the energy; a larger error would stop the run."""
     x = one.field("particles/position")
     assert x[0, 2] > x[1, 2] + 1e-3, x
     assert one.residual < 0.1, one.residual
@@ -46,7 +46,7 @@ def comes_out_behind(one):
 
 
 def at_rest_by_rounding(folder):
-    """Neighbours of a hexagonal lattice overlap by an ulp here and there."""
+    """Some neighbours of a hexagonal lattice overlap by an ulp."""
     scene = spheres({"lattice": {"kind": "hexagonal", "radius": 1e-4, "cells": [20, 20]}}, 1e-3, dimension=2)
     scene["damping"] = {"background": {"model": "nonviscous_vector", "coefficient": 0.5}}
     return scene

@@ -78,7 +78,7 @@ def inside_out():
 
 
 def pulls(one):
-    """Energy goes in by the right side alone."""
+    """Energy enters through the right side only."""
     rows = one.history
     assert rows["energy_elastic_elements"][-1] > 0
     return keeps_ledger(1e-4)(one)

@@ -39,7 +39,7 @@ def gas_in_a_closing_box(damped):
     return scene
 
 
-# Lower face: 8 layers of the block stand 13.4 mm high, and the plate comes from 6.6 mm above.
+# Height of the lower face: 8 layers of the block are 13.4 mm high, and the plate starts 6.6 mm above them.
 PLATE = 20e-3
 
 
@@ -53,7 +53,7 @@ def plate_at_150(folder):
 
 
 def plate_hits(one):
-    """Every sphere stays below the plate but for what its spring gives way."""
+    """Every sphere stays below the plate, except for the compression of its spring."""
     rows, radius = one.history, 1e-3
     under = PLATE + rows["body_plate_displacement_z"][-1]
     top = one.field("particles/position")[:, 2].max() + radius - under
@@ -108,7 +108,7 @@ def light_plate(folder):
 
 
 def lies_on(one):
-    """It comes to rest on the bed, pressed into it by its weight alone."""
+    """It comes to rest on the bed, loaded by its weight alone."""
     rows = one.history
     z, v = rows["body_plate_displacement_z"], rows["body_plate_velocity_z"]
     assert abs(v[-1]) < 1e-3 and -1e-4 < z[-1] < 0, (z[-1], v[-1])

@@ -1,4 +1,4 @@
-"""Laws at their ends: no strength and all of it, no friction and all of it, and numbers that no scene may hold."""
+"""Laws at their extremes: zero and infinite strength, zero and infinite friction, and values that no scene may have."""
 from hard.case import *  # noqa: F403
 
 
@@ -33,7 +33,7 @@ def beyond_strength(folder):
 
 
 def released(one):
-    wanted = 0.5 * 1e6 * 1e-4**2  # J: what it held was stored at the start
+    wanted = 0.5 * 1e6 * 1e-4**2  # J: its energy was stored at the start
     for name in ("bond_breaking", "stored_at_start"):
         found = one.field("energy/" + name).item()
         assert abs(found / wanted - 1) < 1e-9, (name, found)

@@ -5,7 +5,7 @@ RING, SPIN = 24, 500.0  # spheres; rad/s
 
 
 def turning(places, spin, end, radius=1e-3, ball=None, **changes):
-    """Bonded spheres that turn about their centre as one body."""
+    """Bonded spheres that rotate about their centre as one body."""
     places = np.asarray(places, float)
     places = places - places.mean(0)
     scene = spheres([[*map(float, x), radius] for x in places], end, {**STRONG, **(ball or {})}, bonds={}, **changes)
@@ -54,7 +54,7 @@ def bent_chain(folder):
 
 
 def block(folder):
-    """2 x 3 x 4 spheres about the middle one of its axes, a little off it."""
+    """2 x 3 x 4 spheres that rotate about an axis close to the intermediate one."""
     places = [[2e-3 * a, 2e-3 * b, 2e-3 * c] for a in range(2) for b in range(3) for c in range(4)]
     return turning(places, [0.5, 500.0, 0.5], 0.05, ball={"kratio": 1})
 
@@ -73,8 +73,8 @@ def damped_pair(folder):
 
 
 def damped_pair_turns(one):
-    """Once the bond has taken up its centrifugal stretch e = m w^2 d/(2 k), nothing is lost, and nothing but the spring
-    holds it. w is that of the start but for e/d of it."""
+    """After the bond has reached its centrifugal stretch e = m w^2 d/(2 k), no energy is lost, and only the spring
+    stores any. w is that of the start, reduced by e/d."""
     energy, x = total(one), one.field("particles/position")
     late, found = energy[len(energy) // 10:], np.linalg.norm(x[1] - x[0]) - 2e-3
     words = close(found, sphere_mass(1e-3) * 1e6 * 1e-3 / 1e6, 1e-3, "m of stretch")
@@ -86,7 +86,7 @@ SIDES, TOP = (0.01, 0.02, 0.03), (0.2, 100.0, 0.2)
 
 
 def top(folder):
-    """A box about the middle one of its axes; the particle only stands by, because a scene needs one."""
+    """A box that rotates about its intermediate axis; the particle is there only because a scene needs one."""
     return spheres([[0.2, 0, 0, 1e-3]], 0.8, {"normal_stiffness": 100}, domain={"min": [-1] * 3, "max": [1] * 3},
                    bodies=[{"name": "box", "box": {"size": list(SIDES)}, "stiffness": 100, "free": True,
                             "density": 2000, "initial_spin": list(TOP)}])
@@ -143,7 +143,7 @@ def spinning_top(folder):
 
 
 def stands(one):
-    """Against the energy of the push."""
+    """Relative to the energy of the initial push."""
     rows, push = one.history, 0.5 * sphere_mass(1e-3) * 1e-4
     sway = rows["energy_kinetic"] + rows["energy_elastic_shear"] + rows["energy_rotational"]
     sway += rows["energy_elastic_normal"] + rows["energy_elastic_wall"] - rows["energy_work_applied"]

@@ -1,4 +1,4 @@
-"""Zones in which particles and finite elements are one body, and what may happen to them."""
+"""Zones in which particles and finite elements share one body, in extreme situations."""
 from hard.case import *  # noqa: F403
 from hard.solids import grid, msh
 
@@ -21,7 +21,8 @@ def strip(front=False, cells=4, mesh=None, **changes):
 
 
 def falls_out(constraint):
-    """The body falls out of the domain along -x, one column of particles after the other; at last all of them have left."""
+    """The body falls out of the domain along -x, one column of particles after another, until all particles have
+    left."""
     def scene(folder):
         made = strip(True, gravity=[-1e7, 0], domain={"min": [-2e-3, -1], "max": [1, 1], "lost": "remove"}, time={"end": 6e-5})
         made["couple"]["constraint"] = constraint
@@ -30,7 +31,7 @@ def falls_out(constraint):
 
 
 def fell_out(one):
-    """All of the zone's particles are gone; what is left has the speed of its fall."""
+    """All particles of the zone have left; the rest has the speed of its fall."""
     words = " ".join(warning["text"] for warning in one.summary["warnings"])
     assert "42 particles left coupling zones" in words, words
     speed = one.field("nodes/velocity")[:, 0].mean()

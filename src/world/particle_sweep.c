@@ -22,14 +22,15 @@ typedef struct work {
     double mark;
 } work;
 
-static void book(work *k, gn_phase phase) {
-    if (!k->books) return;
+static void book(work *own, gn_phase phase) {
+    if (!own->books) return;
     double now = gn_now();
-    k->w->ctx.seconds[phase] += GN_BOOKED * (now - k->mark);
-    k->mark = now;
+    own->w->ctx.seconds[phase] += GN_BOOKED * (now - own->mark);
+    own->mark = now;
 }
 
-/* On a machine that others use as well this is most of the time, and none of the kernels'. */
+/* On a machine with other load waiting takes most of the time, and is not booked for the kernels.
+ * */
 static void waited(void *context, double seconds) {
     work *k = context;
     if (!k->books) return;
@@ -71,24 +72,24 @@ static void move(void *context, size_t block) {
     book(k, GN_PHASE_motion);
 }
 
-void gn_dem_sweep(gn_world *w, const gn_contact_args contacts[GN_LIST_COUNT],
+void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
                   const gn_motion_args *motion) {
     static const gn_deal_work blocks = {work_on_contacts, move, waited};
     const double begin = gn_now();
-    const bool booked = w->ctx.step % GN_BOOKED == 0;
-    gn_deal_begin(&w->dem.deal);
-    gn_near_begin(&w->ctx, &w->dem, &contacts[GN_LIST_PAIRS]);
-#pragma omp parallel num_threads(w->dem.deal.team)
+    const bool booked = world->ctx.step % GN_BOOKED == 0;
+    gn_deal_begin(&world->dem.deal);
+    gn_near_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
+#pragma omp parallel num_threads(world->dem.deal.team)
     {
-        work k = {w, contacts, motion, .mark = gn_now()};
+        work k = {world, contacts, motion, .mark = gn_now()};
         k.books = booked && omp_get_thread_num() == 0;
-        gn_deal_sweep(&w->dem.deal, 0, &blocks, &k);
+        gn_deal_sweep(&world->dem.deal, 0, &blocks, &k);
         if (booked && omp_get_num_threads() > 1) {
 #pragma omp barrier
             book(&k, GN_PHASE_waiting);
         }
     }
-    gn_deal_end(&w->dem.deal, 1, gn_now() - begin);
+    gn_deal_end(&world->dem.deal, 1, gn_now() - begin);
 }
 
 /* Forces on walls were found with the loads. */

@@ -1,7 +1,7 @@
 /* The parts of a world in files: snapshots, their groups in results.h5, their shares of a
  * checkpoint. */
-#ifndef GN_RUN_PARTS_H
-#define GN_RUN_PARTS_H
+#ifndef GN_RUN_PART_FILES_H
+#define GN_RUN_PART_FILES_H
 
 #include "frame/parts.h"
 #include "run/output_table.h"

@@ -1,0 +1,83 @@
+"""The shared library libgneiss, called through its public header alone (cffi in ABI mode)."""
+import ctypes.util
+import glob
+import os
+import re
+import shutil
+import sys
+import threading
+from pathlib import Path
+
+import cffi
+
+HERE = Path(__file__).resolve().parent
+TREE = HERE.parent.parent  # where the module lies in the source tree
+HEADERS = next((place for place in (HERE / "include", TREE / "include" / "gneiss") if (place / "gneiss.h").exists()), HERE / "include")
+
+
+def _declarations():
+    """The declarations of the header without comments and preprocessor lines, as cffi reads them."""
+    text = "".join((HEADERS / name).read_text(encoding="utf-8") for name in ("status.h", "gneiss.h"))
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    text = re.sub(r"^#ifdef __cplusplus.*?#endif", "", text, flags=re.M | re.S)
+    text = re.sub(r"^#.*$", "", text, flags=re.M)
+    return text.replace("GNEISS_API", "")
+
+
+def _installed():
+    """Folders of the library and of the program as installation noted them, or none."""
+    try:
+        from . import _places  # written by `meson install`
+        return _places.LIBRARY, _places.PROGRAM
+    except ImportError:
+        return "", ""
+
+
+def _library_places():
+    """Paths and names of the library in the order in which they are tried."""
+    own, _ = _installed()
+    if os.environ.get("GNEISS_LIBRARY"):
+        return [os.environ["GNEISS_LIBRARY"]]
+    patterns = [HERE / "libgneiss.so*", Path(own) / "libgneiss.so.*" if own else None, TREE / "build" / "libgneiss.so.*.*"]
+    files = [path for pattern in patterns if pattern for path in sorted(glob.glob(str(pattern))) if os.path.isfile(path)]
+    return files + [name for name in (ctypes.util.find_library("gneiss"), "libgneiss.so") if name]
+
+
+def program():
+    """The path of the `gneiss` program: GNEISS_PROGRAM, else beside the library, in the build folder or on PATH."""
+    _, own = _installed()
+    here = [os.environ.get("GNEISS_PROGRAM"), os.path.join(own, "gneiss") if own else None, os.path.join(sys.prefix, "bin", "gneiss"),
+            str(HERE.parent / "bin" / "gneiss"), str(TREE / "build" / "gneiss"), shutil.which("gneiss")]
+    for path in here:
+        if path and os.access(path, os.X_OK) and os.path.isfile(path):
+            return path
+    raise FileNotFoundError("the program `gneiss` was not found: expected it on PATH or at GNEISS_PROGRAM")
+
+
+def _open(interface):
+    reasons = []
+    for place in _library_places():
+        try:
+            return interface.dlopen(place)
+        except OSError as error:
+            reasons.append(str(error))
+    raise ImportError("libgneiss was not found: expected it where the linker looks, or its path in GNEISS_LIBRARY"
+                      + "".join("\n  " + reason for reason in reasons))
+
+
+ffi = cffi.FFI()
+ffi.cdef(_declarations())
+lib = _open(ffi)
+
+# HDF5 and UDUNITS-2 are not thread-safe: calls that read or write files do not overlap.
+files = threading.RLock()
+
+
+def text(pointer):
+    """A C string as str; '' for NULL."""
+    return ffi.string(pointer).decode("utf-8", "replace") if pointer else ""
+
+
+def encoded(value):
+    """A str or path for a C function."""
+    return os.fsencode(value)

@@ -1,0 +1,117 @@
+"""Commands of the program as functions: runs in processes of their own, packings, plans, elastic constants, sweeps, calibrations."""
+import contextlib
+import json
+import os
+import subprocess
+import tempfile
+from collections.abc import Mapping
+
+from ._library import program
+from .errors import error_of
+from .results import Results
+from .scene import Scene, overrides_of, written
+
+
+@contextlib.contextmanager
+def _file_of(source, folder=None):
+    """The path of a file with a dict, text or Scene, for the time of a command; a path stays what it is."""
+    if isinstance(source, os.PathLike) or (isinstance(source, str) and "\n" not in source):
+        yield os.fspath(source)
+        return
+    text = source.text if isinstance(source, Scene) else written(source) if isinstance(source, Mapping) else source
+    with tempfile.NamedTemporaryFile("w", suffix=".yaml", prefix="gneiss-", dir=folder or os.getcwd(), encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        yield file.name
+
+
+def _call(command, target, *options, changes=None, **named):
+    """Runs the program. Returns its standard output. Raises what its exit code and message say."""
+    line = [program(), command, target, *options]
+    for change in overrides_of(changes):
+        line += ["--set", change]
+    for name, value in named.items():
+        if value is None or value is False:
+            continue
+        line.append("--" + name.replace("_", "-"))
+        if value is not True:
+            line.append(",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value))
+    process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace")
+    try:
+        output, messages = process.communicate()
+    except BaseException:  # Ctrl-C has reached the program as well: it writes its checkpoint
+        with contextlib.suppress(KeyboardInterrupt):
+            process.terminate()
+            process.communicate()
+        raise
+    if process.returncode != 0:
+        raise error_of(process.returncode, _message(messages))
+    return output
+
+
+def _message(text):
+    """The error among the lines of standard error, without the name of the program and its kind."""
+    lines = [line.removeprefix("gneiss: ") for line in text.splitlines() if not line.startswith("gneiss: warning")]
+    for kind in ("input error: ", "file error: ", "unstable: ", "interrupted: "):
+        lines = [line.removeprefix(kind) for line in lines]
+    return "\n".join(lines).strip() or text.strip()
+
+
+def _last_json(output):
+    return json.loads(next(line for line in reversed(output.splitlines()) if line.startswith("{")))
+
+
+def run(scene, out, *, set=None, folder=None, threads=None, seeds=None, error=None, force=False):
+    """Runs a scene in a process of its own, as `gneiss run`. `out`: folder of results. With `seeds` it runs several packings side by side,
+    with `error` ('5%') it plans first. Returns its Results."""
+    with _file_of(scene, folder) as path:
+        _call("run", path, "--quiet", changes=set, out=out, threads=threads, seeds=seeds, error=error, force=force)
+    return Results(out)
+
+
+def pack(specimen, out, *, set=None, folder=None, threads=None, seed=None, force=False):
+    """Fills the shape of a specimen (a scene, or the part `specimen` of one) with particles, as `gneiss pack`. Returns its Results:
+    particles.position [n][3], particles.radius [n], quality. A scene takes it by specimen: {file: OUT/packing.txt}."""
+    with _file_of(specimen, folder) as path:
+        _call("pack", path, "--quiet", changes=set, out=out, threads=threads, seed=seed, force=force)
+    return Results(out)
+
+
+def plan(scene, *, error=None, reading=None, particles=None, set=None, folder=None, threads=None):
+    """Without `error` the cost of a run, as the text of `gneiss plan`. With `error` ('5%') the cheapest settings for it, as a dict.
+    reading: 'strength' or 'stiffness'; particles: 'any'."""
+    with _file_of(scene, folder) as path:
+        if error is None:
+            return _call("plan", path, changes=set, threads=threads)
+        return _last_json(_call("plan", path, "--log", "json", changes=set, error=error, reading=reading, particles=particles,
+                                threads=threads))
+
+
+def stiffness(scene, *, strain=None, set=None, folder=None, threads=None):
+    """Elastic constants of a bonded packing without a run, as a dict (docs/stiffness.md)."""
+    with _file_of(scene, folder) as path:
+        return _last_json(_call("stiffness", path, "--json", changes=set, strain=strain, threads=threads))
+
+
+def sweep(what, out, *, set=None, folder=None, seeds=None, jobs=None, threads=None, force=False):
+    """Runs a scene with several values of its keys, side by side (docs/sweep.md): a dict as a sweep file has it ({'scene': ...,
+    'parameters': {...}, 'seeds': 3}; the scene is a path), or a file. Runs that were done are not done again. Returns its Results:
+    parameters, readings, statistics, runs."""
+    with _file_of(what, folder) as path:
+        _call("sweep", path, "--quiet", changes=set, out=out, seeds=seeds, jobs=jobs, threads=threads, force=force)
+    return Results(out)
+
+
+def calibrate(targets, out, *, folder=None, seeds=None, threads=None, force=False):
+    """Finds the parameters that give a material the wanted readings (docs/calibrate.md), from a dict or a file of targets. Returns
+    calibration.json as a dict; the folder `out` has calibrated.yaml too."""
+    with _file_of(targets, folder) as path:
+        _call("calibrate", path, "--quiet", out=out, seeds=seeds, threads=threads, force=force)
+    with open(os.path.join(out, "calibration.json"), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def report(folder):
+    """Makes report.html of a folder of results. Returns its path."""
+    _call("report", os.fspath(folder))
+    return os.path.join(folder, "report.html")

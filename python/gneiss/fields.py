@@ -1,0 +1,226 @@
+"""Fields of a world as numpy arrays over the engine's own memory."""
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ._library import ffi, lib, text
+from .errors import InputError, checked
+
+_TYPES = {lib.GNEISS_F64: "<f8", lib.GNEISS_I64: "<i8", lib.GNEISS_I32: "<i4", lib.GNEISS_U8: "|u1", lib.GNEISS_F32: "<f4"}
+
+
+class _Memory:
+    """Memory of the engine for numpy. An array holds it, and it keeps the memory readable, whatever becomes of the world."""
+
+    def __init__(self, pointer, shape, strides, kind, writable):
+        self._pointer = None
+        checked(lib.gneiss_view_pin, ffi.new("gneiss_view *", {"data": pointer}))
+        self._pointer, self._unpin = pointer, lib.gneiss_view_unpin
+        address = int(ffi.cast("uintptr_t", pointer))
+        self.__array_interface__ = {"version": 3, "data": (address, not writable), "shape": shape, "strides": strides, "typestr": kind}
+
+    def __del__(self):
+        if self._pointer is not None:
+            self._unpin(self._pointer)
+
+
+def memory_array(pointer, shape, kind="<f8", strides=None, writable=False):
+    """An array over a block of memory of the engine, without a copy."""
+    if not pointer or 0 in shape:
+        return np.zeros(shape, kind)
+    return np.asarray(_Memory(pointer, shape, strides, kind, writable))
+
+
+def view_array(view):
+    """A read-only array over a view of the library: [items] or [items][components]."""
+    if view.components == 1:
+        return memory_array(view.data, (view.count,), _TYPES[view.type], (view.item_stride,))
+    return memory_array(view.data, (view.count, view.components), _TYPES[view.type], (view.item_stride, view.component_stride))
+
+
+class About(NamedTuple):
+    """What a field, column or quantity is."""
+    name: str
+    unit: str
+    description: str
+
+
+class Record(Mapping):
+    """The fields of particles, bonds, pairs, wall_contacts, nodes or elements by name: read-only arrays over the engine's memory, [items]
+    or [items][components]. They show the present order of the items; `id` of particles is their place in the specimen. Ask for them again
+    after an advance: the engine may then use other memory, and an older array keeps what it showed last. `about[name]` has unit and
+    description."""
+
+    def __init__(self, world, number):
+        self._c, self._number = world, number
+
+    @property
+    def name(self):
+        return text(lib.gneiss_record_name(self._number))
+
+    def _view(self, name):
+        view = ffi.new("gneiss_view *")
+        checked(lib.gneiss_world_field, self._c, self._number, name.encode(), view)
+        return view
+
+    def __getitem__(self, name):
+        try:
+            return view_array(self._view(name))
+        except InputError as error:
+            raise KeyError(str(error)) from None
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except KeyError as error:
+            raise AttributeError(*error.args) from None
+
+    def _each(self):
+        view = ffi.new("gneiss_view *")
+        for index in range(lib.gneiss_world_field_count(self._c, self._number)):
+            checked(lib.gneiss_world_field_at, self._c, self._number, index, view)
+            yield view
+
+    def _names(self):
+        return [text(view.name) for view in self._each()]
+
+    def __iter__(self):
+        return iter(self._names())
+
+    def __len__(self):
+        return lib.gneiss_world_field_count(self._c, self._number)
+
+    def __dir__(self):
+        return [*super().__dir__(), *self._names()]
+
+    @property
+    def count(self):
+        """The number of items."""
+        return next((view.count for view in self._each()), 0)
+
+    @property
+    def about(self):
+        """{name: About(name, unit, description)} of the fields."""
+        return {text(view.name): About(text(view.name), text(view.unit), text(view.description)) for view in self._each()}
+
+    @property
+    def outputs(self):
+        """{name: About} of what `output` computes: the fields of results.h5."""
+        view = ffi.new("gneiss_view *")
+        found = {}
+        for index in range(lib.gneiss_world_output_count(self._c, self._number)):
+            checked(lib.gneiss_world_output_at, self._c, self._number, index, view)
+            found[text(view.name)] = About(text(view.name), text(view.unit), text(view.description))
+        return found
+
+    def output(self, name):
+        """Computes a field of results.h5 for the present state: a new array [items] or [items][components], in the order of the specimen
+        or mesh."""
+        view = ffi.new("gneiss_view *")
+        for index in range(lib.gneiss_world_output_count(self._c, self._number)):
+            checked(lib.gneiss_world_output_at, self._c, self._number, index, view)
+            if text(view.name) == name:
+                values = np.empty((view.count, view.components) if view.components > 1 else view.count)
+                pointer = ffi.cast("double *", values.ctypes.data)
+                checked(lib.gneiss_world_output, self._c, self._number, name.encode(), pointer, values.size)
+                return values
+        raise KeyError(f"{name}: {self.name} have the outputs {', '.join(self.outputs)}")
+
+    def __repr__(self):
+        return f"<gneiss {self.name}: {self.count} with {', '.join(self._names())}>"
+
+
+class Particles(Record):
+    """The particles, with parts of their rows by name."""
+
+    @property
+    def position(self):
+        """[n][3] m: centres relative to `World.origin`."""
+        return self["pos"][:, :3]
+
+    @property
+    def radius(self):
+        """[n] m."""
+        return self["pos"][:, 3]
+
+    @property
+    def velocity(self):
+        """[n][3] m/s, of the last half step. Set World.velocities to change them."""
+        return self["vel"][:, :3]
+
+    @property
+    def mass(self):
+        """[n] kg, a new array; infinite for removed particles."""
+        with np.errstate(divide="ignore"):
+            return 1.0 / self["vel"][:, 3]
+
+
+class History(Mapping):
+    """Columns of the history by name: read-only arrays [rows] over the engine's memory, to be asked for again after an advance."""
+
+    def __init__(self, world):
+        self._c = world
+
+    def _each(self):
+        view = ffi.new("gneiss_view *")
+        for index in range(lib.gneiss_world_history_count(self._c)):
+            checked(lib.gneiss_world_history_at, self._c, index, view)
+            yield view
+
+    def __getitem__(self, name):
+        for view in self._each():
+            if text(view.name) == name:
+                return view_array(view)
+        raise KeyError(f"{name}: the history has {', '.join(self)}")
+
+    def __iter__(self):
+        return iter([text(view.name) for view in self._each()])
+
+    def __len__(self):
+        return lib.gneiss_world_history_count(self._c)
+
+    @property
+    def about(self):
+        """{name: About(name, unit, description)} of the columns."""
+        return {text(view.name): About(text(view.name), text(view.unit), text(view.description)) for view in self._each()}
+
+    def table(self):
+        """A copy as a pandas.DataFrame, or a structured array where pandas is not installed."""
+        from .results import table_of
+        return table_of({name: self[name] for name in self})
+
+
+class Quantities(Mapping):
+    """Numbers by name: readings, or terms of the energy ledger. NaN: absent. `about[name]` has unit and description."""
+
+    def __init__(self, world, count, at):
+        self._c, self._count, self._at = world, count, at
+
+    def _each(self):
+        quantity = ffi.new("gneiss_quantity *")
+        for index in range(self._count()):
+            checked(self._at, self._c, index, quantity)
+            yield quantity
+
+    def __getitem__(self, name):
+        for quantity in self._each():
+            if text(quantity.name) == name:
+                return quantity.value
+        raise KeyError(f"{name}: there are {', '.join(self)}")
+
+    def __iter__(self):
+        return iter([text(quantity.name) for quantity in self._each()])
+
+    def __len__(self):
+        return self._count()
+
+    @property
+    def about(self):
+        """{name: About(name, unit, description)}."""
+        return {text(q.name): About(text(q.name), text(q.unit), text(q.description)) for q in self._each()}
+
+    def __repr__(self):
+        return repr({name: value for name, value in self.items() if value == value})

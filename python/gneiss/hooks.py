@@ -1,0 +1,122 @@
+"""Calls between steps, and fields of force."""
+import weakref
+
+import numpy as np
+
+from ._library import ffi, lib
+from .errors import checked
+from .fields import memory_array
+
+
+class Hook:
+    """A call or a field of force of a world. `remove` takes it out again."""
+
+    def __init__(self, world, function):
+        self._world, self._function, self._number, self._callback = weakref.ref(world), function, None, None
+
+    def remove(self):
+        """Ends it. Does nothing if it has ended."""
+        world = self._world()
+        if world is not None and world._hooks.pop(self._number, None) is not None and not world.closed:
+            checked(lib.gneiss_world_remove_hook, world._c, self._number)
+
+    def __call__(self, *arguments):
+        return self._function(*arguments)
+
+
+def _keep(world, hook, number):
+    hook._number = number[0]
+    world._hooks[hook._number] = hook
+    return hook
+
+
+def add_call(world, function, every=0, times=()):
+    """Has function(world) called after every `every`th step, and after the first step that ends at or after each of `times`, s."""
+    hook = Hook(world, function)
+    reference = hook._world
+
+    def note(kind, error, _trace):
+        world = reference()
+        if world is not None:
+            world._failed = error
+        return 1
+
+    @ffi.callback("gneiss_call", error=1, onerror=note)
+    def call(_context, _handle):
+        world = reference()
+        function(world)
+        return world._stop
+
+    hook._callback = call
+    instants = np.ascontiguousarray(times, float).ravel()
+    number = ffi.new("int64_t *")
+    checked(lib.gneiss_world_add_call, world._c, every, ffi.cast("double *", instants.ctypes.data), len(instants), call, ffi.NULL, number)
+    return _keep(world, hook, number)
+
+
+class Points:
+    """Particles at the instant of the forces, in their present order; arrays over the engine's memory.
+
+    time       s
+    position   [n][3] m, relative to World.origin
+    radius     [n] m
+    velocity   [n][3] m/s, of the last half step
+    inverse_mass  [n] 1/kg; 0: removed
+    spin       [n][3] rad/s; None without rotation
+    id         [n] place in the specimen
+    force      [n][3] N, zeros; to be written (or the function returns it)
+    moment     [n][3] N m, zeros; to be written; None without rotation
+    """
+
+    def __init__(self):
+        self._places = None
+
+    def _take(self, points):
+        self.time = points.time
+        places = (points.position, points.velocity, points.spin, points.id, points.force, points.moment, points.count)
+        if places == self._places:
+            return
+        n = points.count
+        self._places = places
+        position = memory_array(points.position, (n, 4))
+        velocity = memory_array(points.velocity, (n, 4))
+        self.position, self.radius, self.velocity, self.inverse_mass = position[:, :3], position[:, 3], velocity[:, :3], velocity[:, 3]
+        self.spin = memory_array(points.spin, (n, 4))[:, :3] if points.spin else None
+        self.id = memory_array(points.id, (n,), "<i4")
+        self.force = memory_array(points.force, (n, 3), writable=True)
+        self.moment = memory_array(points.moment, (n, 3), writable=True) if points.moment else None
+
+
+def add_force(world, function, stiffness=0.0):
+    """Adds the field of force function(points), called once in every step."""
+    hook, points = Hook(world, function), Points()
+    reference = hook._world
+
+    def note(kind, error, _trace):
+        world = reference()
+        if world is not None:
+            world._failed = error
+        return 1
+
+    def evaluate():
+        force = function(points)
+        if force is not None:
+            points.force[...] = force
+
+    @ffi.callback("gneiss_force", error=1, onerror=note)
+    def act(_context, c_points):
+        points._take(c_points)
+        try:
+            evaluate()
+        except KeyboardInterrupt as error:  # the step is finished first
+            reference()._failed = error
+            points.force[...] = 0.0
+            if points.moment is not None:
+                points.moment[...] = 0.0
+            evaluate()
+        return 0
+
+    hook._callback = act
+    number = ffi.new("int64_t *")
+    checked(lib.gneiss_world_add_force, world._c, stiffness, act, ffi.NULL, number)
+    return _keep(world, hook, number)
