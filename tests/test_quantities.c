@@ -114,6 +114,7 @@ static void write_fields(FILE *file) {
                   {"Events", &gn_event_outputs},
                   {"Bursts", &gn_burst_outputs},
                   {"Fragments", &gn_fragment_outputs},
+                  {"Rim", &gn_rim_outputs},
                   {"Nodes", &gn_node_outputs},
                   {"Elements", &gn_element_outputs},
                   {"Bodies", &gn_body_outputs},

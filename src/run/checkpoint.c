@@ -51,6 +51,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.box),
     DOUBLES(world.ctx.machine),
     DOUBLES(world.approach),
+    DOUBLES(world.cutting),
     DOUBLES(world.section),
     DOUBLES(world.ctx.volume),
     DOUBLES(world.ctx.lower),
