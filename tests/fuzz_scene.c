@@ -158,7 +158,7 @@ static void mutate(char *text, uint64_t *state) {
         break;
     case 3:
     case 4:
-    case 5: /* most tokens in the place of a whole word */
+    case 5: /* largest number of tokens that replace a word */
         length = word_at(text, &at);
         splice(text, at, length, token, strlen(token));
         break;

@@ -32,7 +32,7 @@ static gn_area_check check_of(const gn_world *w) {
     return check;
 }
 
-/* Lattices of radius 1 mm in a box that goes on with them. */
+/* Lattices of radius 1 mm in a periodic box that continues them. */
 static const struct lattice {
     int dimension;
     const char *specimen, *box;
@@ -72,7 +72,7 @@ static void polyhedra_fill_lattices(void **state) {
     }
 }
 
-/* At the skin of a block the missing faces are those that the lattice would have. */
+/* At the surface of a block the missing faces equal those of the lattice. */
 static void sections_at_a_skin_are_those_inside(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k += 2) { /* square, cubic: their skins are faces of the cells */

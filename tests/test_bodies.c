@@ -357,7 +357,7 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
             off, restitution);
         run_steps(w, 10000);
         const gn_rigid *b = &w->boundary.bodies[0];
-        /* Along z at the point that was hit; the body has hardly turned by then. */
+        /* Along z at the contact point; the body has hardly rotated by then. */
         double at = b->velocity[2] - off * b->spin[1];
         assert_near(vel_of(w, 0)[2] - at, restitution, 0.01);
         assert_true(b->velocity[2] < -0.01);

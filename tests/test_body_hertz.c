@@ -32,8 +32,8 @@ static double run_to(gn_world *w, double time) {
 
 /* --- the linear law, beside Hertz's --- */
 
-/* Blocks that tumble between three walls, on springs of which walls have half by the linear law;
- * and, without walls, blocks that fly at each other. */
+/* Blocks that tumble between three walls, whose springs have half the stiffness under the linear
+ * law; and blocks that collide without walls. */
 static gn_world *tumbling(bool hertz, bool walls) {
     char sides[400] = "", spring[64];
     const char *wall = hertz ? "" : "stiffness: 4e5, kratio: 2, ";

@@ -36,8 +36,9 @@ static void farthest(gn_world *w, double *path, double *turn) {
     }
 }
 
-/* Bodies that fall, fly or spin; driven, also suddenly, and back in between; under Hertz's law; hit
- * by a heavy body; small ones, which rotate far before they move far. */
+/* Bodies that fall, fly or spin; driven, also suddenly, and in the reverse direction in between;
+ * under Hertz's law; hit by a heavy body; small ones, which rotate by large angles before they have
+ * moved far. */
 static const char *const moving[] = {
     GRAINS(HELD) "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",
     GRAINS("") "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",

@@ -42,7 +42,7 @@ static void parts_do_not_depend_on_how_faces_are_cut(void **state) {
 
 /* --- bounces --- */
 
-/* A cube of 2 kg flies at 1 m/s at a wall on a spring of 1 MN/m: on a face, on a corner below its
+/* A cube of 2 kg hits a wall at 1 m/s on a spring of 1 MN/m: on a face, on a corner below its
  * centre; in the plane on a side. `steps` of an undamped half wave, 0: automatic. */
 static gn_world *bouncing(int dimension, const char *rotation, double restitution,
                           const char *time) {
@@ -157,7 +157,7 @@ static void a_rocking_block_keeps_its_energy(void **state) {
 
 /* --- friction --- */
 
-/* A box on a floor under a gravity that leans: it goes sideways with `slope` times its weight. */
+/* A box on a floor under inclined gravity: the horizontal component is `slope` times its weight. */
 static gn_world *on_slope(int dimension, double slope, double friction, double height) {
     double turn = atan(slope), gx = 9.81 * sin(turn), gz = -9.81 * cos(turn);
     const char *damping = "damping: {contact: {fraction: 0.3}}\n";

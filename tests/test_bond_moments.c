@@ -153,7 +153,8 @@ static gn_world *driven(int dimension, double bend, double pull, double twist, d
     return driven_by("", "", dimension, bend, pull, twist, slide);
 }
 
-/* Steps until the bond breaks; what the ledger has then, and how much was released. */
+/* Returns the number of steps until the bond breaks, the ledger at that time, and the released
+ * energy. */
 static int64_t steps_to_break(gn_world *w, gn_energy *e) {
     measured_step(w);
     while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
@@ -323,7 +324,7 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
         const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p,
                      *s = w->dem.particles.spin + 4 * p;
         double l[3], middle[3];
-        /* Where it was half a step ago, when it had that velocity. */
+        /* Its position half a step earlier, the time of that velocity. */
         for (int a = 0; a < 3; a++) middle[a] = x[a] - 0.5 * w->ctx.dt_past * v[a];
         cross3(middle, v, l);
         for (int a = 0; a < 3; a++) {
@@ -400,8 +401,9 @@ static void a_bent_ring_keeps_momentum_and_energy(void **state) {
     }
 }
 
-/* A pair that was bent and twisted turns as a whole about an axis, both spins alike: nothing
- * strains it, so its moment turns along and keeps its size, whatever the angle of a step. */
+/* A pair with bending and twist rotates as a whole about an axis, with equal spins: the bond is not
+ * strained further, so its moment rotates with it and keeps its magnitude, whatever the angle of a
+ * step. */
 static void a_moment_turns_with_its_bond(void **state) {
     (void)state;
     const double axes[3][3] = {{1, 0, 0}, {0, 0, 1}, {0.48, 0.6, 0.64}};

@@ -1,5 +1,5 @@
-/* Bonds: stiffness and strength by every model, breaking, what remains of a broken bond; energy of
- * bonded pairs, damping, loads and walls. */
+/* Bonds: stiffness and strength by every model, breaking, contacts that remain of broken bonds;
+ * energy of bonded pairs, damping, loads and walls. */
 #include "particles/observe.h"
 #include "world_helpers.h"
 
@@ -225,7 +225,8 @@ static void a_broken_overlapping_bond_keeps_its_zero_gap(void **state) {
     }
     assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_SHEAR);
     assert_close(before, -pair_kn * press, 1e-2); /* pressed, and a little tilted */
-    /* No jump: the normal force goes on with the same zero gap, the shear drops to friction. */
+    /* No jump: the normal force continues with the same zero gap, the shear force drops to
+     * friction. */
     double x[3], distance_now, t[3], turn;
     for (int k = 0; k < 400; k++) {
         for (int a = 0; a < 3; a++) x[a] = pos_of(w, 1)[a] - pos_of(w, 0)[a];
@@ -302,8 +303,7 @@ static void a_pair_broken_at_once_behaves_as_one_never_bonded(void **state) {
 
 static void work_of_breaking_balances(void **state) {
     (void)state;
-    /* Pulled to breaking: all the work that came in is released, 1/2 R_n^2/k_n and the last
-     * increment. */
+    /* Pulled until it breaks: the whole work is released, 1/2 R_n^2/k_n and the last increment. */
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0", "bonds: {}\n", 1e-8);
     measured_step(w);
     while (w->dem.bonds.contacts.cause[0] == GN_INTACT) run_steps(w, 1);

@@ -169,8 +169,7 @@ static void steps(gn_run *run, int64_t count) {
     if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* Compacts, bonds, is held, and is then sheared along z with everything on that goes beside a box.
- */
+/* Compacts, bonds, is held, and is then sheared along z, with all features that a box allows. */
 static const char *programme(const char *run) {
     static char s[4096];
     snprintf(
@@ -238,7 +237,7 @@ static void stress_held_to_the_end(const char *scene, double wanted) {
     run_end(run);
 }
 
-/* Contacts that stiffen as they are pressed, with dashpots, that roll, under a weight. */
+/* Contacts that stiffen with the overlap, with dashpots and rolling resistance, under gravity. */
 static void grains_of_hertzs_law_are_held(void **state) {
     (void)state;
     stress_held_to_the_end(
@@ -253,7 +252,8 @@ static void grains_of_hertzs_law_are_held(void **state) {
         5e4);
 }
 
-/* Discs with bonds that bend, torn apart along y at 35 ms. What breaks rings on. */
+/* Discs with bonds that resist bending, pulled apart along y at 35 ms. Breaking bonds cause
+ * vibrations. */
 static void bonded_discs_are_held_while_they_are_torn(void **state) {
     (void)state;
     stress_held_to_the_end(

@@ -1029,7 +1029,7 @@ def without_the_ledger_there_is_no_energy(folder):
 def snapshots_are_grids_with_their_time(folder):
     out = ucs()
     listed = series(out)
-    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # with those of the peak
+    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # with the snapshot at the peak
     for name, when in listed:
         with h5py.File(os.path.join(out, name)) as file:
             assert file["VTKHDF/FieldData/TimeValue"][0] == when
@@ -1117,8 +1117,9 @@ def orientations_are_written_where_they_are_asked_for(folder):
 
 @fact
 def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
-    """Three balls in a row that come together: nothing touched at the start, and it is over before the step is looked at again. A pair
-    has w^2 = 2 k/m, the row 3 k/m; dashpots are none. Half a contact later it is pressed most."""
+    """Three balls in a row that collide: there is no contact at the start, and the collision ends before the step is
+    checked again. A pair has w^2 = 2 k/m, the row 3 k/m; there are no dashpots. The overlap is largest after half
+    the contact time."""
     k, r, rho, v = 1e5, 1e-3, 2500.0, 0.01
     m = rho * 4 / 3 * math.pi * r**3
     w = math.sqrt(k / m)  # the middle one stays
@@ -1139,7 +1140,7 @@ def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
 
 @fact
 def a_body_that_is_absurdly_light_is_warned_of_before_the_run(folder):
-    """1e-21 kg over grains of 1e-5 kg: steps fall to 1e-14 s when it comes to them, which no plan can know."""
+    """1e-21 kg among grains of 1e-5 kg: steps fall to 1e-14 s when it makes contact, which no plan can predict."""
     scene = write_scene(folder, {
         "dimension": 3, "specimen": {"lattice": {"kind": "cubic", "radius": 1e-3, "cells": [3, 3, 1]}},
         "law": {"stiffness": "uniform"},

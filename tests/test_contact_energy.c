@@ -289,8 +289,8 @@ static void the_work_of_a_wall_is_booked(void **state) {
     world_end(w);
 }
 
-/* The tangential spring of a spinning sphere turns with half its spin. Turned before each
- * increment, its two directions would drive each other: the oscillation here grew sixfold. */
+/* The tangential spring of a spinning sphere rotates with half its spin. If it were rotated before
+ * each increment, its two components would drive each other: the oscillation here grew sixfold. */
 static void a_top_on_a_floor_keeps_its_energy(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -160,7 +160,7 @@ static const double corners[3][2][3] = {{{0.0, 0.0, 0.0}, {2e-3, 2e-3, 2e-3}},
                                         {{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 4e-3}},
                                         {{26e-3, 0.0, 0.0}, {30e-3, 2e-3, 2e-3}}};
 
-/* Converts at corners and in the middle, and adds up the changes of the whole body; [2] N m s: the
+/* Converts at corners and in the middle, and sums the changes of the whole body; [2] N m s: the
  * largest change of angular momentum; the largest angular momentum, or that of its vibration. */
 static gn_world *convert_and_sum(const block *s, field *motion, const void *of, own *sum,
                                  double size[2]) {

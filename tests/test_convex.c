@@ -141,8 +141,8 @@ static shape *from_file(int parts, double off) {
     return s;
 }
 
-/* They have six planes and bound what a cube does; on a slab, which turns with them, their overlap
- * is A d, and a dent that is more than rounding is one. */
+/* They have six planes and the same boundary as a cube; on a slab that rotates with them their
+ * overlap is A d, and only a dent larger than rounding is reported. */
 static void rounded_vertices_are_convex(void **state) {
     (void)state;
     const double offs[] = {0.0, 0.1, 1.0}, d = 1e-4;

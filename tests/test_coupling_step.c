@@ -220,8 +220,8 @@ static double energy_at(const model *m, double part, int steps) {
     return grown;
 }
 
-/* Just below the limit velocities of the fastest modes swing by 1/sqrt(1 - 0.99^2) = 7 times what
- * they are at the start, in energy 50 times, of the small part of it that is in them. */
+/* Just below the limit, velocities of the fastest modes reach 1/sqrt(1 - 0.99^2) = 7 times their
+ * initial values, and the small part of the energy that is in them grows 50 times. */
 static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
@@ -405,9 +405,9 @@ static double asked_by_softening(const char *couple) {
     return step;
 }
 
-/* If bonds soften, all of them must last five steps: with the masses that particles have at the
- * edge of a zone, where they meet others with weighted contacts, they would not, but these
- * particles move with nodes. */
+/* If bonds soften, the shortest period must last five steps. With the masses of particles at the
+ * edge of a zone, which touch others with weighted contacts, it would not, but these particles move
+ * with nodes. */
 static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void **state) {
     (void)state;
     static const char *const with[] = {"", ", constraint: consistent", ", spins: slaved"};

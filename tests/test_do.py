@@ -9,7 +9,7 @@ LAYERS = os.path.join(ROOT, "tools", "layers.py")
 LINKS = os.path.join(ROOT, "tools", "links.py")
 WORDS = os.path.join(ROOT, "tools", "words.py")
 
-# Like meson's file, but it compiles nothing.
+# Has the form of meson's file but compiles nothing.
 NINJA = """
 rule make
   command = {command} && touch $out
@@ -78,7 +78,7 @@ def a_build_on_a_terminal_shows_every_step(folder):
 
 @fact
 def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
-    """Twelve kernels beside two steps of a moment: the stub compiles none of them."""
+    """Twelve kernels and two short steps: the stub compiles none of them."""
     build = make_root(folder)
     kernels = [f"src/kernels/libgneiss_kernels_avx2_contact{k}.a.p/contact_template.c.o" for k in range(12)]
     text = NINJA.format(command="mkdir -p $$(dirname $out)").replace("build gneiss: program compiled.o", "build gneiss: program compiled.o " + " ".join(kernels))
@@ -103,7 +103,7 @@ def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
 
 @fact
 def tests_install_what_locales_are_made_from(folder):
-    """The package is missing: stubs stand in for the commands that query and install."""
+    """The package is missing: stubs replace the commands that query and install."""
     make_root(folder)
     bin = os.path.join(folder, "bin")
     os.makedirs(bin)

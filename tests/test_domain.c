@@ -169,7 +169,7 @@ static void test_obtuse_corner_gives_the_sides_whose_foot_is_on_them(void **stat
     gn_domain_plane p[GN_DOMAIN_PLANES];
     gn_domain *d = polygon(corners, 6);
     assert_close(gn_domain_volume(d), 1.5 * sqrt(3), 1e-14);
-    /* On the bisector of the corner (1, 0): both sides, equally deep. */
+    /* On the bisector of the corner (1, 0): both sides, at equal depth. */
     double deep = 0.1 * sin(M_PI / 3);
     assert_int_equal(gn_domain_planes(d, (double[]){0.9, 0, 0}, 0.2, p), 2);
     for (int i = 0; i < 2; i++) {

@@ -92,8 +92,9 @@ def write_bone(path, length, half, along, across):
 
 @fact
 def a_bar_with_a_waist_reads_back_its_modulus(folder):
-    """Twice as wide at its ends as in the middle half. Whether the stress is over the waist or over the volume by the length: F/E times
-    the integral of 1/A is what the ends move by, but for what the shear of a taper of 1 to 6 adds, a percent or two."""
+    """The ends are twice as wide as the middle half. Whether the stress is formed with the waist or with the volume
+    over the length: the displacement of the ends is F/E times the integral of 1/A, plus the shear of a taper of 1
+    to 6, a per cent or two."""
     length, waist = 0.12, 0.01
 
     def half(x):

@@ -12,11 +12,11 @@
 typedef struct tie {
     int part[2]; /* -1: particles; else a solid of elements */
     size_t count;
-    int32_t point[64][2]; /* particles by id, nodes by place */
+    int32_t point[64][2]; /* particles by id, nodes by index */
     double force[64][3];  /* N, on the first of two, of the last step */
 } tie;
 
-/* One end of a tie. */
+/* One side of a tie. */
 typedef struct end {
     const gn_particles *points;
     gn_hold *hold;

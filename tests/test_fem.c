@@ -46,8 +46,8 @@ static void check_sides(const gn_mesh *mesh, int d, const double size[3]) {
     }
 }
 
-/* The sides' facets are those of the elements: the mesh's own boundary has no others, also where
- * elements meet, so that these share whole faces. */
+/* The facets of the sides are those of the elements: the boundary of the mesh has no others; where
+ * sides join they share whole faces. */
 static void sides_of_structured_meshes_are_their_boundary(void **state) {
     (void)state;
     static const int many[][3] = {{9, 6, 0}, {1, 1, 0}, {5, 4, 4}, {1, 1, 1}, {1, 2, 1}, {3, 1, 1}};

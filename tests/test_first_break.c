@@ -1,5 +1,5 @@
-/* time.start: first_break: equilibria up to the first break without steps, and the steps that go on
- * from there. */
+/* time.start: first_break: equilibria up to the first break without steps, and the steps that
+ * follow them. */
 #include "world_helpers.h"
 
 #include "run/run.h"
@@ -131,7 +131,7 @@ static void a_column_carries_its_weight(void **state) {
     world_end(w);
 }
 
-/* A wall that has a gap to go before it shears a bond: T = (v t - gap)/(1/k_w + 1/k_t). */
+/* A wall that has to close a gap before it shears a bond: T = (v t - gap)/(1/k_w + 1/k_t). */
 static const char gap_scene[] =
     "specimen:\n  particles: [[0, 0, 0, 0.5 mm], [1.5 mm, 0, 0, 1 mm]]\n  group: 1\n%ssets:\n"
     "- {name: foot, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0}}\n"

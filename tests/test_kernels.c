@@ -1074,8 +1074,8 @@ static void shear_turns_with_a_rotation_across_the_normal(void **state) {
     }
 }
 
-/* About an oblique axis the normal runs on a cone; chord and spins act on the normal of the middle:
- * no term of first order. */
+/* About an oblique axis the normal moves on a cone; chord and spins act on the normal at the middle
+ * of the step, so that there is no first-order term. */
 static void shear_turns_with_a_rotation_about_an_oblique_axis(void **state) {
     (void)state;
     const double axis[3] = {1 / sqrt(3.0), 1 / sqrt(3.0), 1 / sqrt(3.0)};

@@ -46,7 +46,7 @@ static void run_end(gn_run *run) {
 }
 
 /* Returns a value of a contact of two particles, independent of their order: whole numbers, which
- * both precisions represent. The sign is that of the particle that comes first. */
+ * both precisions represent. The sign is that of the first particle. */
 static double even_of(int32_t a, int32_t b) {
     return a * b + a + b + 1;
 }

@@ -79,8 +79,9 @@ static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     }
 }
 
-/* Two equal spheres that pass each other: `sideways` over the speed at which they near each other.
- * The speed at which they part over that, along the line on which they met. */
+/* Two equal spheres that pass each other; `sideways`: tangential speed relative to the speed of
+ * approach. Returns the speed of separation relative to the speed of approach, along the line of
+ * their first contact. */
 static double oblique(double restitution, double sideways, double depth, double phase,
                       double steps) {
     double r = 1e-3, m = sphere_mass(2500, r), k = 1e6, w0 = sqrt(2.0 * k / m),

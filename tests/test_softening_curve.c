@@ -1,5 +1,5 @@
-/* Bonds that soften along two lines (law.softening_curve: bilinear): against the curve over the
- * opening as it is published, and what it dissipates. */
+/* Bonds that soften along two lines (law.softening_curve: bilinear), compared with the published
+ * curve over the opening and its dissipation. */
 #include "softening_bond.h"
 
 /* Petersson (1981): a third of the strength R is left at the opening 0.8 G/R, nothing at 3.6 G/R.
@@ -21,8 +21,8 @@ static double left_at(double w, const double at[2]) {
     return w < at[1] ? (at[1] - w) / (at[1] - at[0]) / 3.0 : 0.0;
 }
 
-/* The force of a bond at the stretch u that was never further apart: the stretch is the opening and
- * what the force makes elastic, found by halving. */
+/* The force of a bond at the largest stretch u so far: the stretch is the opening plus the elastic
+ * stretch under the force, found by bisection. */
 static double first_pull(double u) {
     if (u <= rn / kn) return kn * u;
     double low = 0.0, high = opening[1];

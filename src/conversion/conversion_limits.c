@@ -254,8 +254,8 @@ static gneiss_status see(const gn_convertible *model, const uint8_t *ready, size
     return GNEISS_OK;
 }
 
-/* Places are spread evenly over the list; large bodies get fewer, because each place visits all
- * elements. */
+/* Places are distributed evenly over the list; large bodies get fewer, because each place visits
+ * all elements. */
 gneiss_status gn_conversion_check_places(const gn_convertible *model,
                                          gn_conversion_places_checked *seen, gneiss_error *error) {
     const size_t elements = gn_elements_left_count(model->solids),

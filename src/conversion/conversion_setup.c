@@ -145,7 +145,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
 }
 
-/* After everything has converted no difference is left to compare. */
+/* If everything has converted, there is no difference to compare. */
 static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
                                      gn_conversions *converted, gneiss_error *error) {

@@ -43,8 +43,8 @@ def between(one):
 
 
 def have_met(one):
-    """The material between the notches carries little load and converts because no zone fits there; beside a single
-    notch a part of it stays."""
+    """The material between the notches carries little load and converts because no zone fits there; with a single
+    notch a part of it remains."""
     alone = one.again(drawn(one.folder, (8,)), "alone")
     assert between(one) == 0 and between(alone) > 0, (between(one), between(alone))
     return keeps_ledger(1e-3)(one) + f"; none left between, {between(alone)} with one notch"

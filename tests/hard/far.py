@@ -67,7 +67,7 @@ def flies_as_far_as_it_should(one):
 # --- quiet steps ---------------------------------------------------------------------------------------------
 
 def quiet(folder):
-    """A bonded block that hangs still, its bonds loaded by its weight: nothing happens, in single precision."""
+    """A bonded block hangs at rest with its bonds loaded by its weight: in single precision it stays at rest."""
     scene = spheres(lattice("cubic", [3, 3, 4]), 0.05, STRONG, bonds={}, gravity=[0, 0, -10],
                     sets=[{"name": "top", "select": {"end": {"axis": "z", "side": "upper", "depth": 1.5e-3}},
                            "motion": {"vx": 0, "vy": 0, "vz": 0}}],

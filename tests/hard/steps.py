@@ -1,4 +1,4 @@
-"""Scenes that ask for a smaller step than what touches at their start: the automatic one has to know."""
+"""Scenes in which contacts at the start require a smaller step: the automatic step has to take them into account."""
 from hard.case import *  # noqa: F403
 
 

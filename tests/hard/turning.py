@@ -1,4 +1,4 @@
-"""Bodies that turn: nothing but the kinematics of contacts and the splitting of a free rotation keeps their energy."""
+"""Rotating bodies: only the kinematics of contacts and the splitting of a free rotation conserve their energy."""
 from hard.case import *  # noqa: F403
 
 RING, SPIN = 24, 500.0  # spheres; rad/s
