@@ -90,6 +90,27 @@ static double step_of(const gneiss_world *world) {
     return limits.dt;
 }
 
+/* --- keys --- */
+
+static void keys_are_listed_with_their_values(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gneiss_key key;
+    size_t count = 0, required = 0;
+    bool friction = false, walls = false;
+    while (gneiss_key_at(count, &key, &error) == GNEISS_OK) {
+        assert_true(key.path[0] && key.value[0] && key.text[0] && key.kind[0]);
+        if (strcmp(key.path, "materials[].friction") == 0)
+            friction = strcmp(key.kind, "number") == 0 && strcmp(key.fallback, "0") == 0;
+        if (strcmp(key.path, "walls") == 0) walls = strcmp(key.kind, "list") == 0;
+        required += key.required == 1;
+        count++;
+    }
+    assert_true(count > 200 && required > 20 && friction && walls);
+    refused(gneiss_key_at(count, &key, &error), &error, "index");
+    refused(gneiss_key_at(0, NULL, &error), &error, "key");
+}
+
 /* --- views --- */
 
 static void a_pinned_view_keeps_its_values_when_the_world_is_gone(void **state) {
@@ -135,14 +156,14 @@ static void calls_come_between_steps_and_can_stop_the_advance(void **state) {
     int64_t hook, timed;
     diary every = {.stop_at = 20}, at = {.stop_at = -1};
     must(gneiss_world_add_call(w, 5, NULL, 0, note, &every, &hook, &error), &error);
-    const double dt = step_of(w), times[] = {2.5 * dt, 11.0 * dt, 11.5 * dt};
+    const double dt = step_of(w), times[] = {2.4 * dt, 11.0 * dt, 11.6 * dt};
     must(gneiss_world_add_call(w, 0, times, 3, note, &at, &timed, &error), &error);
     assert_int_equal(gneiss_world_step(w, 50, &error), GNEISS_INTERRUPTED);
     assert_int_equal(gneiss_world_steps(w), 20);
     assert_int_equal(every.calls, 4);
     assert_int_equal(every.advanced, GNEISS_ERROR_INPUT); /* not inside a call */
     assert_int_equal(at.calls, 3);
-    assert_int_equal(at.last, 12); /* the first step that ends at or after 11.5 steps */
+    assert_int_equal(at.last, 12); /* the step that ends nearest to 11.6 steps */
     must(gneiss_world_step(w, 30, &error), &error);
     assert_int_equal(every.calls, 10);
     must(gneiss_world_remove_hook(w, hook, &error), &error);
@@ -380,6 +401,38 @@ static void a_motion_that_is_set_is_part_of_a_saved_world(void **state) {
     gneiss_world_free(loaded);
 }
 
+/* --- stages --- */
+
+static void a_stage_ends_when_a_program_asks_for_it(void **state) {
+    (void)state;
+    char text[2048];
+    gneiss_error error = {0};
+    gneiss_progress progress;
+    snprintf(text, sizeof text, "%s%s", pair,
+             "stages:\n"
+             "  - {name: fall, end: {time: 1 ms}}\n"
+             "  - {name: rise, gravity: [0, 0, 10]}\n");
+    gneiss_world *w = world_of(text, NULL, NULL), *none = world_of(pair, NULL, NULL);
+    must(gneiss_world_step(w, 100, &error), &error);
+    must(gneiss_world_progress(w, &progress, &error), &error);
+    assert_true(progress.stages == 2 && progress.stage == 0);
+    assert_string_equal(progress.stage_name, "fall");
+    const double down = rows_of(w, "vel", NULL)[2];
+    must(gneiss_world_end_stage(w, &error), &error);
+    must(gneiss_world_step(w, 100, &error), &error);
+    must(gneiss_world_progress(w, &progress, &error), &error);
+    assert_string_equal(progress.stage_name, "rise");
+    assert_true(down < 0.0);
+    assert_near(rows_of(w, "vel", NULL)[2], 10.0 * 0.5 * step_of(w), 1e-3 * fabs(down));
+    must(gneiss_world_end_stage(w, &error), &error);
+    must(gneiss_world_progress(w, &progress, &error), &error);
+    assert_int_equal(progress.finished, 1);
+    assert_non_null(strstr(progress.stop_reason, "a program ended it"));
+    refused(gneiss_world_end_stage(none, &error), &error, "stages");
+    gneiss_world_free(w);
+    gneiss_world_free(none);
+}
+
 /* --- specimens --- */
 
 static int double_first(void *context, gneiss_specimen *specimen) {
@@ -439,6 +492,7 @@ static void badly_prepared_particles_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(keys_are_listed_with_their_values),
         cmocka_unit_test(a_pinned_view_keeps_its_values_when_the_world_is_gone),
         cmocka_unit_test(calls_come_between_steps_and_can_stop_the_advance),
         cmocka_unit_test(a_world_that_a_call_saved_goes_on_with_the_same_bits),
@@ -452,6 +506,7 @@ int main(void) {
         cmocka_unit_test(a_fast_particle_meets_what_was_not_listed),
         cmocka_unit_test(prescribed_particles_keep_their_velocities),
         cmocka_unit_test(a_motion_that_is_set_is_part_of_a_saved_world),
+        cmocka_unit_test(a_stage_ends_when_a_program_asks_for_it),
         cmocka_unit_test(prepared_particles_have_the_masses_of_their_radii_and_materials),
         cmocka_unit_test(badly_prepared_particles_are_refused),
     };

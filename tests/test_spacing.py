@@ -159,8 +159,7 @@ def rows_are_evenly_apart_when_a_resumed_run_has_no_stop_any_more(folder):
 def the_time_left_is_that_to_the_end_which_is_expected(folder):
     """The peak is predicted from the specimen; behind that, and without a prediction, it is at most the time to time.end."""
     done = expect(gneiss("run", UCS, "--out", folder, "--threads", 1, "--log", "json", *LATE, "--set", "time.end=15 ms"), 0)
-    lines = [json.loads(line) for line in done.stdout.splitlines()[:-1]]
-    for line in lines:
+    for line in logged(done.stdout, "progress"):
         left = line["end"] - line["time"]
         bound = line["seconds"] / line["time"] * left
         assert line["eta_at_most"] or line["eta"] < 0.2 * bound, line

@@ -67,7 +67,8 @@ CLEAN = [
     "src/zones",
 ]
 # Pages that are written by a program from texts elsewhere: their words and lines are those of the texts.
-GENERATED = {"docs/keys.md", "docs/quantities.md"}
+GENERATED = {f"docs/{name}.md" for name in ("keys", "keys-particles", "keys-materials", "keys-walls", "keys-elements",
+                                               "quantities", "quantities-readings", "quantities-fields")}
 
 # First words of a comment: it then describes a thing without a sentence.
 OPENINGS = re.compile(r"(What|Who|Whose|Of|Whether|The same)\b")

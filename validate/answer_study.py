@@ -53,7 +53,7 @@ def planned():
         said = study.call(["plan", study.ROCK, "--error", "4%", "--log", "json", "--threads", "1", "--write", str(scene), "--force"])
         if said.returncode != 0:
             sys.exit(said.stderr)
-        kept.write_text(next(line for line in said.stdout.splitlines() if line.startswith("{")))
+        kept.write_text(json.dumps(json.loads(said.stdout.splitlines()[-2])["result"]))
     plan = json.loads(kept.read_text())
     print(json.dumps(plan["proposed"]), file=sys.stderr, flush=True)
     return plan["dt"], scene

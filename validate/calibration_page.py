@@ -4,7 +4,7 @@ import sys
 import study
 from sections import Page
 
-NAMES = ("published", "rocks", "synthetic", "coverage", "kills", "targets")
+NAMES = ("published", "rocks", "synthetic", "coverage", "cost", "kills", "targets")
 HEAD = """# Calibration: how right, how sure, how robust
 
 Written by `validate/calibration_*.py`; do not edit. Each section names the command that measures it. The command and its file of

@@ -1,5 +1,5 @@
 """Effects of the number of particles, speed, step and round-off on the concrete of concrete_study.py (Santasusana 2013, ch. 5), without
-pressure and under 9 MPa. Writes the section on concrete of docs/accuracy.md and its pictures.
+pressure and under 9 MPa. Writes the section on concrete of docs/evidence/accuracy.md and its pictures.
 
     /usr/bin/python3 validate/concrete_effects.py [--fresh] [--kept] [--quick] [most] [large]
 
@@ -296,13 +296,13 @@ def brittle_picture(curves):
 
 INTRO = """## Concrete under pressure
 
-The cylinder of 150 x 300 mm of [laboratory](evidence/laboratory.md#concrete-what-is-computed), whose bonds soften and yield and contacts damp, closed between ends that hold it
+The cylinder of 150 x 300 mm of [laboratory](laboratory.md#concrete-what-is-computed), whose bonds soften and yield and contacts damp, closed between ends that hold it
 across, without pressure and under 9 MPa: largest deviator, and E and nu at the start of loading. The source (Santasusana 2013, ch. 5) studies the number of particles (107 to 71 852), the speed and the step. Speed, step and
 round-off with {count} spheres of one packing. Written by `validate/concrete_effects.py`."""
 
 
 def section():
-    place = words.Pictures(concrete.FOLDER if QUICK else study.ROOT / "docs" / "pictures", "pictures")
+    place = words.Pictures(concrete.FOLDER if QUICK else study.ROOT / "docs" / "evidence" / "pictures", "pictures")
     found, fast, brittle, fine, near, copies = particles(), speeds(), brittle_speeds(), steps(), nearby(), shaken()
     packings = found[1500 if 1500 in found else COUNTS[-1]]
     brittle_picture(brittle)
@@ -315,7 +315,7 @@ def section():
         "Speed. Left: share of the peak 0.2 % of strain later; from 4 000 spheres on steps are twice as long by scaled masses:",
         words.table(["pressure MPa", "spheres", "closing m/s", "g", "E of the ends GPa", "largest deviator MPa", "against the slowest", "strain there %", "left", "steps", "CPU s"],
                     speed_rows(fast)),
-        f"Speed, brittle bonds without yield, no pressure around, {COUNT} spheres ([curves](evidence/pictures/concrete-speed.png)):",
+        f"Speed, brittle bonds without yield, no pressure around, {COUNT} spheres ([curves](pictures/concrete-speed.png)):",
         words.table(["closing m/s", "g", "E of the ends GPa", "UCS MPa", "strain there %", "strain to half of it, over that", "ends differ by %",
                      "largest kinetic energy before J", "steps", "CPU s"], brittle_rows(brittle)),
         f"Step, {COUNT} spheres:",

@@ -84,6 +84,23 @@ GNEISS_API void gneiss_scene_allow_gmsh(gneiss_scene *scene, int allow);
 /* Frees a scene. NULL is allowed. Worlds made from the scene do not need it. */
 GNEISS_API void gneiss_scene_free(gneiss_scene *scene);
 
+/* A key of scene files. */
+typedef struct gneiss_key {
+    char path[128];    /* "materials[].friction"; [] stands for an element of a list */
+    char value[256];   /* what it takes, in words: "number, Pa, in (0, inf)", "on, off" */
+    char fallback[64]; /* default as written in a file; "": none */
+    const char *kind;  /* "number", "integer", "text", "choice", "vector", "spin", "table",
+                          "numbers",  "rows", "names", "tree", "section", "list" */
+    const char *unit;  /* SI unit of numbers; "1": none */
+    const char *word;  /* instead of a value, such as "auto"; "": none */
+    const char *text;  /* meaning, one line */
+    int32_t required;  /* 1: its section is an error without it */
+} gneiss_key;
+
+/* Writes the key at a place in the list of all, sections before the keys in them. The texts are
+ * static. GNEISS_ERROR_INPUT: there are no more. */
+GNEISS_API gneiss_status gneiss_key_at(size_t index, gneiss_key *key, gneiss_error *error);
+
 /* --- worlds ------------------------------------------------------------------------------------
  */
 
@@ -154,9 +171,9 @@ GNEISS_API void gneiss_scene_prepare(gneiss_scene *scene, gneiss_prepare *prepar
 typedef int gneiss_call(void *context, gneiss_world *world);
 
 /* Has `call` called after every step whose number (gneiss_world_steps) is a multiple of `every`
- * (0: none), and after the first step that ends at or after each of times[time_count], s, rising
- * (copied). *hook: for gneiss_world_remove_hook. Hooks are not part of the state: a saved world has
- * none. GNEISS_ERROR_INPUT: every < 0, or times that do not rise. */
+ * (0: none), and after the step that ends nearest to each of times[time_count], s, rising (copied);
+ * past times are left out. *hook: for gneiss_world_remove_hook. Hooks are not part of the state: a
+ * saved world has none. GNEISS_ERROR_INPUT: every < 0, or times that do not rise. */
 GNEISS_API gneiss_status gneiss_world_add_call(gneiss_world *world, int64_t every,
                                                const double *times, size_t time_count,
                                                gneiss_call *call, void *context, int64_t *hook,
@@ -211,6 +228,11 @@ GNEISS_API gneiss_status gneiss_world_set_velocities(gneiss_world *world, const 
  * the smallest radius in a step. */
 GNEISS_API gneiss_status gneiss_world_set_motion(gneiss_world *world, const char *name,
                                                  int component, double value, gneiss_error *error);
+
+/* Ends the present stage of a scene with stages, whatever its conditions: the next one begins with
+ * the coming step, and after the last one the run is finished. GNEISS_ERROR_INPUT: the scene has no
+ * stages. */
+GNEISS_API gneiss_status gneiss_world_end_stage(gneiss_world *world, gneiss_error *error);
 
 /* --- saving and resuming -----------------------------------------------------------------------
  */

@@ -145,10 +145,14 @@ GN_HOOK(book_work) {
     return GNEISS_OK;
 }
 
+/* A run ends at the step nearest to its end in the same way. */
+static bool has_passed(const gn_api_hook *hook, const gn_step_context *ctx) {
+    return hook->next < hook->time_count && ctx->time >= hook->times[hook->next] - 0.5 * ctx->dt;
+}
+
 static bool is_due(const gn_api_hook *hook, const gn_step_context *ctx) {
     if (!hook->call) return false;
-    return (hook->every > 0 && ctx->step % hook->every == 0) ||
-           (hook->next < hook->time_count && ctx->time >= hook->times[hook->next] * (1.0 - 1e-12));
+    return (hook->every > 0 && ctx->step % hook->every == 0) || has_passed(hook, ctx);
 }
 
 GN_HOOK(note_calls) {
@@ -191,9 +195,7 @@ gneiss_status gn_api_hooks_call(gneiss_world *world, gneiss_error *error) {
     for (size_t k = 0, count = h->count; k < count; k++) {
         gn_api_hook *hook = &h->hook[k];
         if (!is_due(hook, ctx)) continue;
-        while (hook->next < hook->time_count &&
-               ctx->time >= hook->times[hook->next] * (1.0 - 1e-12))
-            hook->next++;
+        while (has_passed(hook, ctx)) hook->next++;
         const int64_t number = hook->number;
         if (hook->call(hook->context, world) != 0) stopped = number;
     }

@@ -65,6 +65,7 @@ typedef struct gn_feature {
     X(gauge)                                                                                       \
     X(control)                                                                                     \
     X(membrane)                                                                                    \
+    X(cutting)                                                                                     \
     X(ends)                                                                                        \
     X(box)                                                                                         \
     X(events)

@@ -18,6 +18,11 @@ typedef struct gn_fragments {
 gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem);
 
+/* Volume of the particles, m3 (2D: m2 x 1 m), in fragments that are anchored: a particle of theirs
+ * has a prescribed velocity, or elements have a share of it. If there is none, that of the largest
+ * fragment. Dormant particles count as anchored. 0: no bonds. */
+double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem);
+
 /* A fragment, one particle or more. */
 typedef struct gn_fragment {
     double volume;      /* m3, in 2D m2 x 1 m, of its particles */

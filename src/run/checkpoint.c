@@ -51,6 +51,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.box),
     DOUBLES(world.ctx.machine),
     DOUBLES(world.approach),
+    DOUBLES(world.cutting),
     DOUBLES(world.section),
     DOUBLES(world.ctx.volume),
     DOUBLES(world.ctx.lower),
@@ -362,7 +363,7 @@ static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_er
     for (size_t k = 0; k < w->ctx.given.stage_count && k <= w->stages.now; k++) {
         const gn_stage_state *s = &w->stages.state[k];
         bool good = s->row >= least && s->row <= (int64_t)run->history.row_count && s->step >= 0 &&
-                    s->step <= w->ctx.step && s->ended >= 0 && s->ended <= GN_STAGE_PRESSED;
+                    s->step <= w->ctx.step && s->ended >= 0 && s->ended <= GN_STAGE_ASKED;
         least = s->row;
         if (!good)
             return gn_fail(error, GNEISS_ERROR_INPUT,

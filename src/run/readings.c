@@ -1,5 +1,6 @@
 /* Readings of a run: of its whole history, or of the rows of one stage. */
 #include "accuracy/accuracy.h"
+#include "laboratory/cutting.h"
 #include "laboratory/laboratory.h"
 #include "particles/bursts.h"
 #include "particles/fragments.h"
@@ -89,6 +90,7 @@ static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool o
         .conversion_halted = !over && world->outcome.halt[0],
         .fragments = pieces.count,
         .largest_fragment = pieces.largest,
+        .cut = gn_cutting_describe(&world->ctx, &world->dem, &world->cutting),
         .zones = world->ctx.scene.couple.zone_count > 0,
         .returned_energy = returned(world, rows, over),
         .section =

@@ -461,7 +461,8 @@ static void warn_of_section(const gn_run *run, const gn_readings *readings, gn_w
  * rows of the run are checked. */
 static bool measured(const gn_run *run, const gn_readings *readings) {
     const double *stress = gn_history_column(&run->history, "stress");
-    if (!gn_run_staged(run)) return !isnan(readings->largest_stress);
+    if (!gn_run_staged(run) && !gn_scene_test(&run->world.ctx.scene)->tool)
+        return !isnan(readings->largest_stress);
     if (run->world.stages.now + 1 < run->world.ctx.scene.stage_count)
         return true; /* the last stage was not reached */
     for (size_t k = 0; stress && k < run->history.row_count; k++)
@@ -474,8 +475,9 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *readings, gn_w
     if (!gn_scene_tested(s) || !run->finished || run->history.row_count < 2) return;
     if (measured(run, readings)) return;
     gn_warn(list, "nothing_measured", "the test has no strength and no modulus: %s%s",
-            gn_run_staged(run) ? "the stress never had the sense of the test"
-                               : readings->reason[GN_READING_largest_stress],
+            gn_run_staged(run) || gn_scene_test(s)->tool
+                ? "the stress never had the sense of the test"
+                : readings->reason[GN_READING_largest_stress],
             gn_scene_test(s)->ends
                 ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
                 : "");

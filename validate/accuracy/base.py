@@ -32,7 +32,7 @@ AGAIN = 5  # times that costs are measured
 
 def plan(study, scene_file, again=AGAIN):
     """The figures that `gneiss plan` prints; the smallest of the costs, because other processes only increase them."""
-    said = [json.loads(study.call(["plan", scene_file, "--error", "5%", "--reading", "stiffness", "--log", "json", "--threads", 1]).stdout.splitlines()[-1])
+    said = [json.loads(study.call(["plan", scene_file, "--error", "5%", "--reading", "stiffness", "--log", "json", "--threads", 1]).stdout.splitlines()[-2])["result"]
             for _ in range(again)]
     reported = said[0]
     reported["cost"] = {name: min(one["cost"][name] for one in said) for name in reported["cost"]}
