@@ -20,8 +20,8 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
-# Without the leak checker, where there is one: its tracer dies itself now and then when a program with threads has
-# ended, and other tests look for leaks.
+# Without the leak checker, if there is one: its tracer occasionally fails after a program with threads has ended, and
+# other tests search for leaks.
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive",
                "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
 KINDS = ("lattice", "gas", "periodic", "sizes", "bodies", "elements", "bonds")

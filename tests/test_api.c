@@ -451,7 +451,7 @@ static void column_views_stride_by_component(void **state) {
         across += sqrt(t2);
     }
     assert_true(across > 0.0);
-    /* Positions are a step ahead of forces: 0.3 m/s x 2 us turns a normal of 2 mm by 3e-4. */
+    /* Positions are a step ahead of forces: 0.3 m/s x 2 us rotates a normal of 2 mm by 3e-4. */
     assert_true(along < 1e-3 * across);
     gneiss_world_free(w);
 }
@@ -748,7 +748,7 @@ static void the_history_has_a_row_every_interval(void **state) {
     must(gneiss_world_history(w, "step", &steps, &error), &error);
     assert_string_equal(time.unit, "s");
     assert_int_equal(time.count, counts_of(w).history_rows);
-    assert_true(time.count >= 20 && time.count <= 25); /* 20 wanted, whole steps between */
+    assert_true(time.count >= 20 && time.count <= 25); /* 20 requested, whole steps between them */
     double interval = gneiss_view_value(&steps, 1, 0);
     for (size_t k = 0; k < time.count; k++)
         assert_true(gneiss_view_value(&steps, k, 0) == interval * (double)k);

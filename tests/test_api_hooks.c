@@ -1,5 +1,5 @@
-/* Acting on a run through the public API: calls, fields of force, velocities, motions, pinned
- * views, prepared specimens. The program knows the public headers and the shared library alone. */
+/* Intervention in a run through the public API: calls, fields of force, velocities, motions, pinned
+ * views, prepared specimens. The program uses only the public headers and the shared library. */
 #include "test.h"
 
 #include <gneiss/gneiss.h>
@@ -215,7 +215,7 @@ static void bad_calls_are_refused(void **state) {
 
 typedef struct spring {
     double stiffness, centre[3];
-    int first; /* axis from which on it acts */
+    int first; /* coordinate from which on it acts */
     int result;
     double wrong; /* added to the force */
 } spring;
@@ -285,7 +285,7 @@ static void fields_act_beside_contacts_walls_and_motions(void **state) {
     must(gneiss_world_remove_hook(w, second, &error), &error);
     must(gneiss_world_run(w, &error), &error);
     assert_true(fabs(energy(w, "work_user")) > 0.01 * energy(w, "work_walls"));
-    /* The same bound as without a field: contacts and breaks are not linear. */
+    /* The bound is the same as without a field: contacts and breaks are not linear. */
     assert_near(energy(w, "residual"), 0.0, 2e-3);
     gneiss_world_free(w);
 }

@@ -113,7 +113,7 @@ static void bearings_do_no_work(void **state) {
 
 /* --- bearings that turn --- */
 
-/* A free body about which nothing but bearings is. */
+/* A free body on which only bearings act. */
 static gn_world *driven(const char *body, double dt) {
     return world_of("%sbodies: [{name: b, stiffness: 1, free: true, %s}]\ntime: {step: %.17g, end: "
                     "99}\n",

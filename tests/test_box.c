@@ -134,9 +134,9 @@ static void a_servo_is_stable_at_the_limit_of_the_step(void **state) {
                         "time: {end: 1, safety: 1}\n");
 }
 
-/* An fcc lattice without friction answers strains along an axis half as much across it (C12/C11 =
- * 1/2): while z shrinks at E, sides that hold a stress go on growing at E/3. By the share alone
- * they would have E/3 dt D/(rho V) too much for ever. */
+/* In an fcc lattice without friction the lateral stress response to axial strain is half (C12/C11 =
+ * 1/2): while z shrinks at E, sides that are held at a stress continue to grow at E/3. With the
+ * share only, the stress would permanently be too large by E/3 dt D/(rho V). */
 static void a_stress_is_held_while_another_side_moves_on(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {

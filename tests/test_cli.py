@@ -822,7 +822,8 @@ def the_summary_has_its_keys_and_agrees_with_the_results(folder):
         assert text(file.attrs["state_hash"]) == s["state_hash"]
         stress = file["history/stress"][:]
     assert s["readings"]["peak_stress"] == stress.max() and 1e7 < stress.max() < 1e9
-    # Phases are known from one step in seven, and need not add up to the whole on a machine that others use.
+    # Phases are measured in one step of seven, and their sum need not equal the total on a machine with other
+    # processes.
     assert all(value >= 0 for value in s["seconds"].values()) and s["seconds"]["total"] > 0, s["seconds"]
 
 
@@ -895,7 +896,7 @@ def no_rows_and_no_snapshots_leave_the_first_row_and_the_last_state(folder):
 
 @fact
 def the_ledger_is_looked_at_at_the_end_with_or_without_rows(folder):
-    """As a row of the last step has it; the bits of the state are the same."""
+    """Equals a row of the last step; the bits of the state are equal."""
     whole, none, ledgers = os.path.join(folder, "whole"), os.path.join(folder, "none"), {}
     for out, rows in ((whole, 10**7), (none, 0)):
         run(LATTICE, out, "--set", f"output.history_rows={rows}", "--set", "output.snapshots=0")

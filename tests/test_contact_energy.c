@@ -31,7 +31,7 @@ static void an_oscillating_pair_keeps_its_energy(void **state) {
         largest = fmax(largest, fabs(gn_energy_residual(&e)));
         assert_true(e.friction == 0.0 && e.contact_damping == 0.0 && e.background_damping == 0.0);
     }
-    /* Positions of 2 mm round by 4e-19 m, the stretch swings by 5 um. */
+    /* Positions of 2 mm are rounded to 4e-19 m, the stretch oscillates by 5 um. */
     assert_true(largest < 1e-10);
     assert_true(e.elastic_normal > 0.0);
     world_end(w);

@@ -34,7 +34,7 @@ static void assert_rigid(const gn_world *w) {
     assert_true(free > 0 && tied > 0);
 }
 
-/* Rounding of places of some cm, over which stiffnesses act. */
+/* Rounding of coordinates of some cm, multiplied by stiffnesses. */
 static void assert_no_force(const gn_world *w) {
     const gn_contacts *lists[] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     const double rounding = 64.0 * 2.2e-16 * 0.04;
@@ -462,7 +462,7 @@ static void a_remnant_thinner_than_a_zone_converts_too(void **state) {
     world_end(w);
 }
 
-/* A corner, and in the middle of an edge: elements on all other sides. */
+/* A corner, and a place in the middle of an edge with elements on all other sides. */
 static void a_corner_and_an_edge_convert(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {

@@ -433,8 +433,8 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
 
 /* --- elements that may not go --- */
 
-/* The least ratio, over nodes of elements with nodes of a motion or a load, of their mass to that
- * of the whole elements at them. */
+/* The smallest ratio of the mass of a node to that of the whole elements at it, over nodes of
+ * elements that have a node with a motion or a load. */
 static double least_held(const gn_world *w) {
     const gn_fem_solid *b = &w->solids.elements[0]->solid;
     double *mass = calloc(b->nodes.soa.count, sizeof *mass), least = INFINITY;

@@ -107,7 +107,7 @@ static void finish_alike(const char *couple) {
          * particles. */
         assert_near(all[k]->world.ctx.stable, stable, 0.1 * stable);
     }
-    /* Bent down into the floor, which stops particles alone. */
+    /* Bent down towards the floor, which acts on particles only. */
     gn_warnings reported;
     if (gn_run_warnings(one, &reported, &error) != GNEISS_OK) fail_msg("%s", error.message);
     bool passed = false;

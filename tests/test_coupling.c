@@ -10,8 +10,8 @@ static void pull(const double *x, const void *of, double u[3], double v[3]) {
     u[0] = *(const double *)of * x[0];
 }
 
-/* The largest force on any point of which the particles of zones are none, N; they and the nodes
- * are one. `columns`: of all points at the same x together. */
+/* The largest force, N, on any point other than particles of zones, which are one with the nodes.
+ * `columns`: summed over all points with the same x. */
 static double largest_force(gn_world *w, double low, double high, bool columns) {
     const gn_particles *all[2] = {&w->dem.particles, &w->solids.elements[0]->solid.nodes};
     double most = 0.0, *sum = calloc(4096, sizeof *sum);
@@ -84,7 +84,7 @@ static void pulse_at(const double *x, const void *of, double u[3], double v[3]) 
     v[0] = q->speed * pi * q->size / q->length * sin(2.0 * pi * at);
 }
 
-/* The same as gn_coupled_returned for the particles of the lattice before the zone, J. */
+/* Equals gn_coupled_returned, but for the particles of the lattice before the zone, J. */
 static double returned_in_lattice(const gn_world *w, double end) {
     const gn_particles *q = &w->dem.particles;
     const double c = sqrt(modulus / density), back = 0.5 * w->ctx.dt_past;

@@ -261,8 +261,8 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
     }
 }
 
-/* The outermost particles of a packing's zone would take a smaller step by themselves; springs are
- * softer than the bound has to assume. */
+/* The outermost particles of the zone of a packing would require a smaller step on their own;
+ * springs are softer than the bound has to assume. */
 static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
     (void)state;
     for (int k = 4; k < 7; k++) {
@@ -339,7 +339,7 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
 
 /* --- steps that collisions ask for --- */
 
-/* m/s2, along an axis, of a particle of a zone that a force of 1 N acts on there. */
+/* m/s2, along an axis, acceleration of a particle of a zone by a force of 1 N on it. */
 static double moved_by(gn_world *w, size_t k, int axis) {
     gn_coupled *q = w->zones.coupled;
     gn_fem_solid *b = &w->solids.elements[0]->solid;

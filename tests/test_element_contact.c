@@ -448,7 +448,8 @@ static void threads_and_resume_give_the_same_bits(void **state) {
     compare_bits(make_large, 1500, 0);
 }
 
-/* More facets inside a particle than there is room for must not cause a silent loss of force. */
+/* More facets inside a particle than its list can hold must not cause an unreported loss of force.
+ * */
 static void too_many_facets_at_once_are_refused(void **state) {
     (void)state;
     gn_world w;

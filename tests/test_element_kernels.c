@@ -417,7 +417,7 @@ static void forces_of_an_element_have_no_resultant_and_no_moment(void **state) {
     }
 }
 
-/* f = -dU/dx: the energy that the ledger books is the one that the forces come from. */
+/* f = -dU/dx: the energy in the ledger is the potential of the forces. */
 static void forces_are_the_slope_of_the_energy(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {

@@ -1,5 +1,5 @@
-/* Loose grains that begin exactly in touch: whether a contact closes in the first step depends on
- * the last bit, and must depend on nothing else. */
+/* Loose grains that are exactly in contact at the start: whether a contact closes in the first step
+ * depends on the last bit, and must depend on nothing else. */
 #include "world_helpers.h"
 
 typedef struct lattice {

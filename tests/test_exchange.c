@@ -320,7 +320,7 @@ static void assert_bodies_in_file(const gn_world *w, writer *write, const char *
     unlink(path);
 }
 
-/* The first solid has the names that it has alone. */
+/* The first solid has the same names as if it were the only one. */
 static void files_distinguish_bodies_of_elements(void **state) {
     (void)state;
     two_blocks *s = stack(2, 4e-7, 1);

@@ -377,7 +377,7 @@ static void wrong_order_of_nodes_is_corrected(void **state) {
     }
 }
 
-/* A mesh without its last row of cells: their upper nodes are left behind, and the sides' lines
+/* A mesh without its last row of cells: the upper nodes of these remain, and the lines of the sides
  * that need them. */
 static void unused_nodes_are_dropped_and_counted(void **state) {
     (void)state;

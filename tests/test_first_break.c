@@ -65,8 +65,8 @@ static void a_chain_breaks_when_its_springs_say(void **state) {
     world_end(w);
 }
 
-/* Seen particle by particle a load goes one bond further with every iteration, so that a chain
- * would need as many as it has particles for every solution; its groups hand it on at once. */
+/* With one group per particle a load advances by one bond per iteration, so that a chain would need
+ * as many iterations as particles for every solution; groups transmit it in one iteration. */
 static void a_long_chain_needs_fewer_iterations_than_it_has_particles(void **state) {
     (void)state;
     enum { COUNT = 481 };
@@ -172,7 +172,7 @@ static void viscous_damping_is_a_load(void **state) {
     world_end(w);
 }
 
-/* A bond is as strong as the weaker of its materials: the last one holds half. */
+/* A bond is as strong as the weaker of its materials: the last one has half the strength. */
 static void the_weaker_material_breaks_first(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -454,7 +454,7 @@ static void the_ledger_closes_beside_everything(void **state) {
         assert_true((e.rolling > 0.0) == (k / 2 == ROLLING));
         assert_true(w->dem.flow.sinks[0].number > 5.0 && w->dem.flow.sources[1].number > 5.0);
         assert_true(w->dem.flow.sinks[2].number > 5.0);
-        /* The same bound as for collisions that a step resolves (docs/physics.md). */
+        /* The bound is the same as for collisions that a step resolves (docs/physics.md). */
         assert_near(gn_energy_residual(&e), 0.0, 0.005);
         if (k / 2 == BONDED) bonds_are_those_of_the_block(w);
         world_end(w);
@@ -729,7 +729,7 @@ static void a_sphere_comes_to_rest_in_a_bed(void **state) {
     assert_true(pos_of(w, 0)[2] > 8e-3 && pos_of(w, 0)[2] < top);
     assert_true(count > 40.0);
     assert_true(length3(vel_of(w, 0)) < 0.02);
-    assert_near(-w->boundary.walls[0].force[2], weight, 0.2 * weight); /* sides hold the rest */
+    assert_near(-w->boundary.walls[0].force[2], weight, 0.2 * weight); /* sides carry the rest */
     assert_true(fabs(gn_energy_residual(&e)) < 0.005);
     gn_run_free(&run);
 }

@@ -155,7 +155,7 @@ def the_report_draws_what_flows(folder):
 def a_source_in_a_sink_is_warned_of_by_name(folder):
     scene = {k: v for k, v in SCENE.items() if k not in ("specimen", "sets", "bonds", "output", "domain")}
     scene["sinks"] = [{"name": "all", "plane": {"point": [0, 0, -0.01], "normal": [0, 0, 1]}}]
-    expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink takes as they come, found that sink 'all' takes those of source 'rain'")
+    expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink removes on entry, found that sink 'all' removes those of source 'rain'")
     scene["sinks"] = SCENE["sinks"]
     expect(gneiss("check", write_scene(folder, scene)), 0, "")
 

@@ -142,7 +142,7 @@ static void impacts_reach_the_overlap_and_the_force_of_hertz(void **state) {
 static double rebound(const matter *m, double v, double steps, bool pull) {
     double mass = sphere_mass(m->density, m->r);
     impact want = impact_of(modulus_alone(m), m->r, mass, v);
-    /* Its S_n at most is that of an overlap of want.overlap. */
+    /* S_n is at most that of the overlap want.overlap. */
     double w2 = 2.0 * modulus_alone(m) * sqrt(m->r * want.overlap) / mass;
     const double velocity[3] = {0, 0, -v};
     gn_world *w = meeting(m, false, velocity, none, pi / sqrt(w2) / steps, pull ? "" : "no_pull");
@@ -752,7 +752,7 @@ static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     world_end(w);
 }
 
-/* It follows from the tangential stiffness: without that there would be no resistance. */
+/* It follows from the tangential stiffness: without it there would be no resistance. */
 static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
     (void)state;
     static const char *const key[] = {"rolling_friction", "twisting_friction"};

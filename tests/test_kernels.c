@@ -173,7 +173,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     }
 }
 
-/* Effects that make no variants of their own, in turn. */
+/* Effects without variants of their own, in turn. */
 static gn_effects with_options(gn_effects effects, uint64_t turn) {
     static const gn_effects couplings[] = {0, GN_FX_COUPLED_QUADRATIC, GN_FX_COUPLED_LINEAR};
     if (effects & GN_FX_HERTZ) return effects | (turn % 2 ? GN_FX_NO_PULL : 0);

@@ -148,7 +148,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
             refused(folder, given, "test: expected the size of the specimen at the start")
         else:
             assert len(reported(given)) == outcome, (key, factor, reported(given))
-    # A body that two ends bend, or pull out of another, has lengths and areas of its own: these are only reported.
+    # A body that two ends bend, or pull out of another body, has its own length and area: these are only reported.
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(4) for j in range(8)]
     bar = scene(2, specimen={"particles": rows}, time={"end": 1e-5},
                 sets=[{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 1e-3, "by": "centre"}}, "motion": {"vy": way}} for side, way in (("lower", -1), ("upper", 1))],
@@ -176,7 +176,7 @@ def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
 
 
 def jaw(name, side, ratio, half=0.5):
-    """An arc of `ratio` times the radius of the disc that touches it at its end."""
+    """An arc of `ratio` times the radius of the disc; its end touches the disc."""
     arc = [[ratio * np.sin(a), side * (1 - ratio + ratio * np.cos(a))] for a in np.linspace(-half, half, 41)]
     return {"name": name, "polyline": [[DIAMETER / 2 * x, DIAMETER / 2 * y] for x, y in arc], "stiffness": "100 GN/m", "motion": {"vy": [[0, 0], [1e-4, -side * 0.05]]}}
 
@@ -566,7 +566,7 @@ PRESSURE = 5e6
 
 
 def cell(shape, count, dimension=3, membrane=None, **more):
-    """A specimen that cannot break in a cell whose pressure comes in 0.1 ms; viscous damping brings it to rest."""
+    """A specimen that cannot break in a cell whose pressure rises in 0.1 ms; viscous damping brings it to rest."""
     given = scene(dimension, specimen={**shape, "particles": count, "packing": {"size_ratio": 2}}, membrane={
         "pressure": [[0, 0], [1e-4, PRESSURE]], **(membrane or {})}, test={"kind": "hydrostatic"}, time={"end": 4e-4})
     return {**given, "materials": [STRONG], "damping": {"background": {"model": "viscous", "coefficient": 3e4}}, **more}
@@ -1198,7 +1198,7 @@ def taken_by_a_crack(folder, scene):
 def a_notched_beam_takes_the_fracture_energy_that_is_given_alone(folder):
     taken = [taken_by_a_crack(folder, parted_beam(seed))[0] for seed in (1, 2, 3)]
     assert abs(np.mean(taken) - 1) < 0.05, taken
-    # Without an energy in shear bonds that open and slip end before they have opened.
+    # Without a fracture energy in shear, bonds that open and slip fail before they have opened.
     brittle = parted_beam(1)
     for material in brittle["materials"]:
         material["shear_fracture_energy"] = "none"
@@ -1565,7 +1565,8 @@ def supports_are_no_load_of_a_beam(folder):
 
 @fact
 def ends_that_are_beside_each_other_may_be_right(folder):
-    """A cantilever that is clamped over its height and pushed down at its end; a block that a ring around a punch holds; a bar one particle high."""
+    """A cantilever that is clamped over its height and pushed down at its end; a block held by a ring around a punch;
+    a bar one particle high."""
     for given in (bonded([12, 4], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
                   bonded([12, 1], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
                   bonded([12, 8], sets=[place("west", [0, 0.014], [3e-3, 0.02], vy=0), place("east", [0.021, 0.014], [0.03, 0.02], vy=0),
@@ -1871,7 +1872,8 @@ def strains_count_from_the_last_stage(out, *names):
 
 @fact
 def a_stage_takes_nothing_below_a_tenth_of_the_pressure_for_a_peak(folder):
-    """The ends go back once, at a fortieth of the pressure and with bonds already broken: by then no peak was passed."""
+    """The ends move back once, at a fortieth of the pressure and with bonds already broken: by then no peak has been
+    passed."""
     with open(os.path.join(ROOT, "scenes", "concrete.yaml")) as file:
         text = file.read()
     for sign, other in (("", "-"), ("-", "")):

@@ -115,7 +115,8 @@ static void in_mixed_precision_a_bond_breaks_at_the_same_force(void **state) {
 
 /* --- with moments --- */
 
-/* As break_it, for a bond that carries moments: neither particle rotates, so that they are zero. */
+/* Like break_it, for a bond with moments: neither particle rotates, so that they are zero.
+ * */
 static broke break_beam(const char *coupling, double normal, const char *precision) {
     char words[2048];
     const char *still = "wx: 0, wy: 0, wz: 0";

@@ -341,8 +341,8 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
             }
 }
 
-/* A sphere is torn off another: both are resolved from the next lists on. Where as many stay bonded
- * and one more, the step remains that of a bonded body. */
+/* A sphere is torn off another: the contacts of both are resolved from the next lists on. If other
+ * particles stay bonded and are more, the step remains that of a bonded body. */
 static void detached_particles_are_resolved_as_unbonded_ones(void **state) {
     (void)state;
     for (int more = 0; more < 2; more++) {

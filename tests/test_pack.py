@@ -341,7 +341,8 @@ def a_scene_runs_the_particles_that_pack_writes(folder):
 
 @fact
 def a_specimen_may_come_from_the_folder_of_a_packing(folder):
-    """The bits and the volume of the scene that packs it, also after a stop; at rest, and without bonds of its own."""
+    """The bits and the volume are those of the scene that makes the packing, also after a stop; at rest, and without bonds
+    of its own."""
     own = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 200", "own.yaml")
     path, _ = pack(folder, own)
     other = scene_of_specimen(folder, f"from: {path}", "other.yaml")
@@ -796,7 +797,7 @@ def files_of_others_are_replaced_by_a_packing_only_with_force(folder):
         expect(gneiss("pack", scene, "--out", out, "--force"), 0)
         expect(gneiss("pack", scene, "--out", out), 0)  # own files are replaced
         os.remove(os.path.join(out, "packing.h5"))
-        expect(gneiss("pack", scene, "--out", out), 0)  # as a call that was killed leaves them
+        expect(gneiss("pack", scene, "--out", out), 0)  # as killed calls leave them
         shutil.rmtree(out)
         os.mkdir(out)
 

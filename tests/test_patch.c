@@ -151,7 +151,7 @@ static void contacts_share_force_and_potential(void **state) {
 enum { BLOCK_CELLS = 8 };
 
 /* Upper face of 2 m x 2 m at height 0 and its sides, 1 m deep (2D: the same in the plane); all
- * places of nodes are exact in binary numbers. */
+ * coordinates are exact in binary. */
 static void make_block(int corners, soup *s) {
     const double h = 2.0 / BLOCK_CELLS;
     const int down = BLOCK_CELLS / 2;

@@ -232,7 +232,7 @@ def without_a_test_every_reading_is_absent_for_that(folder):
 
 @fact
 def a_peak_from_few_rows_is_reported_with_its_range(folder):
-    """A brittle block with the same bits, read off many rows and off few."""
+    """A brittle block whose readings are formed from many and from few rows, with the same bits."""
     peaks = {}
     for rows in (300, 6, 3):
         out = os.path.join(folder, str(rows))
@@ -388,7 +388,7 @@ def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
 
 @plain_fact
 def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
-    """Platens begin away from the specimen: walls or bodies, on one side or both."""
+    """Platens start at a distance from the specimen: walls or bodies, on one side or both."""
     def closing(gap_below, gap_above, kind="wall", **more):
         scene = packed("compression", **more)
         for wall, gap in zip(scene["walls"], (-gap_below, gap_above)):

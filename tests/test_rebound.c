@@ -120,8 +120,8 @@ static void restitution_is_kept_beside_sideways_motion(void **state) {
         }
 }
 
-/* A sphere held along x alone is hit along a normal at `angle` to x. Returns the speed of
- * separation along the normal over that of approach. */
+/* A sphere restrained along x only is hit along a normal at `angle` to x. Returns the speed of
+ * separation along the normal relative to that of approach. */
 static double held_along_x(double angle, double restitution) {
     double n[2] = {cos(angle), sin(angle)}, r = 1e-3, m = sphere_mass(2500, r);
     double w0 = sqrt(1e6 / m * (1.0 + n[1] * n[1])), dt = pi / w0 / GN_STEPS_PER_CONTACT;

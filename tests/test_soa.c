@@ -155,7 +155,8 @@ static void a_column_has_one_form_or_the_other_or_both(void **state) {
         for (size_t f = 0; f < records[r]->field_count; f++) {
             const gn_field *single = &records[r]->fields[f], *wide = single;
             if (!single->single_of) continue;
-            while (wide->offset != single->single_of) wide--; /* it stands before */
+            while (wide->offset != single->single_of)
+                wide--; /* the double column precedes its copy */
             assert_true(single->type == GN_F32 && wide->type == GN_F64);
             assert_int_equal(single->components, wide->components);
             gn_effects asked = single->needs | single->unless | wide->needs;

@@ -79,8 +79,8 @@ static void both_lines_dissipate_the_fracture_energies(void **state) {
     }
 }
 
-/* Opened and slipped in a fixed ratio of the shares of the strengths: they keep it, and
- * a^2 G_n + b^2 G_t goes, in any number of steps along each line. */
+/* Opened and slipped in a fixed ratio of the fractions of the strengths: the forces keep it, and
+ * a^2 G_n + b^2 G_t is dissipated, in any number of steps along each line. */
 static void a_fixed_mix_dissipates_its_share_of_both_energies(void **state) {
     (void)state;
     for (int k = 1; k < 12; k++) {
@@ -115,8 +115,8 @@ static void a_fixed_mix_dissipates_its_share_of_both_energies(void **state) {
     }
 }
 
-/* A step across the kink at once: what is left is on the ellipse of what is left of the strengths,
- * nothing comes back, and the bond goes on along the second line. */
+/* A single step across the kink: the force is on the ellipse of the remaining strengths, no
+ * dissipated energy is recovered, and the bond continues along the second line. */
 static void steps_across_the_kink_stay_on_the_ellipse(void **state) {
     (void)state;
     uint64_t at = 23;
@@ -138,7 +138,8 @@ static void steps_across_the_kink_stay_on_the_ellipse(void **state) {
     assert_true(across > 300);
 }
 
-/* Where the first line would have to lead back the bond breaks at once, as by a single one. */
+/* Where the first line would have to lead back the bond breaks in one step, as along a single line.
+ * */
 static void a_bond_with_too_much_stored_energy_breaks_at_once(void **state) {
     (void)state;
     for (int quadratic = 0; quadratic < 2; quadratic++) {

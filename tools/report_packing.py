@@ -23,7 +23,7 @@ STAGES = (("spread", "#dbe7f3"), ("compress", "#fbe3d6"), ("decompress", "#e4efd
 CARDS = (("porosity", "porosity"), ("coordination_1", "contacts per particle at 1 %"),
          ("radius_mean", "mean radius"), ("radius_ratio", "largest / smallest radius"),
          ("anisotropy", "anisotropy of contacts"), ("overlap_max", "largest overlap"))
-# Some texts speak of the figure before; the file has them by name.
+# Some texts refer to the preceding figure; the file orders figures by name.
 ORDER = ("porosity", "porosity_net", "void_ratio", "coordination_01", "coordination_1", "coordination_5", "floating",
          "radius_mean", "radius_volume", "radius_min", "radius_max", "radius_ratio", "radius_ratio_98",
          "radius_variation", "radius_median", "radius_deviation", "radius_skewness", "radius_kurtosis", "fabric_max", "fabric_min", "anisotropy", "distance_mean", "overlap_median",

@@ -443,7 +443,7 @@ gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *de
     *figures = (gn_conversion_figures){.side = shortest_side(ctx, solids)};
     gneiss_status status =
         kind && place ? gn_conversion_kinds(ctx, solids, kind, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check elements");
     if (status == GNEISS_OK) {
         const double elements = measure_elements(b, kind, figures);
         boxed q = {.ctx = ctx,

@@ -78,7 +78,7 @@ def wall(name, point, normal, stiffness=1e6, **changes):
 
 
 def stl(folder, name, triangles):
-    """A surface as text; the normals are left to the reader."""
+    """A surface as text; the reader computes the normals."""
     lines = ["solid s"]
     for corners in triangles:
         lines += ["facet normal 0 0 0", "outer loop"]
@@ -194,7 +194,7 @@ def total(one):
 
 
 def swing(values):
-    """The largest departure from the first value, over it."""
+    """The largest deviation from the first value, relative to it."""
     return float(np.abs(values / values[0] - 1).max())
 
 

@@ -91,8 +91,8 @@ def edges(folder):
 
 
 def bears_as_before(one):
-    """The lower edges of the middle have converted; the bar carries the load of the elements alone, which with four
-    over the height are some percent too stiff."""
+    """The lower edges of the middle have converted; the bar carries the load of the elements only, which with four
+    over the height are some per cent too stiff."""
     at = centres(one)
     low = (at[:, 1] < 1e-3) & (abs(at[:, 0] - 0.02) < 1e-3)
     assert not low.any(), at[low]

@@ -33,7 +33,7 @@ def sliding(start, velocity, triangles, **changes):
 
 
 def slides_as_on_a_plane(speed):
-    """Height and speed stay; the deepest overlap is 3e-8 m, and rounding of a centre some 1e-18 m."""
+    """Height and speed are conserved; the deepest overlap is 3e-8 m, and rounding of a centre about 1e-18 m."""
     def check(one):
         v, x = one.field("particles/velocity")[0], one.field("particles/position")[0]
         assert abs(np.linalg.norm(v[:2]) / speed - 1) < 1e-9, v

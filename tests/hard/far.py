@@ -1,7 +1,7 @@
 """Positions far from the origin, slow and fast motion, many steps at rest: effects of rounding."""
 from hard.case import *  # noqa: F403
 
-# Dyadic, so that the scene has the same digits at every place.
+# Dyadic, so that the scene has the same digits at every position.
 R, WIDTH = 2.0**-9, 2.0**-6
 
 
@@ -24,7 +24,7 @@ def moved(make, place):
 
 
 def as_near(make, dimension=3):
-    """Checks that the bits are the same, but for the place."""
+    """Checks that the bits are the same, apart from the shift of positions."""
     def check(one):
         near = one.again(make([0.0] * dimension), "near")
         assert near.code == 0, near.message

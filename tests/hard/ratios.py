@@ -72,7 +72,8 @@ def two_springs(one):
 
 
 def rattles_on_platens(folder):
-    """The bonded body, shaken and not pressed, so that it leaves the platens: those count as in contact, and are touched within a step."""
+    """The bonded body is shaken without compression, so that it leaves the platens; these count as in contact,
+    because they are touched within a step."""
     scene = bonded_between_platens(folder)
     del scene["damping"]
     for one in scene["walls"]:

@@ -10,7 +10,7 @@ def solid(elements, end, **changes):
 
 
 def squeezed(formulation, poisson=0.4999):
-    """A square that is kept from widening, squeezed by 1e-4 of its height: the modulus of uniaxial strain."""
+    """A square without lateral strain, compressed by 1e-4 of its height: the modulus of uniaxial strain."""
     def scene(folder):
         held = [{"name": name, "group": name, "motion": {"vx": 0}} for name in ("x_lower", "x_upper")]
         ends = [{"name": "y_lower", "group": "y_lower", "motion": {"vy": 0}},

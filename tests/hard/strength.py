@@ -42,7 +42,7 @@ def released(one):
 
 
 def on_a_floor(friction, speed, spin, end, kratio=2, k=1e4):
-    """A sphere at its weight on a floor."""
+    """A sphere on a floor, in balance with its weight."""
     def scene(folder):
         sink = sphere_mass(1e-3) * 10 / k
         return spheres([[0, 0, 1e-3 - sink, 1e-3]], end, {"normal_stiffness": k}, gravity=[0, 0, -10],
@@ -102,7 +102,7 @@ def with_value(**path):
 
 
 def alone(**sections):
-    """Sections that are refused before anything else is asked for."""
+    """Sections that are refused before any other key is read."""
     def scene(folder):
         return {"dimension": 3, "time": {"end": 1e-4}, **copy.deepcopy(QUIET), **sections}
     return scene
