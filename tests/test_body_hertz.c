@@ -6,7 +6,7 @@
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 
-/* The same scene text as head3, with Hertz's law. */
+/* The scene of head3 with Hertz's law. */
 static const char head[] =
     "dimension: 3\nspecimen: {particles: [[0, 50, 0.05, 0.02]], material: m, group: 0}\n"
     "materials: [{name: m, density: 2500, young: 1e7, poisson: 0.2, friction: 0.5}, {name: s, "

@@ -1,4 +1,4 @@
-"""Sweeps: what is run, what is kept, what kills and failures cost, what the summary says. Speaks TAP."""
+"""Sweeps: the runs that are made, the files that are kept, the effect of kills and failures, the summary. Speaks TAP."""
 import contextlib
 import csv
 import random

@@ -395,7 +395,7 @@ def plot_one(packing, plot, projection, path):
 
 
 def plot_overview(packing, view, path):
-    """All at a glance: two rows of pictures, 3 columns, or 4 where there is that much to show."""
+    """Draws the overview: two rows of pictures with 3 columns, or 4 if there are enough pictures."""
     plots = figures_of(packing)
     columns = 4 if len(plots) > 4 else 3
     figure_ = plt.figure(figsize=(5.4 * columns, 9.8), constrained_layout=True)

@@ -38,7 +38,7 @@ def _group(file, name):
 
 
 def _without_free_overlaps(bonds):
-    """Rows of the bonds alone: state 7 are overlaps of the start that never were bonds."""
+    """Returns the rows of bonds; state 7 marks initial overlaps that never were bonds."""
     state = bonds.get("state")
     if state is None or not np.any(np.asarray(state.value) == 7):
         return bonds

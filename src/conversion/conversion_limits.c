@@ -264,9 +264,9 @@ gneiss_status gn_conversion_check_places(const gn_convertible *model,
     uint8_t *ready = gn_alloc(elements + 1), *kind = gn_alloc(elements + 1);
     size_t count = 0, at = 0;
     *seen = (gn_conversion_places_checked){0};
-    gneiss_status status =
-        ready && kind ? gn_conversion_kinds(model->ctx, model->solids, ready, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check elements");
+    gneiss_status status = ready && kind
+                               ? gn_conversion_kinds(model->ctx, model->solids, ready, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check elements");
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
         count += ready[e] == GN_FRONT_READY;
     const size_t stride = count > most ? (count + most - 1) / most : 1;
