@@ -237,7 +237,7 @@ static void a_spring_swings_as_its_closed_form_and_the_ledger_closes(void **stat
     gneiss_world *w = world_of(pair, NULL, NULL);
     spring s = {50.0, {4.5e-3, 20e-3, 3e-3}, 0, 0, 0.0};
     int64_t hook;
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &hook, &error), &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &hook, &error), &error);
     must(gneiss_world_step(w, 1, &error), &error);
     const double mass = 1.0 / rows_of(w, "vel", NULL)[3], rate = sqrt(s.stiffness / mass);
     must(gneiss_world_step(w, (int64_t)(1.2 / (rate * step_of(w))), &error), &error);
@@ -261,7 +261,7 @@ static void a_stiff_field_lowers_the_step(void **state) {
     const double before = step_of(w);
     spring s = {1e9, {0, 0, 1e-6}, 2, 0, 0.0};
     int64_t hook;
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &hook, &error), &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &hook, &error), &error);
     must(gneiss_world_step(w, 3000, &error), &error);
     const double *v = rows_of(w, "vel", NULL);
     const double turn = step_of(w) * sqrt(s.stiffness * v[3]);
@@ -278,14 +278,44 @@ static void fields_act_beside_contacts_walls_and_motions(void **state) {
     gneiss_world *w = world_of(block, NULL, NULL);
     spring s = {400.0, {20e-3, 4e-3, 4e-3}, 0, 0, 0.0};
     int64_t first, second;
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &first, &error), &error);
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &second, &error), &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &first, &error),
+         &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &second, &error),
+         &error);
     must(gneiss_world_step(w, 200, &error), &error);
     must(gneiss_world_remove_hook(w, second, &error), &error);
     must(gneiss_world_run(w, &error), &error);
     assert_true(fabs(energy(w, "work_user")) > 0.01 * energy(w, "work_walls"));
     /* As without a field: contacts and breaks are not linear. */
     assert_near(energy(w, "residual"), 0.0, 2e-3);
+    gneiss_world_free(w);
+}
+
+/* A clamped block of elements swings on springs to a plane beside it. The ledger closes to second
+ * order of the step, as that of elements does whose law is not linear. */
+static void fields_act_on_nodes_of_elements(void **state) {
+    (void)state;
+    static const char elastic[] =
+        "elements:\n"
+        "  box: {size: [1 cm, 1 cm, 3 cm], cells: [3, 3, 9]}\n"
+        "  materials: [{young: 1 GPa, poisson: 0.2, density: 2000}]\n"
+        "  motions: [{name: foot, box: {min: [-1, -1, -1], max: [1, 1, 1 mm]},\n"
+        "             motion: {vx: 0, vy: 0, vz: 0}}]\n"
+        "time: {end: 1 ms}\n"
+        "output: {history_rows: 200}\n"
+        "run: {threads: 1}\n";
+    gneiss_error error = {0};
+    gneiss_world *w = world_of(elastic, NULL, NULL);
+    spring s = {2e3, {2e-2, 5e-3, 1.5e-2}, 0, 0, 0.0};
+    int64_t hook;
+    refused(gneiss_world_add_force(w, GNEISS_PARTICLES, 0.0, pull, &s, &hook, &error), &error,
+            "particles");
+    must(gneiss_world_add_force(w, GNEISS_NODES, s.stiffness, pull, &s, &hook, &error), &error);
+    must(gneiss_world_run(w, &error), &error);
+    assert_true(energy(w, "work_user") > 1e-4);
+    assert_close(energy(w, "work_user"), energy(w, "kinetic") + energy(w, "elastic_elements"),
+                 1e-3);
+    assert_near(energy(w, "residual"), 0.0, 1e-4);
     gneiss_world_free(w);
 }
 
@@ -296,7 +326,7 @@ static void a_field_that_fails_ends_the_world(void **state) {
         gneiss_world *w = world_of(pair, NULL, NULL);
         spring s = {1.0, {0, 0, 0}, 0, kind == 0, kind == 0 ? 0.0 : (double)NAN};
         int64_t hook;
-        must(gneiss_world_add_force(w, 0.0, pull, &s, &hook, &error), &error);
+        must(gneiss_world_add_force(w, GNEISS_PARTICLES, 0.0, pull, &s, &hook, &error), &error);
         refused(gneiss_world_step(w, 1, &error), &error, kind ? "particle 0" : "failed");
         s = (spring){0};
         refused(gneiss_world_step(w, 1, &error), &error, "field of force");
@@ -310,15 +340,21 @@ static void bad_fields_are_refused(void **state) {
     gneiss_world *w = world_of(pair, NULL, NULL), *given;
     spring s = {0};
     int64_t hook;
-    refused(gneiss_world_add_force(w, -1.0, pull, &s, &hook, &error), &error, "stiffness");
-    refused(gneiss_world_add_force(w, 0.0, NULL, &s, &hook, &error), &error, "force");
+    refused(gneiss_world_add_force(w, GNEISS_BONDS, 0.0, pull, &s, &hook, &error), &error,
+            "record");
+    refused(gneiss_world_add_force(w, GNEISS_NODES, 0.0, pull, &s, &hook, &error), &error, "nodes");
+    refused(gneiss_world_add_force(w, GNEISS_PARTICLES, -1.0, pull, &s, &hook, &error), &error,
+            "stiffness");
+    refused(gneiss_world_add_force(w, GNEISS_PARTICLES, 0.0, NULL, &s, &hook, &error), &error,
+            "force");
     gneiss_world_free(w);
     char text[2048];
     snprintf(text, sizeof text, "%.*s%s", (int)(strstr(pair, "time:") - pair), pair,
              "time: {end: 1 ms, step: 1 us}\nrun: {threads: 1}\n");
     given = world_of(text, NULL, NULL);
-    refused(gneiss_world_add_force(given, 1e9, pull, &s, &hook, &error), &error, "time.step");
-    must(gneiss_world_add_force(given, 1.0, pull, &s, &hook, &error), &error);
+    refused(gneiss_world_add_force(given, GNEISS_PARTICLES, 1e9, pull, &s, &hook, &error), &error,
+            "time.step");
+    must(gneiss_world_add_force(given, GNEISS_PARTICLES, 1.0, pull, &s, &hook, &error), &error);
     gneiss_world_free(given);
 }
 
@@ -499,6 +535,7 @@ int main(void) {
         cmocka_unit_test(a_spring_swings_as_its_closed_form_and_the_ledger_closes),
         cmocka_unit_test(a_stiff_field_lowers_the_step),
         cmocka_unit_test(fields_act_beside_contacts_walls_and_motions),
+        cmocka_unit_test(fields_act_on_nodes_of_elements),
         cmocka_unit_test(a_field_that_fails_ends_the_world),
         cmocka_unit_test(bad_fields_are_refused),
         cmocka_unit_test(velocities_that_are_set_move_particles_and_are_booked),

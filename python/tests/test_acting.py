@@ -161,6 +161,20 @@ def moments_turn_particles_and_are_booked(folder):
 
 
 @fact
+def fields_act_on_nodes_of_elements(folder):
+    with gneiss.World(os.path.join(SCENES, "elements.yaml")) as world:
+        @world.force(on="nodes")
+        def push(points):
+            assert points.moment is None and len(points.id) == world.nodes.count
+            points.force[:, 0] = 1e-3
+
+        world.step(400)
+        assert world.energy["work_user"] != 0 and abs(world.energy["residual"]) < 1e-3
+        assert raised(gneiss.InputError, world.force, push, on="bonds")
+        assert raised(gneiss.InputError, gneiss.World(PAIR).force, push, on="nodes")
+
+
+@fact
 def a_field_that_fails_ends_the_world_with_its_exception(folder):
     def wrong(points):
         raise Wrong("mine")

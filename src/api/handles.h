@@ -19,8 +19,9 @@ typedef struct gn_api_hook {
     int64_t every;     /* steps; 0: none */
     double *times;     /* [time_count] s */
     size_t time_count, next;
-    gneiss_force *force; /* NULL: removed */
-    double stiffness;    /* N/m */
+    gneiss_force *force;  /* NULL: removed */
+    gneiss_record record; /* particles or nodes, on which it acts */
+    double stiffness;     /* N/m */
     void *context;
 } gn_api_hook;
 
@@ -32,10 +33,10 @@ typedef struct gn_api_hooks {
     int64_t numbers; /* given so far */
     size_t count;
     gn_api_hook *hook;      /* [count] */
-    double *load;           /* [load_count][6] N, N m: forces and moments of all fields */
+    double *load;           /* [load_count][6] N, N m: sum of all fields on particles, then nodes */
     double *force, *moment; /* [load_count][3] of one of them */
-    size_t load_count;      /* particles */
-    double lightest;        /* kg: of the particles, when the lists were made */
+    size_t load_count;      /* particles and nodes */
+    double lightest[2];     /* 1/kg: largest inverse mass of particles, nodes */
 } gn_api_hooks;
 
 struct gneiss_world {
