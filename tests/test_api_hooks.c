@@ -84,6 +84,13 @@ static const double *rows_of(const gneiss_world *world, const char *name, size_t
     return view.data;
 }
 
+/* Returns the path of a file of this process. */
+static const char *temporary(void) {
+    static char path[64];
+    snprintf(path, sizeof path, "/tmp/gneiss-hooks-%d.h5", (int)getpid());
+    return path;
+}
+
 static double step_of(const gneiss_world *world) {
     gneiss_limits limits;
     must(gneiss_world_limits(world, &limits, NULL), &(gneiss_error){0});
@@ -136,7 +143,7 @@ static void a_pinned_view_keeps_its_values_when_the_world_is_gone(void **state) 
 typedef struct diary {
     int64_t calls, last, stop_at;
     gneiss_status advanced;
-    bool saved;
+    const char *path; /* of a file to save to; NULL: none */
 } diary;
 
 static int note(void *context, gneiss_world *world) {
@@ -145,7 +152,7 @@ static int note(void *context, gneiss_world *world) {
     d->calls++;
     d->last = gneiss_world_steps(world);
     d->advanced = gneiss_world_step(world, 1, &error);
-    if (d->saved) must(gneiss_world_save(world, "/tmp/gneiss-hooks-call.h5", &error), &error);
+    if (d->path) must(gneiss_world_save(world, d->path, &error), &error);
     return d->last == d->stop_at;
 }
 
@@ -181,11 +188,11 @@ static void a_world_that_a_call_saved_goes_on_with_the_same_bits(void **state) {
     gneiss_error error = {0};
     gneiss_world *w = world_of(block, NULL, NULL), *loaded = NULL;
     int64_t hook;
-    diary d = {.stop_at = -1, .saved = true};
+    diary d = {.stop_at = -1, .path = temporary()};
     must(gneiss_world_add_call(w, 40, NULL, 0, note, &d, &hook, &error), &error);
     must(gneiss_world_step(w, 60, &error), &error);
-    must(gneiss_world_load("/tmp/gneiss-hooks-call.h5", NULL, 0, &loaded, &error), &error);
-    unlink("/tmp/gneiss-hooks-call.h5");
+    must(gneiss_world_load(d.path, NULL, 0, &loaded, &error), &error);
+    unlink(d.path);
     assert_int_equal(gneiss_world_steps(loaded), 40);
     must(gneiss_world_step(loaded, 20, &error), &error);
     assert_int_equal(gneiss_world_hash(w), gneiss_world_hash(loaded));
@@ -417,9 +424,10 @@ static void a_motion_that_is_set_is_part_of_a_saved_world(void **state) {
     must(gneiss_world_step(w, 50, &error), &error);
     must(gneiss_world_set_motion(w, "top", 2, 0.5, &error), &error);
     must(gneiss_world_set_motion(w, "foot", 2, 0.25, &error), &error);
-    must(gneiss_world_save(w, "/tmp/gneiss-hooks-motion.h5", &error), &error);
-    must(gneiss_world_load("/tmp/gneiss-hooks-motion.h5", NULL, 0, &loaded, &error), &error);
-    unlink("/tmp/gneiss-hooks-motion.h5");
+    const char *path = temporary();
+    must(gneiss_world_save(w, path, &error), &error);
+    must(gneiss_world_load(path, NULL, 0, &loaded, &error), &error);
+    unlink(path);
     must(gneiss_world_step(w, 100, &error), &error);
     must(gneiss_world_step(loaded, 100, &error), &error);
     assert_int_equal(gneiss_world_hash(w), gneiss_world_hash(loaded));

@@ -76,6 +76,12 @@ def run(scene: Scene | Source, out: Path, *, set: Changes = None, folder: Path |
     return Results(out)
 
 
+def check(scene: Scene | Source, *, set: Changes = None, folder: Path | None = None) -> str:
+    """What `gneiss check` says of a scene and its specimen."""
+    with _file_of(scene, folder) as path:
+        return _call("check", path, changes=set)
+
+
 def pack(specimen: Scene | Source, out: Path, *, set: Changes = None, folder: Path | None = None, threads: int | None = None,
          seed: int | None = None, force: bool = False) -> Results:
     """Fills the shape of a specimen (a scene, or the part `specimen` of one) with particles, as `gneiss pack`. Returns its Results:

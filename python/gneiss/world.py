@@ -447,6 +447,13 @@ class World:
     def _repr_html_(self) -> str | None:
         return None if self.closed else pictures.html_of(self)
 
+    def dataset(self) -> Any:
+        """History, particles and bonds of the present state as an xarray.Dataset with units and descriptions: a copy."""
+        from .results import dataset_of
+        fields = {name: ({key: getattr(self, name).output(key) for key in getattr(self, name).outputs}, getattr(self, name).outputs)
+                  for name in ("particles", "bonds")}
+        return dataset_of({"history": (self.history, self.history.about), **fields})
+
     # --- saving ---
 
     def save(self, path: Path) -> None:
