@@ -27,6 +27,8 @@ class Hook:
         world = self._world()
         if world is not None and world._hooks.pop(self._number, None) is not None and not world.closed:
             checked(lib.gneiss_world_remove_hook, world._c, self._number)
+            if world._inside:
+                world._removed.append(self)  # C code may still be in its callback
 
     def __call__(self, *arguments: Any) -> Any:
         return self._function(*arguments)

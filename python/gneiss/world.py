@@ -165,6 +165,7 @@ class World:
         self._c = ffi.gc(pointer, lib.gneiss_world_free)
         self._writes, self._stop, self._inside = writes, False, False
         self._hooks: dict[int, Hook] = {}
+        self._removed: list[Hook] = []
         self._failed: Optional[BaseException] = None
         self._chunk, self._lock = 1, threading.Lock()
         for number, name in enumerate(("particles", "bonds", "pairs", "wall_contacts", "nodes", "elements")):
@@ -244,6 +245,7 @@ class World:
             return False
         finally:
             self._inside, self._stop = False, False
+            self._removed.clear()
             self._lock.release()
             self._raise_failed()
 

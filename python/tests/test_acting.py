@@ -75,6 +75,23 @@ def a_call_can_stop_the_world_and_its_exceptions_arrive(folder):
 
 
 @fact
+def a_call_may_remove_itself_and_add_others(folder):
+    with gneiss.World(LATTICE) as world:
+        seen = []
+
+        def add(own):
+            seen.append(own.steps)
+            for hook in list(own._hooks.values()):
+                hook.remove()
+            del hook
+            gc.collect()
+            own.every(5, add)
+
+        world.every(5, add)
+        assert world.step(30) == 30 and seen == [5, 10, 15, 20, 25, 30]
+
+
+@fact
 def a_world_with_calls_is_freed_when_nothing_refers_to_it(folder):
     world = gneiss.World(PAIR)
     world.every(1, lambda own: None)
