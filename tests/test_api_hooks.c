@@ -341,6 +341,36 @@ static void a_field_that_fails_ends_the_world(void **state) {
     }
 }
 
+typedef struct meddler {
+    gneiss_world *world;
+    int64_t hook;
+    gneiss_status found[5];
+} meddler;
+
+static int meddle(void *context, const gneiss_points *points) {
+    meddler *m = context;
+    gneiss_error error = {0};
+    int64_t other;
+    m->found[0] = gneiss_world_step(m->world, 1, &error);
+    m->found[1] = gneiss_world_remove_hook(m->world, m->hook, &error);
+    m->found[2] = gneiss_world_add_call(m->world, 1, NULL, 0, note, NULL, &other, &error);
+    m->found[3] = gneiss_world_set_velocities(m->world, points->force, NULL, points->count, &error);
+    m->found[4] = gneiss_world_save(m->world, temporary(), &error);
+    return 0;
+}
+
+static void a_field_may_only_read(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    meddler m = {.world = world_of(pair, NULL, NULL)};
+    must(gneiss_world_add_force(m.world, GNEISS_PARTICLES, 0.0, meddle, &m, &m.hook, &error),
+         &error);
+    must(gneiss_world_step(m.world, 3, &error), &error);
+    for (int k = 0; k < 5; k++) assert_int_equal(m.found[k], GNEISS_ERROR_INPUT);
+    must(gneiss_world_remove_hook(m.world, m.hook, &error), &error);
+    gneiss_world_free(m.world);
+}
+
 static void bad_fields_are_refused(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -545,6 +575,7 @@ int main(void) {
         cmocka_unit_test(fields_act_beside_contacts_walls_and_motions),
         cmocka_unit_test(fields_act_on_nodes_of_elements),
         cmocka_unit_test(a_field_that_fails_ends_the_world),
+        cmocka_unit_test(a_field_may_only_read),
         cmocka_unit_test(bad_fields_are_refused),
         cmocka_unit_test(velocities_that_are_set_move_particles_and_are_booked),
         cmocka_unit_test(a_fast_particle_meets_what_was_not_listed),

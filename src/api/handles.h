@@ -29,6 +29,7 @@ typedef struct gn_api_hook {
 typedef struct gn_api_hooks {
     bool added;  /* the feature is there */
     bool inside; /* a call is running: the world may not be advanced */
+    bool acting; /* a field of force is evaluated: nothing may be changed */
     volatile sig_atomic_t due;
     int64_t numbers; /* given so far */
     size_t count;
@@ -48,7 +49,9 @@ struct gneiss_world {
 void gn_api_hooks_free(gn_api_hooks *hooks);
 /* Runs the calls that are due. GNEISS_INTERRUPTED: one of them ends the advance. */
 gneiss_status gn_api_hooks_call(gneiss_world *world, gneiss_error *error);
-/* Fails with GNEISS_ERROR_INPUT inside a call, and after the world has failed. */
+/* Fails inside a field of force. */
+gneiss_status gn_api_require_whole(const gneiss_world *world, gneiss_error *error);
+/* Fails inside a field of force, and after the world has failed. */
 gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error);
 
 /* Fails with GNEISS_ERROR_INPUT if `pointer` is NULL; `what` is the name of the argument. */

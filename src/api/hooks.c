@@ -107,7 +107,10 @@ static gneiss_status evaluate(gn_api_hooks *h, const gn_api_hook *hook, const po
     memset(h->moment, 0, 3 * n * sizeof *h->moment);
     const gneiss_points seen = {n,       w->ctx.time, q->pos,   q->vel,
                                 q->spin, q->id,       h->force, q->spin ? h->moment : NULL};
-    if (hook->force(hook->context, &seen) != 0)
+    h->acting = true;
+    const int result = hook->force(hook->context, &seen);
+    h->acting = false;
+    if (result != 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "step %lld, t = %.6g s: the field of force %lld failed",
                        (long long)w->ctx.step, w->ctx.time, (long long)hook->number);
@@ -300,7 +303,7 @@ gneiss_status gneiss_world_add_call(gneiss_world *world, int64_t every, const do
                                     int64_t *hook, gneiss_error *error) {
     GN_FREED double *own = NULL;
     gn_api_hook *added;
-    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require_whole(world, error));
     GN_TRY(gn_api_require((const void *)(uintptr_t)call, "call", error));
     GN_TRY(gn_api_require(hook, "hook", error));
     if (every < 0)
@@ -376,7 +379,7 @@ gneiss_status gneiss_world_add_force(gneiss_world *world, gneiss_record record, 
 }
 
 gneiss_status gneiss_world_remove_hook(gneiss_world *world, int64_t hook, gneiss_error *error) {
-    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require_whole(world, error));
     gn_api_hooks *h = &world->hooks;
     for (size_t k = 0; k < h->count; k++) {
         gn_api_hook *found = &h->hook[k];
