@@ -152,6 +152,19 @@ def a_magnet_in_20_lines_has_a_closed_ledger(folder):
 
 
 @fact
+def fields_give_the_same_bits_for_any_number_of_threads(folder):
+    for precision in ("double", "mixed"):
+        hashes = set()
+        for threads in (1, 3):
+            with gneiss.World(LATTICE, set={"run.threads": threads, "run.precision": precision}) as world:
+                world.force(lambda p: -200.0 * (p.position - [0.02, 0.005, 0.03]), stiffness=200.0)
+                world.run()
+                hashes.add(world.hash)
+                assert world.energy["work_user"] > 1 and abs(world.energy["residual"]) < 1e-3
+        assert len(hashes) == 1
+
+
+@fact
 def forces_that_are_returned_broadcast_and_go(folder):
     with gneiss.World(PAIR) as world:
         mass = world.particles.mass[0]
