@@ -279,7 +279,8 @@ def free_table(full):
 
 
 def each_table():
-    """One effect at a time: a build with it alone, in a scene without it, beside the build without effects."""
+    """Measures one effect at a time: a build with that effect only, run on a scene without it, is compared with the
+    build without effects."""
     rows, changes = [], {"lattice": SMALL}
     bare = build("free0", EFFECTS)
     only = sys.argv[sys.argv.index("--each") + 1:]

@@ -12,7 +12,7 @@ typedef struct cloud {
     double row[POINTS_MAX][4];
 } cloud;
 
-static cloud points; /* too large for the stack of a test; every test starts it anew */
+static cloud points; /* too large for the stack of a test; every test resets it */
 
 static void cloud_add(double x, double y, double z, double r) {
     assert_true(points.count < POINTS_MAX);
@@ -144,7 +144,7 @@ static inline gn_strain_gauge gauge_of(const gn_particles *p, int dimension) {
     return gauge;
 }
 
-/* A gradient with shear and a rotation that is no symmetric part. */
+/* A gradient with shear and a rotation, not symmetric. */
 static const double gradient3[9] = {-0.011, 0.4, 0.03, -0.3, 0.02, 0.07, 0.005, -0.21, 0.013};
 static const double gradient2[9] = {-0.011, 0.4, 0, -0.3, 0.02, 0, 0, 0, 0};
 

@@ -128,7 +128,7 @@ static inline bool is_tied(const gn_world *w, size_t p) {
     return gn_coupled_has(w->zones.coupled, w->dem.particles.id[p]);
 }
 
-/* Those of zones with slaved spins have no inertia. */
+/* Particles of zones with slaved spins have no inertia of their own. */
 static inline bool spins_freely(const gn_world *w, size_t p) {
     const gn_coupled *q = w->zones.coupled;
     return !q->turn || !is_tied(w, p);

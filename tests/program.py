@@ -63,6 +63,11 @@ def gneiss(*arguments, environment=None, **options):
     raise AssertionError("the leak checker dies where it is switched off")
 
 
+def logged(printed, level="result"):
+    """The contents of the objects of one level, of the text that --log json printed."""
+    return [line[level] for line in map(json.loads, printed.splitlines()) if line["level"] == level]
+
+
 def isas():
     """Names of the instruction sets and whether this machine has them."""
     line = re.search(r"instruction sets +(.*)", gneiss("info").stdout).group(1)

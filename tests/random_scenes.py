@@ -46,7 +46,7 @@ class Draw(random.Random):
 
 
 def rounded(value):
-    """Seven digits, so that a scene can be read."""
+    """Rounds to seven digits, so that a scene is readable."""
     if isinstance(value, float):
         return float(f"{value:.7g}")
     if isinstance(value, dict):
@@ -77,7 +77,7 @@ def scattered(d, dim, radii, fill):
 
 
 def grown(d, dim, radii, gap):
-    """Each one beside another, at a gap of up to `gap`; where that is negative they overlap."""
+    """Places each particle beside another, at a gap of up to `gap`; if that is negative they overlap."""
     rows, allowed = [], 1 + min(0.0, gap / min(radii))
     for r in sorted(radii, reverse=True):
         for _ in range(50):
@@ -153,7 +153,7 @@ class Maker:
         self.bond_laws(Draw(f"gneiss laws of bonds {seed}"))
         self.outputs(Draw(f"gneiss outputs {seed}"))
 
-    # Small and large ones in one scene, or all of nearly one size.
+    # Small and large ones in one scene, or all of almost one size.
     def particles(self):
         d, dim = self.d, self.dim
         ratio = d.log(1.5, 100) if self.kind == "sizes" else d.choice((1.0, 1.0, d.log(1.0, 5.0)))
@@ -252,7 +252,7 @@ class Maker:
             self.scene["contacts"] = [{"between": materials[-1]["name"], "friction": d.uniform(0, 1)}]
         for m in materials:
             if not (m.get("kratio") or m.get("beta")):
-                m["friction"] = 0  # that no spring could carry, and that is refused
+                m["friction"] = 0  # a load that no spring could carry, which is refused
                 for contact in self.scene.get("contacts", []):
                     contact["friction"] = 0
 
@@ -371,7 +371,7 @@ class Maker:
             each = self.short / 12
         self.end = steps * each
         self.scene["time"] = {"end": self.end}
-        # No overlap beyond a tenth of the smallest radius: speed times the time a contact lasts.
+        # Limits the overlap to a tenth of the smallest radius: speed times the duration of a contact.
         self.speed = d.log(1e-3, 0.1) * self.rmin / min(self.long, self.end)
         self.soft, self.stiff, self.least, self.most = soft, stiff, least, most
         if self.background == "viscous":
@@ -382,7 +382,7 @@ class Maker:
         if d.chance(0.6) or self.kind in ("gas", "periodic"):
             self.scene["initial"] = {"random_velocity": self.speed}
         if d.chance(0.3):
-            # The lowest particle carries all: its overlap stays small.
+            # The lowest particle carries the whole weight: its overlap must be small.
             height = (self.upper[-1] - self.lower[-1]) / self.rmin
             sag = d.log(1e-4, 2e-2) * self.rmin
             self.scene["gravity"] = [0.0] * (self.dim - 1) + [-sag * self.soft / (self.most * height)]
@@ -526,7 +526,7 @@ class Maker:
             body["initial_spin"] = self.vector(speed / edge) if dim == 3 else speed / edge
         return body
 
-    # A block of elements below the particles; its sound is as fast as its cells ask for.
+    # A block of elements below the particles; its wave speed is limited by the size of its cells.
     def elements(self):
         d, dim = self.d, self.dim
         cells = [d.randint(2, 4) for _ in range(dim)]
@@ -642,7 +642,7 @@ def write(seed, folder):
 
 WELL, WARNED, STOPPED, BAD = "ended well", "warned", "stopped with its cause", "went bad"
 Outcome = collections.namedtuple("Outcome", "seed kind how text residual steps seconds")
-# Causes that are the scene's: none of these is the doing of a step.
+# Causes in the scene itself: none of these is due to the step.
 NAMED = ("left the domain",)
 
 
@@ -688,7 +688,7 @@ def run_all(run_seed, seeds, jobs=2, note=lambda outcome: None):
 
 
 def table(outcomes):
-    """Rows: kind, scenes, of each ending, the largest residual of those that ended and its seed."""
+    """Rows: kind, number of scenes, number of each kind of end, the largest residual of completed runs and its seed."""
     rows = []
     for kind in (*KINDS, "all"):
         some = [o for o in outcomes if kind in (o.kind, "all")]

@@ -30,14 +30,15 @@ SMOOTH, CONVERTS, BREAKS = 1e-5, 1e-3, 1e-1
 # A step resolves rotation and stretch to second order, (w dt/2)^2 <= 0.81 of the shortest waves: of these, which
 # short pulses and sudden loads excite, the ledger misses no more than the strain, also with elements alone.
 OF_STRAIN = 1.0
-MOMENTUM_MOST = {"double": 1e-12, "mixed": 1e-6}  # of the sum of sizes; forces in single precision are not in balance to the bit
+MOMENTUM_MOST = {"double": 1e-12, "mixed": 1e-6}  # relative to the sum of magnitudes; forces in single precision do not balance to the bit
 
-# A cause that is the scene's.
+# A cause in the scene itself.
 NAMED = "expected a zone that is wide enough for its mass to be kept"
 
 
 class Maker:
-    """Draws one scene: lengths are measured by the distance of particles, times by the wave, stresses by the load."""
+    """Draws one scene: lengths are relative to the spacing of particles, times to the period of a wave, stresses to
+    the load."""
 
     def __init__(self, seed):
         self.d = d = Draw(f"gneiss zones {seed}")
@@ -68,7 +69,7 @@ class Maker:
             self.walls()
 
     def walls(self):
-        """Below, and above; elements do not feel them."""
+        """Walls below and above; elements are not in contact with them."""
         d, up = self.d, [0.0] * self.dim
         for side in (1.0, -1.0) if d.chance(0.5) else (1.0,):
             up[1] = side
@@ -105,7 +106,7 @@ class Maker:
         self.packed = False
 
     def material(self):
-        """With the modulus of the elements along the axes of a lattice, or some tenths beside it."""
+        """With the modulus of the elements along the axes of a lattice, or some tenths off it."""
         d, solid = self.d, math.pi / 4 if self.dim == 2 else math.pi / 6
         modulus = self.young * d.choice((1.0, 1.0, d.uniform(0.8, 1.25)))
         m = {"name": "m", "friction": d.choice((0.0, d.uniform(0, 1)))}
@@ -296,7 +297,7 @@ def warned(summary):
 
 
 def drift(program, path):
-    """Momentum at the end less that at the start, over the sum of sizes."""
+    """Momentum at the end minus that at the start, over the sum of magnitudes."""
     done = subprocess.run([program, path], capture_output=True, text=True, timeout=120, check=False, env=ENVIRONMENT)
     return float(done.stdout) if done.returncode == 0 else math.inf
 

@@ -1,4 +1,4 @@
-/* Runs from scene texts, and whether threads and resumption leave the same bits. */
+/* Runs from scene texts, and comparison of bits over threads and resumption. */
 #ifndef GN_TESTS_RUN_HELPERS_H
 #define GN_TESTS_RUN_HELPERS_H
 

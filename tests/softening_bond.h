@@ -92,7 +92,7 @@ static void move(bond *t, double u, double y, double z) {
     t->lost += t->sums.damage + t->sums.bond_breaking + t->sums.plasticity + t->sums.friction;
 }
 
-/* Rounding of positions (2 mm: 4e-19 m) over all that is done with the stretch. */
+/* Rounding of positions (2 mm: 4e-19 m) over all stretches. */
 static const double force_rounding = 2e-11; /* N */
 /* Rounding of sums of some 1e-5 J (under pressure: 1e-3 J). */
 static const double energy_rounding = 1e-18;

@@ -18,7 +18,7 @@
  * it makes itself. */
 #undef skip
 
-/* |a - b| <= tolerance * max(|a|, |b|); prints both when not. */
+/* |a - b| <= tolerance * max(|a|, |b|); prints both on failure. */
 #define assert_close(a, b, tolerance)                                                              \
     do {                                                                                           \
         double gn_a = (a), gn_b = (b);                                                             \

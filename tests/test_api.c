@@ -36,7 +36,7 @@ static const char block[] =
     "neighbours: {skin: 0.5 mm}\n"
     "run: {threads: 1}\n";
 
-/* Two loose spheres without contact: whatever can be absent is. */
+/* Two loose spheres without contact: all optional records are absent. */
 static const char loose[] = "specimen:\n"
                             "  particles: [[0, 0, 0, 1 mm], [5 mm, 0, 0, 2 mm]]\n"
                             "materials:\n"
@@ -761,7 +761,7 @@ static void the_history_has_a_row_every_interval(void **state) {
     gneiss_world_free(w);
 }
 
-/* Two bonded spheres drawn apart: E = k_n L/A and strength R_n/A exactly, but for the interval
+/* Two bonded spheres pulled apart: E = k_n L/A and strength R_n/A exactly, up to the interval
  * between rows: 0.1 m/s x 1.5 ms/1000 x 1 MN/m = 0.15 N of 100 N, and as much again for a step. */
 static void readings_are_those_of_the_closed_form(void **state) {
     (void)state;
@@ -880,7 +880,7 @@ static void ask(const gneiss_world *w, unsigned pick) {
     static const size_t indices[] = {0, 1, 7, 12, 99, (size_t)INT32_MAX + 1, SIZE_MAX};
     const char *name = names[pick % 8];
     size_t index = indices[pick / 8 % 7];
-    gneiss_record record = (gneiss_record)((int)(pick / 64 % 9) - 1); /* -1 and 6, 7 are none */
+    gneiss_record record = (gneiss_record)((int)(pick / 64 % 9) - 1); /* -1, 6 and 7 are invalid */
     gneiss_view view = {0};
     gneiss_quantity quantity;
     gneiss_progress progress;

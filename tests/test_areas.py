@@ -2,7 +2,8 @@
 interruptions, a closed energy ledger, output files. Speaks TAP."""
 from program import *  # noqa: F403
 
-# Everything beside it: two materials, a pair of their own, scatter, dashpots, background damping, walls, friction, gravity.
+# All other options: two materials, values for a pair, scatter, dashpots, background damping, walls, friction,
+# gravity.
 ROCK = {"name": "rock", "density": 2500, "young": 20e9, "poisson": 0.2, "alpha": 1.2, "friction": 0.5,
         "tensile_strength": 3e6, "shear_strength": 9e6, "strength_scatter": {"distribution": "weibull", "modulus": 4},
         "stiffness_scatter": {"distribution": "normal", "deviation": 0.2}}
@@ -84,7 +85,8 @@ def single_precision_keeps_bits_and_readings(folder):
     one, two = ran(folder, "one", "--threads", 1, run=mixed), ran(folder, "two", "--threads", 2, run=mixed)
     check_same(one, two)
     breaks(one)
-    # Rounding decides which bond breaks first: compared without breaks, over which rounding (6e-8) grows by the steps' number.
+    # Rounding decides which bond breaks first: compared without breaks, over which rounding (6e-8) grows in
+    # proportion to the steps.
     strong = [{**m, "tensile_strength": 1e12, "shear_strength": 1e12} for m in SCENE["materials"]]
     held = [ran(folder, precision, "--threads", 1, materials=strong, contacts=None, run={**mixed, "precision": precision})
             for precision in ("double", "mixed")]

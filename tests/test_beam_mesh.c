@@ -54,7 +54,8 @@ static void its_volume_is_that_of_the_beam_less_the_notch(void **state) {
 }
 
 /* Every facet of the boundary is listed once, with the normal outward: the areas of the groups are
- * those of the faces, all area vectors add up to zero, and with their places to the volume. */
+ * those of the faces, all area vectors add up to zero, and their products with positions to the
+ * volume. */
 static void close_it(bool parallel) {
     gn_structured_beam spec = concrete;
     spec.parallel = parallel;

@@ -1,4 +1,5 @@
-/* Rigid bodies on walls and on each other in scenes by Hertz's law: by a stiffness of their own. */
+/* Contacts of rigid bodies with walls and with each other in scenes with Hertz's law, which have a
+ * stiffness of their own. */
 #include "body_helpers.h"
 #include "run_helpers.h"
 
@@ -174,7 +175,8 @@ static void the_automatic_step_follows_any_stiffness(void **state) {
 
 /* --- grains --- */
 
-/* A block falls on grains in a box of walls, by default settings; `all`: with all else on. */
+/* A block falls on grains in a box of walls, with default settings; `all`: with all other options.
+ * */
 static void on_grains(text *lines, bool all, int threads) {
     static const char *const wall[] = {
         "0, 0, 0], normal: [0, 0, 1", "0, 0, 0], normal: [1, 0, 0", "0, 0, 0], normal: [0, 1, 0",

@@ -73,7 +73,8 @@ static void no_vertex_moves_farther_than_a_quarter_of_the_smallest_radius(void *
 
 /* Free fall without neighbours, g t^2/2, is exact to rounding for any steps, also for lowered
  * ones. */
-/* A gate that leaves grains at 20 m/s: its corner passes the one that leans on it in many steps. */
+/* A gate that moves away from grains at 20 m/s: its corner passes the one that leans on it in many
+ * steps. */
 static void a_fast_gate_keeps_the_ledger(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -82,8 +82,8 @@ static void a_door_is_hit(void **state) {
 
 /* --- two axes --- */
 
-/* Turned about x and y while z is held by bearings, which do no work: energy and the two components
- * of the angular momentum stay. */
+/* Rotated about x and y while z is held by bearings, which do no work: energy and the two
+ * components of the angular momentum are conserved. */
 static double lost_energy(double dt) {
     gn_world *w = world_of("%sbodies: [{name: b, box: {size: [1, 2, 3]}, rotation: [0.3, 0.4, "
                            "-0.7], stiffness: 1, free: true, density: 10, initial_spin: [3, -2, "
@@ -190,9 +190,9 @@ static void the_work_of_bearings_is_in_the_ledger(void **state) {
     }
 }
 
-/* About its own axis: the work of a bearing that spins a wheel up to p and down to p/3 is C p^2/2
- * and C p^2/18, whatever the step; two bearings; one that is turned by a table beside a free axis.
- */
+/* About its own axis: the work of a bearing that accelerates a wheel to p and decelerates it to p/3
+ * is C p^2/2 and C p^2/18, for any step; two bearings; one that is rotated by a table beside a free
+ * axis. */
 static void a_wheel_is_spun_up(void **state) {
     (void)state;
     gn_world *w = driven("mass: 1, box: {size: [1, 1, 1]}, inertia: [2, 2, 3], motion: {wz: [[0, "

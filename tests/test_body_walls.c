@@ -90,7 +90,7 @@ static void a_body_rebounds_with_the_restitution(void **state) {
 
 /* --- energy --- */
 
-/* A block that falls askew between a floor and sides, and bounces for ever. */
+/* A tilted block that falls between a floor and sides, and bounces permanently. */
 static gn_world *tumbling(double friction, double dt, const char *more) {
     return world_of(
         "%sgravity: [0, 0, -9.81]\n%s"
@@ -404,7 +404,7 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     const gn_wall_contacts *q = &stopped.world.boundary.body_contacts;
     double held = 0.0;
     for (size_t c = 0; c < q->soa.count; c++) held += fabs(q->shear[c]);
-    assert_true(held > 0.0); /* there is something to carry over */
+    assert_true(held > 0.0); /* there is energy to carry over */
     assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
     assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
     assert_true(gn_world_hash(&stopped.world.ctx, &stopped.world.dem, &stopped.world.boundary,
@@ -425,9 +425,9 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     unlink(saved);
 }
 
-/* A box of 1e-5 or 1e-6 kg rests on 1e6 N/m while all positions refer to a grain 54 m away: the
- * step is so short that the box creeps by less than an ulp in it, and its weight does work that no
- * position shows. The supporting forces are exact. */
+/* A box of 1e-5 or 1e-6 kg rests on 1e6 N/m while all positions are relative to a grain 54 m away:
+ * the step is so short that the box creeps by less than an ulp in it, and its weight does work that
+ * no position shows. The supporting forces are exact. */
 static void a_light_body_rests_far_from_the_grains(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {

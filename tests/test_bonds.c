@@ -172,8 +172,8 @@ static void a_bond_does_not_break_in_compression(void **state) {
     world_end(w);
 }
 
-/* Looking gives the force of the present distance and changes nothing; past its strength the bond
- * is still whole, for the world has not taken the step that breaks it. */
+/* Output evaluates the force at the present distance and changes nothing; beyond its strength the
+ * bond is still intact, because the world has not taken the step that breaks it. */
 static void looking_at_the_forces_changes_nothing(void **state) {
     (void)state;
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0.2", "bonds: {}\n", 1e-8);
@@ -327,7 +327,8 @@ static void work_of_shear_breaking_and_slip_balances(void **state) {
     gn_energy e = measured_step(w);
     assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_SHEAR);
     assert_true(e.friction > 0.0 && e.bond_breaking > 0.0);
-    /* Normals turn by v dt/d = 2.5e-6 per step, each step's trapezium is off by about that much. */
+    /* Normals rotate by v dt/d = 2.5e-6 per step, and each step's trapezoid has an error of about
+     * that. */
     assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
     world_end(w);
 }

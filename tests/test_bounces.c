@@ -52,9 +52,9 @@ static double gain(const char *floor, double weight, int bounces) {
     return end / start - 1.0;
 }
 
-/* The weight opens the contact while it crosses: with the full path of the next step known the
- * works close exactly, at any weight; only rounding is left. Undamped rebounds used to gain 5e-3 of
- * g/(v w) each. */
+/* The weight opens the contact while it crosses: the full path of the next step is known, so that
+ * the works close exactly, for any weight, up to rounding. Without that undamped rebounds gained
+ * 5e-3 of g/(v w) each. */
 static void a_ball_that_bounces_on_a_floor_keeps_its_energy(void **state) {
     (void)state;
     char ball[512], floor[1024];
@@ -151,7 +151,7 @@ static void a_bonded_column_between_walls_keeps_its_energy(void **state) {
     assert_in_range(exact, 8, 12);
 }
 
-/* Sum over rows xyz, 1/m of F^2/m, from their change in a step with the kick m/F. */
+/* Returns the sum of F^2/m over rows xyz, 1/m, from their change in a step with the kick m/F. */
 static double load_square(const double *before, const double *after, size_t rows, double kick) {
     double sum = 0.0;
     for (size_t k = 0; k < 4 * rows; k++) {
@@ -250,8 +250,8 @@ static double damped_residual(const char *target, const char *others, const char
     return most;
 }
 
-/* The dashpot's own part of the next step's path is known as well: with a wall the works close
- * exactly, of pairs to the order of the series. Without it 0.6 % was missing at a restitution of
+/* The dashpot's contribution to the next step's path is known as well: at a wall the works close
+ * exactly, for pairs to the order of the series. Without it 0.6 % was missing at a restitution of
  * 0.02. */
 static void the_loss_of_a_damped_crossing_is_in_the_ledger(void **state) {
     (void)state;

@@ -154,9 +154,9 @@ def keys_are_found_by_a_text_anywhere_in_their_names_and_descriptions(folder):
 
 
 @fact
-def keys_markdown_is_the_document(folder):
-    with open(os.path.join(SCENES, "../../docs/keys.md")) as file:
-        assert expect(gneiss("keys", "--markdown"), 0).stdout == file.read()
+def pages_of_keys_are_up_to_date(folder):
+    done = subprocess.run([os.path.join(SCENES, "../../tools/keys_pages.py"), PROGRAM, "--check"], capture_output=True, text=True, env=ENVIRONMENT)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @fact
@@ -203,7 +203,7 @@ def plan_names_the_memory_that_a_run_takes(folder):
     texts = {name: scene + SHORT for name, scene in kinds.items()}
     texts["contacts"] = GRAINS.replace("1.2", "0.999") + SHORT.replace("snapshots: 1", "snapshots: 1, contacts: true")
     texts["history"] = LOOSE.replace("STEP", "auto").replace("1e-4}", "0.1}") + "output: {history_rows: 8000}\n"
-    program.ENVIRONMENT.pop("MALLOC_PERTURB_", None)  # it writes to all memory that is allocated, also where a run does not
+    program.ENVIRONMENT.pop("MALLOC_PERTURB_", None)  # it writes to all allocated memory, also where a run does not
     for name, text in texts.items():
         file = write_scene(folder, text)
         said = float(re.search(r"in all ([\d.]+) MB", expect(gneiss("plan", file), 0).stdout).group(1))
@@ -552,9 +552,11 @@ def messages_after_a_progress_line_begin_a_new_line(folder):
 def log_json_prints_json_lines_and_the_summary_last(folder):
     done = expect(gneiss("run", LATTICE, "--out", folder, "--log", "json"), 0)
     lines = [json.loads(line) for line in done.stdout.splitlines()]
-    assert lines[-1] == summary(folder)
-    assert lines[-2]["finished"] is True and lines[-2]["step"] == lines[-1]["steps"], lines[-2]
-    assert {"time", "end", "seconds", "eta", "unbalanced", "broken", "energy_residual"} <= lines[-2].keys()
+    assert [line["level"] for line in lines[-3:]] == ["progress", "result", "end"] and lines[-1]["code"] == 0, lines[-3:]
+    result, last = lines[-2]["result"], lines[-3]["progress"]
+    assert result == summary(folder)
+    assert last["finished"] is True and last["step"] == result["steps"], last
+    assert {"time", "end", "seconds", "eta", "unbalanced", "broken", "energy_residual"} <= last.keys()
     assert done.stderr == "", done.stderr
 
 
@@ -694,7 +696,7 @@ def all_errors_of_a_scene_are_shown_in_their_order_with_their_places(folder):
 
 @fact
 def one_slip_is_one_error(folder):
-    # Errors that follow from the wrong word are not reported as well.
+    # Errors that follow from the wrong word are not reported in addition.
     for old, new in (("materials:", "material:"), ("law:", "lwa:"), ("walls:", "wals:"), ("specimen:", "spcimen:"),
                      ("name: granite", "nmae: granite"), ("dimension: 2", "dimension: 4"), ("time:", "tiem:"),
                      ("name: ceiling", "name: ceiling.x"), ("stiffness: uniform", "stiffness: elastic"),
@@ -978,7 +980,7 @@ def a_servo_that_misses_its_target_for_a_while_is_warned_of(folder):
 
 @fact
 def errors_caused_by_set_name_the_option(folder):
-    """This holds also for errors that show only once the particles exist."""
+    """This holds also for errors that appear only after particles are created."""
     for given, pattern in (("time.step=1", "input error: --set time.step: expected a step below the end"),
                            ("time.step=1e-4", "input error: --set time.step: expected at most .*stability limit"),
                            ("sets=[{name: foot, select: {ids: [999]}, motion: {vz: 0}}]", "input error: --set sets: set 'foot': select.ids: expected numbers from 0 to 149, found 999"),
@@ -989,7 +991,7 @@ def errors_caused_by_set_name_the_option(folder):
            r"lattice-small.yaml:\d+:\d+: sets: set 'foot': select: expected particles")
     with open(LATTICE, encoding="utf-8") as file:
         scene = write_scene(folder, file.read().replace("foot", "foot" * 12))
-    others = ("--set", f"sets.{'foot' * 12}.select.end.depth=1.5 mm") * 40 + ("--set", "time.end=0.4 ms") * 20  # 3 000 characters before the one to blame
+    others = ("--set", f"sets.{'foot' * 12}.select.end.depth=1.5 mm") * 40 + ("--set", "time.end=0.4 ms") * 20  # 3 000 characters before the wrong one
     expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet", *others, "--set", "time.step=1e-4"), 2,
            "input error: --set time.step: expected at most .*stability limit")
 

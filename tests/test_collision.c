@@ -206,9 +206,9 @@ static gn_world *slider(int dimension, double spin0, double *mass) {
         dimension == 3 ? "-9, -9, -9" : "-9, -9", dimension == 3 ? "9, 9, 9" : "9, 9");
 }
 
-/* Once it sticks, the spring that slipping left stretched by mu m g/k_t makes the velocity swing by
- * mu g/w_t about rolling, w_t^2 = (1 + m r^2/I) k_t/m; the arm is shorter than r by the overlap m
- * g/k_n. */
+/* After it sticks, the spring that slipping left stretched by mu m g/k_t makes the velocity
+ * oscillate by mu g/w_t about rolling, w_t^2 = (1 + m r^2/I) k_t/m; the arm is shorter than r by
+ * the overlap m g/k_n. */
 static void slide_then_roll(int dimension) {
     double m, r = 1e-3 * RADIUS_MM, inertia = dimension == 3 ? 0.4 : 0.5;
     double rolling = v0 / (1.0 + inertia);         /* 5/7 v0, 2/3 v0 */
@@ -223,8 +223,7 @@ static void slide_then_roll(int dimension) {
         double t = w->ctx.time - 0.5 * w->ctx.dt, v = vel_of(w, 0)[0];
         double slip = v - sign * spin_of(w, 0)[axis] * r * (1.0 - overlap);
         if (began < 0.0 && slip <= 0.0) began = t;
-        /* The spring takes mu m g/k_t of sliding to stretch: the friction starts that much later.
-         */
+        /* The spring needs mu m g/k_t of sliding to stretch: friction starts that much later. */
         if (began < 0.0)
             worst = fmax(worst, fabs(v - (v0 - mu * g * t)));
         else

@@ -38,7 +38,7 @@ static void an_oscillating_pair_keeps_its_energy(void **state) {
 }
 
 /* A mass on a bond to a held one: frequency sqrt(k/m) and the decay exp(-a t/2) of viscous damping.
- * The scheme's own frequency is off by (w dt)^2/24. */
+ * The scheme's own frequency has an error of (w dt)^2/24. */
 static void viscous_damping_lets_an_oscillator_decay_exponentially(void **state) {
     (void)state;
     double omega = sqrt(k0 / m0), fine = 0.02, a = 0.1 * omega, v = 1.0;
@@ -241,7 +241,7 @@ static void a_servo_wall_reaches_and_holds_its_force(void **state) {
     assert_close(w->boundary.walls[1].point[2], 2e-3 - 8e-6 - 4e-6, 1e-7);
     gn_energy e = measured_step(w);
     assert_close(e.elastic_wall, 0.5 * 64.0 / 1e6 + 0.5 * 64.0 / 2e6, 1e-5);
-    /* The two contacts were touched once each, at up to 0.05 m/s. */
+    /* Each of the two contacts closed once, at up to 0.05 m/s. */
     double touch = 4.0 * 0.5 * 2e6 * pow(0.05 * 2e-7, 2);
     assert_true(fabs(gn_energy_residual(&e)) * gn_energy_scale(&e) <=
                 touch + 1e-9 * gn_energy_scale(&e));

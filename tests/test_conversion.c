@@ -781,7 +781,7 @@ static void a_run_reports_the_change_of_angular_momentum_by_conversion(void **st
     }
 }
 
-/* More warnings than there is room for write over the last. */
+/* If warnings exceed the room, later ones overwrite the last. */
 static void a_full_list_of_warnings_takes_no_more(void **state) {
     (void)state;
     struct {
@@ -817,8 +817,8 @@ static void finish(gn_run *run) {
     assert_true(run->finished);
 }
 
-/* Steps become shorter with the first particles: rows stay as many as are asked for, the same time
- * apart, also where a run is taken up amid them. */
+/* Steps become shorter with the first particles: rows keep their requested number and their spacing
+ * in time, also in a run resumed between them. */
 static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     (void)state;
     enum { ROWS = 40 };

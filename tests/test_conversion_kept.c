@@ -65,7 +65,7 @@ static void shear_about_x(const double *x, const void *of, double u[3], double v
     v[2] += 200.0 * x[1] + 30.0 * x[0];
 }
 
-/* N m s: of how much angular momentum rounding is. */
+/* N m s: scale of the rounding of angular momentum. */
 static double turning_scale(const whole *s) {
     return sqrt(2.0 * s->mass * s->energy) * 0.03;
 }
@@ -315,9 +315,9 @@ static gn_world *lattice_of(double stiffer, double kratio, const char *more) {
         density / (pi / 4.0), stiffer * modulus, kratio, modulus, density, more);
 }
 
-/* Inside of a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
- * across them, elements E and E/2. In an even strain nothing else is booked but a zone's volume,
- * which particles have in steps. */
+/* Inside a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
+ * across them, elements E and E/2. In a uniform strain only the volume of a zone is booked, which
+ * particles represent in discrete steps. */
 static void springs_of_another_stiffness_are_reported_with_their_ratio(void **state) {
     (void)state;
     const struct {
@@ -348,7 +348,7 @@ static void springs_of_another_stiffness_are_reported_with_their_ratio(void **st
     }
 }
 
-/* A strain that grows along the body is another one at both ends of a bond. */
+/* A strain that varies along the body differs between the two ends of a bond. */
 static void bend(const double *x, const void *of, double u[3], double v[3]) {
     const double *k = of;
     u[0] = k[0] * x[0] * (x[1] - 8e-3);
@@ -507,7 +507,7 @@ static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
         }
 }
 
-/* Nodes at (14, 8) mm that are watched: as few as they are, all of the body cannot convert. */
+/* Recorded nodes at (14, 8) mm: although they are few, not all of the body can convert. */
 static void motions_that_only_record_are_named(void **state) {
     (void)state;
     static const char at[] = "box: {min: [13.9 mm, 7.9 mm, 0], max: [14.1 mm, 8.1 mm, %s]}",

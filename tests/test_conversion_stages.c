@@ -63,7 +63,7 @@ static void stages_are_what_tables_are(void **state) {
         }
     }
     assert_true(most > 1e-6);
-    assert_true(off < 0.01 * most); /* stages end with a step, a few steps of waves apart */
+    assert_true(off < 0.01 * most); /* stages end at a step, a few wave periods apart */
     assert_near(last_of(staged, "motion_load_displacement_y"),
                 last_of(whole, "motion_load_displacement_y"), 3e-9);
     run_end(staged);

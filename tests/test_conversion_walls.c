@@ -117,7 +117,7 @@ static void walls_that_driven_elements_pass_are_predicted(void **state) {
                              "point: [64 mm, 0], normal: [-1, 0], motion: {vx: -2.5 mm/s}"),
                          floor = passed_of("point: [0, 0], normal: [0, 1]"),
                          inside = passed_of("point: [0, 1 mm], normal: [0, 1]"),
-                         /* with the motion that it presses particles beside */
+                         /* with the motion that makes it press particles */
         platen = passed_of("point: [60 mm, 0], normal: [-1, 0], motion: {vx: 2 mm/s}");
     assert_near(ahead.time, 0.5, 1e-3);
     assert_near(ahead.deepest, 1e-3, 1e-6);

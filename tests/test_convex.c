@@ -285,7 +285,7 @@ static double depth_moved(const shape *a, const gn_convex_pose *at_a, const shap
     return meet(a, at_a, b, &at_b, &now) ? now.depth : 0.0;
 }
 
-/* Two bodies put together at random, from a tenth of their size to a thousandth deep. */
+/* Two bodies in random poses, overlapping by a tenth to a thousandth of their size. */
 static void derivatives_are_those_of_the_depth(void **state) {
     (void)state;
     uint64_t at = 1;

@@ -128,9 +128,9 @@ static void a_wave_passes_from_elements_to_particles(void **state) {
     assert_true(wide < thin);
 }
 
-/* A pulse in the lattice has waves that no element can follow (1 + cos has a kink in its curvature
- * at both ends), which run back: 3e-4 of the energy of one of 60 mm is in waves shorter than two
- * elements. In one twice as long it is an eighth of that. */
+/* A pulse in the lattice contains waves that no element can follow (the curvature of 1 + cos has a
+ * kink at both ends), which are reflected: 3e-4 of the energy of a pulse of 60 mm is in waves
+ * shorter than two elements. For one twice as long it is an eighth of that. */
 static void a_wave_passes_from_particles_to_elements(void **state) {
     (void)state;
     assert_true(returned_of(20e-3, 120e-3, true) <= 1e-3);
@@ -328,8 +328,8 @@ static void a_pulse_beside_a_zone_takes_its_particles_along(void **state) {
     }
 }
 
-/* Viscous damping of consistent masses is proportional to these: a body that moves as one slows
- * down as a particle does, and of waves the ledger closes. */
+/* Viscous damping of consistent masses is proportional to these: a rigidly moving body decelerates
+ * as a particle does, and the ledger of waves closes. */
 static void consistent_masses_are_damped(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -346,7 +346,7 @@ static void consistent_masses_are_damped(void **state) {
     }
 }
 
-/* An inner node has a third of each of six triangles and a quarter of each of 24 tetrahedra; on
+/* An inner node carries a third of each of six triangles and a quarter of each of 24 tetrahedra; on
  * sides half of that. */
 static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
     (void)state;
@@ -415,7 +415,7 @@ static void a_zone_is_measured(void **state) {
     world_end(w);
 }
 
-/* Columns from edge to edge have 0, 1/6 .. 1 of their mass, elements leave the half of theirs. */
+/* Columns from edge to edge have 0, 1/6 .. 1 of their mass, elements leave half of it to them. */
 static void a_zone_is_weighed(void **state) {
     (void)state;
     strip s = small_strip(false);

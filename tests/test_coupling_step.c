@@ -26,7 +26,7 @@ static text *packing_text(const int cells[2], const char *couple, const char *ti
     return t;
 }
 
-/* A model to be made again and again: a lattice or a packing. */
+/* A model that is built repeatedly: a lattice or a packing. */
 typedef struct model {
     const char *name;
     strip strip;
@@ -67,7 +67,7 @@ enum { MODELS = sizeof models / sizeof *models };
 
 /* --- the matrix of the running model --- */
 
-/* Velocities of all that moves by itself, by its number: nodes first. */
+/* Velocities of all independent unknowns, by their number: nodes first. */
 typedef struct unknowns {
     size_t count;
     double *value[4096];
@@ -119,8 +119,8 @@ static void column_of(const model *m, const char *time, size_t j, double *column
     world_end(w);
 }
 
-/* Largest eigenvalue of a matrix whose eigenvalues are not negative: tr(A^m)^(1/m) lies between it
- * and its n^(1/m)-fold, m = 2^20. */
+/* Largest eigenvalue of a matrix without negative eigenvalues: tr(A^m)^(1/m) is between it and
+ * n^(1/m) times it, m = 2^20. */
 static double largest_eigenvalue(double *a, size_t n) {
     double log_scale = 0.0, power = 1.0, *b = calloc(n * n, sizeof *b);
     for (int round = 0; round < 20; round++) {
@@ -301,8 +301,8 @@ static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
     }
 }
 
-/* Dashpots of contacts and of springs lower the limit: at 0.99 of it energies fall, at 1.05 they
- * grow. */
+/* Dashpots of contacts and of springs lower the limit: at 0.99 of it energies decrease, at 1.05
+ * they grow. */
 static double damped_energy(const char *more, double part, int steps) {
     char time[96];
     gneiss_error error = {0};

@@ -169,7 +169,8 @@ static void every_block_once_and_in_time_when_fewer_threads_come(void **state) {
     work_through_all(changing, 8);
 }
 
-/* A thread that is held up with its first items, by another program say, finds all others done. */
+/* A thread that is delayed with its first items, for example by another program, finds all others
+ * done. */
 static void others_help_a_thread_that_stands_still(void **state) {
     (void)state;
     static const gn_deal_work work = {items, particles, NULL};

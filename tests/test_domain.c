@@ -1,4 +1,4 @@
-/* Where the boundary of a body is: closed forms and polygons. */
+/* The boundary of a body: closed forms and polygons. */
 #include "test.h"
 
 #include "domain_help.h"

@@ -170,9 +170,9 @@ static void the_limit_includes_contacts_with_nodes(void **state) {
 
 enum { BOUNCE_HELD, BOUNCE_ROLLER, BOUNCE_FREE };
 
-/* Speed after over before of a grain of radius r (m) on a block of 20 mm with cells of 2 mm, which
- * is held at its base, along its normal alone, or free; a restitution of 0.5 is asked for. By
- * Hertz's law with `young` (Pa) of the grain, where it is not 0. */
+/* Ratio of the speed after to that before the impact of a grain of radius r (m) on a block of 20 mm
+ * with cells of 2 mm, which is held at its base, along its normal alone, or free; a restitution of
+ * 0.5 is requested. With Hertz's law if `young` (Pa) of the grain is not 0. */
 static double rebound(int dimension, double r, int hold, double young, bool platen) {
     const char *rest = dimension == 3 ? "[10.6e-3, 10.4e-3" : "[10.6e-3";
     char motion[128] = "", top[256], grain[64];
@@ -186,7 +186,7 @@ static double rebound(int dimension, double r, int hold, double young, bool plat
                  : dimension == 3      ? "vx: 0, vy: 0, "
                                        : "vx: 0, ",
                  axis);
-    if (platen) /* every node is held: as a wall */
+    if (platen) /* every node is held: like a wall */
         snprintf(motion, sizeof motion,
                  "motions: [{name: a, group: z_upper, motion: {vx: 0, vy: 0, vz: 0}}], ");
     snprintf(top, sizeof top, "%s",
@@ -225,7 +225,7 @@ static void restitution_does_not_depend_on_the_mesh(void **state) {
     assert_near(rebound(3, 2e-3, BOUNCE_HELD, 0.0, true), 0.5, 0.005);
 }
 
-/* A grain that is stiffer than the elements rebounds faster than asked for (docs/physics.md). */
+/* A grain that is stiffer than the elements rebounds faster than requested (docs/physics.md). */
 static void a_stiff_hertz_grain_rebounds_a_little_faster(void **state) {
     (void)state;
     assert_near(rebound(3, 0.5e-3, BOUNCE_HELD, 50e9, false), 0.505, 0.006);
@@ -281,9 +281,9 @@ static double worst_residual(gn_world *w, double end) {
     return worst / scale;
 }
 
-/* By nearest points of facets each of these made energy, and the run stopped. What the pressure
- * does as it stretches a facet is left out: in the disc, which strains the surface by a tenth, it
- * is 2e-3 on the way. */
+/* With contacts at nearest points of facets each of these generated energy, and the run stopped.
+ * The error of a pressure that stretches its facet is excluded: for the disc, which strains the
+ * surface by a tenth, it is 2e-3 during the contact. */
 static void a_large_particle_makes_no_energy(void **state) {
     (void)state;
     const char *const plain = "", *const rough = "kratio: 2, friction: 0.3";
@@ -448,7 +448,7 @@ static void threads_and_resume_give_the_same_bits(void **state) {
     compare_bits(make_large, 1500, 0);
 }
 
-/* More facets inside a particle than there is room for are no silent loss of force. */
+/* More facets inside a particle than there is room for must not cause a silent loss of force. */
 static void too_many_facets_at_once_are_refused(void **state) {
     (void)state;
     gn_world w;

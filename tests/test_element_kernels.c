@@ -1,5 +1,5 @@
 /* The element kernels: every variant of every instruction set against the scalar one, and the
- * scalar one against the mechanics written down anew in plain doubles. */
+ * scalar one against an independent computation in plain doubles. */
 #include "fem_helpers.h"
 #include "neigh/neigh.h"
 
@@ -52,8 +52,8 @@ static void make_element(bench *b, size_t e, uint64_t *at) {
     b->elements.id[e] = (int32_t)e;
 }
 
-/* Random elements over nodes in a unit box, strained by some 10 % and turned round; at the nodes
- * pressures, where particles have their radius, and a stabilising pressure of any gradient. */
+/* Random elements over nodes in a unit box, strained by some 10 % and rotated; pressures at the
+ * nodes, stored where particles have their radius, and a stabilising pressure of any gradient. */
 static bench make_bench(int dimension, uint64_t seed) {
     bench b = {.dimension = dimension, .allowed = 1e-12 * 3e9};
     gn_effects effects = GN_FX_PRESSURE | (dimension == 3 ? GN_FX_SPACE : 0);

@@ -25,7 +25,7 @@ def bar(dimension, form="displacement"):
                {"name": "right", "group": "x_upper", "motion": {"vx": [[0, 0], [1e-4, 0.02]]}},
                {"name": "foot", "box": {"min": [0] * dimension, "max": [0.0] * dimension},
                 "motion": {"vy": 0, **({"vz": 0} if dimension == 3 else {})}}]
-    if dimension == 3:  # keeps it from turning about its axis
+    if dimension == 3:  # prevents rotation about its axis
         motions.append({"name": "edge", "box": {"min": [0, 0, 0], "max": [0.04, 0, 0]}, "motion": {"vy": 0, "vz": 0}})
     return {"dimension": dimension,
             "elements": {"box" if dimension == 3 else "rectangle": {"size": size, "cells": cells},
@@ -123,7 +123,8 @@ def a_bar_with_a_waist_reads_back_its_modulus(folder):
 
 @fact
 def a_bar_with_steps_has_no_modulus_of_a_slender_bar(folder):
-    """Twice as wide beside a waist: 28.0 GPa were read for 31.25. The mean strain of the volume is that of F/(E V/L) whatever the steps do."""
+    """Twice as wide beside a waist: 28.0 GPa were read for 31.25. The mean strain of the volume is that of F/(E V/L)
+    for any step."""
     length, waist = 0.1, 0.02
     write_bone(os.path.join(folder, "steps.msh"), length, lambda x: waist if abs(x - length / 2) > 0.0201 else waist / 2, 100, 8)
     scene = bar(2)
@@ -176,7 +177,7 @@ def a_cantilever_under_traction_bends_as_timoshenko_says(folder):
 
 
 def three_points(folder, cells):
-    """Deflection of the middle line, so that the dents at load and supports are left out."""
+    """Deflection of the middle line, which excludes the indentation at load and supports."""
     height, load = 0.02, 2e4
     span = 8 * height
     near = 1e-9
@@ -506,8 +507,8 @@ def the_terminal_speaks_of_elements(folder):
     assert "note: left out 1 node" in done.stdout and "note: reoriented 1 element" in done.stdout
     assert "15 nodes, 16 elements" in done.stdout and "elements.hdf.series" in done.stdout
     assert "particle" not in done.stdout + done.stderr
-    lines = gneiss("run", PLATE, "--out", folder, "--log", "json").stdout.splitlines()
-    assert json.loads(lines[0])["element_steps_per_second"] > 0
+    said = gneiss("run", PLATE, "--out", folder, "--log", "json").stdout
+    assert logged(said, "progress")[0]["element_steps_per_second"] > 0
 
 
 @fact

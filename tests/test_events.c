@@ -167,8 +167,8 @@ static void the_list_changes_no_bits_and_is_absent_when_off(void **state) {
     world_end(off);
 }
 
-/* The image that the bond goes to is the near one: between particles at 1 and 9 mm of a period of
- * 10 mm the contact lies at 0 or 10 mm, not in the middle. */
+/* The nearest image is used: between particles at 1 and 9 mm of a period of 10 mm the contact is at
+ * 0 or 10 mm, not in the middle. */
 static void places_in_a_periodic_box_are_between_the_images(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -1,4 +1,4 @@
-"""Calls of the system that fail, one at a time (tests/faults.c, the second argument). Speaks TAP."""
+"""System calls that fail, one at a time (tests/faults.c, the second argument). Speaks TAP."""
 import random
 import resource
 

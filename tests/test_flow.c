@@ -12,7 +12,7 @@ static void ok(gneiss_status status, const gneiss_error *error) {
     if (status != GNEISS_OK) fail_msg("%s", error->message);
 }
 
-/* Grains of glass-like stiffness made soft; a floor far away. */
+/* Grains of glass with a reduced stiffness; a distant floor. */
 #define GRAINS                                                                                     \
     "materials: [{name: m, density: 2500, young: 10 MPa, poisson: 0.25, friction: 0.5, "           \
     "rolling_friction: 0.1, restitution: 0.5}]\nlaw: {stiffness: hertz}\n"
@@ -43,7 +43,7 @@ static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
               "velocity: [0, 0, -2]}]\n" ENDLESS);
     for (double t = 0.01; t < 0.155; t += 0.03) {
         run_until(w, t);
-        /* Looks are 50 steps apart. */
+        /* Checks are 50 steps apart. */
         double due = floor(1000 * w->ctx.time) + 1, late = 1000 * 51 * w->ctx.dt;
         assert_true(w->dem.flow.sources[0].number <= due);
         assert_true(w->dem.flow.sources[0].number >= due - 1 - late);
@@ -84,7 +84,7 @@ static void a_source_stops_at_its_end_and_total(void **state) {
     world_end(w);
 }
 
-/* Radii: within the range, their mean that asked for to five standard errors. */
+/* Radii are within the range, and their mean is the requested one to five standard errors. */
 static void sizes_are_those_of_the_distribution(void **state) {
     (void)state;
     static const char *const sizes[] = {"size_ratio: 2", "sizes: normal, size_ratio: 2",
@@ -181,7 +181,7 @@ static void a_run_warns_of_a_source_behind_a_wall(void **state) {
     }
 }
 
-/* Beyond the plane of a wall is no room, nor where a body's surface is. */
+/* There is no room behind the plane of a wall, nor at a body's surface. */
 static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -199,7 +199,7 @@ static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
     world_end(w);
 }
 
-/* A nearest image is as near as anything. */
+/* The distance to a nearest image counts like any other. */
 static void nothing_overlaps_across_a_periodic_box(void **state) {
     (void)state;
     gn_world *w =
@@ -311,7 +311,7 @@ static void a_plane_that_counts_takes_nothing(void **state) {
         "       {name: b, select: {ids: [1]}, initial_velocity: [0, 0, 2]}]\n"
         "gravity: [0, 0, -10]\n" ENDLESS);
     measured_step(w);
-    run_until(w, 0.038); /* only b is through, upward since 0.027 */
+    run_until(w, 0.038); /* only b has passed, upward since 0.027 */
     assert_true(w->dem.flow.sinks[0].number == -1.0 && w->dem.flow.sinks[0].mass < 0.0);
     run_until(w, 0.45); /* all are below */
     assert_true(w->dem.flow.sinks[0].number == 1.0);
@@ -352,7 +352,7 @@ static void lost_particles_are_known_by_id_and_place(void **state) {
     const gn_lost *lost = w->dem.flow.lost;
     assert_int_equal(w->dem.flow.lost_count, 1);
     assert_true(lost->id == 1.0 && lost->velocity[0] == 1.0);
-    /* Looked at when lists are made: the skin is 0.15 mm, or wider. */
+    /* Checked when lists are made: the skin is 0.15 mm, or wider. */
     assert_true(lost->place[0] > 0.06 && lost->place[0] < 0.062);
     assert_close(lost->place[0], 0.05 + lost->time, 1e-9);
     world_end(w);

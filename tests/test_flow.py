@@ -38,7 +38,7 @@ def rows_are_by_id_and_no_id_comes_twice(folder):
 
 @fact
 def energy_removed_by_a_sink_before_the_first_step_was_stored_at_the_start(folder):
-    """A grain that moves lies in the sink from the start, another moves on."""
+    """A moving grain is in the sink at the start, another passes it."""
     given = {key: SCENE[key] for key in ("dimension", "materials", "law", "bonds", "run")}
     given.update(specimen={"particles": [[0, 0, 0, 1e-3], [10e-3, 0, 0, 1e-3]], "group": 0},
                  sets=[{"name": "all", "select": {"all": True}, "initial_velocity": [1, 0, 0]}],
@@ -77,7 +77,7 @@ def particles_balance_sources_and_sinks_in_every_row(folder):
         lost = np.searchsorted(np.sort(file["lost/time"][:].reshape(-1)), h["time"], side="right") if "lost" in file else 0
     assert (there == came + 3 - went - lost).all()
     assert went[-1] > 50 and (np.diff(came) >= 0).all() and (np.diff(went) >= 0).all()
-    # A rate is that of the row: their sum over the times between rows is the mass.
+    # The rate of a row refers to the interval before it: the sum of rates times intervals is the mass.
     between = np.diff(h["time"])
     assert abs((h["sink_edge_rate"][1:] * between).sum() - h["sink_edge_mass"][-1]) < 0.02 * h["sink_edge_mass"][-1]
 

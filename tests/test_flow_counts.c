@@ -1,5 +1,4 @@
-/* Numbers of particles that sources bring and sinks take, whatever the steps at which they act.
- */
+/* Numbers of particles that sources bring and sinks remove, for any steps at which they act. */
 #include "inflow/removal.h"
 #include "inflow/sources.h"
 #include "surface_helpers.h"
@@ -156,7 +155,7 @@ static void a_thin_sink_takes_all_that_pass(void **state) {
         }
 }
 
-/* Every grain is wholly inside for less than a step, or for an instant alone. */
+/* Every grain is entirely inside for less than a step, or for an instant only. */
 static void a_sink_as_thick_as_a_grain_takes_all_that_pass(void **state) {
     (void)state;
     static const struct {
@@ -207,8 +206,8 @@ static double last_of(const gn_run *run, const char *column) {
     return gn_history_column(&run->history, column)[run->history.row_count - 1];
 }
 
-/* Steps are not a multiple of the rows: the last step has one all the same, which a run that is
- * prolonged from there does not keep. */
+/* The number of steps is not a multiple of the row interval: the last step has a row all the same,
+ * which a run continued from there does not keep. */
 static void the_last_step_of_a_run_that_flows_has_a_row(void **state) {
     (void)state;
     const gn_override given[2][2] = {{{"time.step", "10 us"}, {"time.end", "10.03 ms"}},

@@ -34,7 +34,7 @@ static void add_matter(text *t, const matter *m) {
         m->density, m->young, m->poisson, m->friction, m->restitution);
 }
 
-/* A sphere just above the plane z = 0 (rigid), or two that are to meet along z. */
+/* A sphere just above the plane z = 0 (rigid), or two that approach along z. */
 static gn_world *meeting(const matter *m, bool two, const double v[3], const double spin[3],
                          double step, const char *more) {
     text t = {0};
@@ -88,7 +88,7 @@ static void check_impact(const matter *m, bool two, double v) {
         if (u <= 0.0 && next > 0.0) first = w->ctx.time - next / speed;
         if (u > 0.0 && next <= 0.0) last = w->ctx.time - next / -speed;
     }
-    /* Second order of a thousandth of the contact; the extremes lie up to half a step away. */
+    /* Second order of a thousandth of the contact; the extremes are up to half a step away. */
     assert_near(deepest, want.overlap, 1e-5 * want.overlap);
     assert_near(most, want.force, 1e-5 * want.force);
     assert_near(last - first, want.time, 1e-4 * want.time);
@@ -205,7 +205,7 @@ static void oblique_impacts_slide_by_coulomb(void **state) {
             const double v[3] = {vt, 0, -vn};
             gn_world *w = meeting(m, false, v, none, i.time / 400, "");
             run_steps(w, 460);
-            /* The dashpot pulls at the end and friction does not: e of both impulses, 1 %. */
+            /* The dashpot pulls at the end and friction does not act: e of both impulses, 1 %. */
             double slip = m->friction * (1.0 + m->restitution) * vn;
             assert_near(vel_of(w, 0)[0], vt - slip, 0.01 * slip);
             assert_near(spin_of(w, 0)[1] * m->r, 2.5 * slip, 0.01 * 2.5 * slip);
@@ -232,7 +232,7 @@ static void a_spinning_sphere_slides_by_coulomb(void **state) {
     }
 }
 
-/* Test 7: surfaces that move alike do not rub. */
+/* Test 7: surfaces with equal velocities have no friction. */
 static void spheres_that_roll_on_each_other_keep_their_spins(void **state) {
     (void)state;
     const matter m = {.1, 7e10, .33, 2700, .4, .5};
@@ -245,7 +245,7 @@ static void spheres_that_roll_on_each_other_keep_their_spins(void **state) {
     world_end(w);
 }
 
-/* Two spheres led through load, shear, half of unloading, shear back, parting. */
+/* Two spheres moved through loading, shear, half of unloading, reverse shear, separation. */
 static gn_world *loop(double friction) {
     return world_of(
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 0.01], [0.02, 0, 0, 0.01]], group: 0}\n"
@@ -556,8 +556,8 @@ static void a_step_that_follows_flight_does_so_after_resume(void **state) {
     unlink(path);
 }
 
-/* A plane wall and the face of a box of the same material are one to a sphere that bounces and
- * rolls, but for where the contact is looked for: to rounding. */
+/* For a sphere that bounces and rolls, a plane wall and the face of a box of the same material are
+ * equivalent to rounding, although contacts are found differently. */
 static void a_wall_and_a_facet_are_the_same(void **state) {
     (void)state;
     double end[2][3], spin[2];
@@ -584,8 +584,8 @@ static void a_wall_and_a_facet_are_the_same(void **state) {
     assert_near(spin[0], spin[1], 1e-7);
 }
 
-/* A sphere that falls on a bar of finite elements, which is no rigid wall: both ledgers together.
- */
+/* A sphere that falls on a bar of finite elements, which acts differently from a rigid wall: both
+ * ledgers together. */
 static void elements_are_hit_by_hertz(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -752,7 +752,7 @@ static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     world_end(w);
 }
 
-/* It follows from the tangential one: without that it would never resist. */
+/* It follows from the tangential stiffness: without that there would be no resistance. */
 static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
     (void)state;
     static const char *const key[] = {"rolling_friction", "twisting_friction"};

@@ -39,7 +39,7 @@ def fitted(rows, name, over="stress"):
     return np.polyfit(x[used], rows[name][used], 1)[0]
 
 
-# --- stresses over the space that there is now ------------------------------------------------------------
+# --- stresses over the present area and volume ---------------------------------------------------------
 
 def crowd(dimension, spacing, kind):
     """A loose lattice of grains without bonds, as far from servo walls as half of what grains are apart."""
@@ -59,7 +59,7 @@ def crowd(dimension, spacing, kind):
 
 @fact
 def a_crowd_that_servo_walls_press_together_has_their_stress_and_loses_their_volume(folder):
-    """No friction: the pressure is the same everywhere. At first the grains fill half of the space."""
+    """No friction: the pressure is uniform. At first the grains fill half of the space."""
     for dimension, spacing, kind in ((3, 1.3, "hydrostatic"), (3, 1.1, "hydrostatic"), (2, 1.3, "hydrostatic"), (3, 1.3, "compression"),
                                      (2, 1.2, "compression")):
         out = run_scene(folder, crowd(dimension, spacing, kind), "--force")
@@ -163,8 +163,9 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
 
 @fact
 def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
-    """Line loads would give 1 and 3 times 2 P/(pi D t) in the middle; in a region of a fifth of the radius about it they are on
-    the average 0.96 and 2.96. The packing adds its own scatter: some twenty five discs lie there, whose stresses scatter by a third."""
+    """Line loads would give 1 and 3 times 2 P/(pi D t) in the middle; the averages over a region of a fifth of the
+    radius about it are 0.96 and 2.96. The packing adds its own scatter: some twenty-five discs are there, whose
+    stresses scatter by a third."""
     given = disc(2, 600, materials=[{**ROCK, "tensile_strength": 1e90, "shear_strength": 1e90}], time={"end": 1e-3})
     out = run_scene(folder, given)
     read = readings(out)
@@ -257,7 +258,8 @@ def few_rows_end_a_test_as_many_do(folder):
 
 @fact
 def the_initial_load_of_the_ends_is_no_strength(folder):
-    """Walls that begin inside particles push them away within a row or two: neither ends that a test, nor is it read as its peak."""
+    """Walls that start inside particles expel them within a row or two: this neither ends a test, nor counts as its
+    peak."""
     given = disc(2, 300)
     del given["time"]["stop"]
     given["time"]["end"] = 8e-3
@@ -675,8 +677,8 @@ def work_on_grains_that_fly_under_a_membrane_is_warned_of(folder):
 
 @fact
 def the_pressure_of_a_membrane_reaches_the_middle(folder):
-    """Some 190 of 1500 spheres have their centres within half the radius and height. Their pressures scatter by a fifth, as contacts and
-    porosity about them do: three standard errors of the mean are 4 %."""
+    """Some 190 of 1500 spheres have their centres within half the radius and height. Their pressures scatter by a
+    fifth, as the contacts and the porosity around them do: three standard errors of the mean are 4 %."""
     out = run_scene(folder, cell(CELL, 1500))
     with results(out) as file:
         x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
@@ -765,7 +767,7 @@ def a_run_with_a_membrane_has_the_same_bits_on_two_threads_and_after_a_stop(fold
 
 @fact
 def a_membrane_without_pressure_is_none(folder):
-    """The same bits: adding zero to a force does not change it."""
+    """Equal bits: adding zero to a force does not change it."""
     given = triaxial(0)
     del given["test"]["diameter"], given["test"]["length"]
     plain = {**given, "test": {**given["test"], "kind": "compression"}}
@@ -776,8 +778,9 @@ def a_membrane_without_pressure_is_none(folder):
 
 @fact
 def a_membrane_goes_with_everything_else(folder):
-    """Prescribed, pushed and unbonded particles, gravity, added mass, dashpots, spins damped apart, friction on walls, turns, a domain that
-    is left, bonds that soften, single precision: the same bits on two threads and after a stop, and the ledger closes."""
+    """Prescribed, loaded and unbonded particles, gravity, added mass, dashpots, separate damping of spins, friction
+    on walls, rotations, a domain that particles leave, bonds that soften, single precision: the same bits on two
+    threads and after an interruption, and the ledger closes."""
     given = triaxial(5e6, materials=[{**ROCK, "tensile_strength": "8 MPa", "shear_strength": "10 MPa", "fracture_energy": 2}],
                      law={"stiffness": "harmonic", "softening": "energy"}, gravity=[0, 0, -9.81],
                      damping={"background": {"model": "nonviscous_component", "coefficient": 0.4, "rotation": 0.6}, "contact": {"restitution": 0.5}},
@@ -799,7 +802,7 @@ def a_membrane_goes_with_everything_else(folder):
 
 @fact
 def a_hydrostatic_test_gives_the_bulk_modulus(folder):
-    """The slope of mean pressure over loss of volume, which a packing has at any pressure below 1e-3 of its stiffness."""
+    """The slope of mean pressure over loss of volume, which is constant at pressures below 1e-3 of the stiffness."""
     out = run_scene(folder, cell(CELL, 300, membrane={"pressure": [[0, 0], [1e-3, PRESSURE]]}, time={"end": 1e-3}))
     read, rows = readings(out), history(out)
     assert abs(read["bulk_modulus"] / (rows["stress"][-1] / rows["volumetric_strain"][-1]) - 1) < 0.05, (read, absent(out))
@@ -851,8 +854,9 @@ def particles_below_a_detached_one_carry_its_membrane(folder):
 
 @fact
 def the_pressure_in_the_middle_is_held_at_large_strain(folder):
-    """Specimens that bulge, break and lose grains, shortened by a quarter. Mean stress across of the spheres in the middle, of which
-    there are some 60 whose pressures scatter by a quarter: three standard errors are 10 % of one specimen, and no two specimens are alike."""
+    """Specimens that bulge, break and lose grains, shortened by a quarter. Mean lateral stress of the spheres in the
+    middle, some 60 with pressures that scatter by a quarter: three standard errors are 10 % for one specimen, and
+    no two specimens are alike."""
     found = []
     for seed in (1, 7):
         given = triaxial(2e7, time={"end": 8e-3, "stop": "none"})
@@ -875,8 +879,8 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
 
 
 def pressed(**more):
-    """A lattice of discs under pressure; the lower three of its left side are a set, far fewer than a tenth of all, also where the rest has
-    lost its bonds and does not touch all over."""
+    """A lattice of discs under pressure; the lower three of its left side are a set, far fewer than a tenth of all,
+    also when the rest has lost its bonds and is not in contact everywhere."""
     given = scene(2, specimen={"lattice": {"kind": "hexagonal", "radius": 1e-3, "cells": [12, 8, 1]}}, membrane={"pressure": 1e6},
                   sets=[{"name": "some", "select": {"ids": [0, 1, 2]}, **more.pop("some", {})}], time={"end": 1}, **more)
     return given
@@ -1015,8 +1019,8 @@ def a_surface_of_particles_follows_what_breaks(folder):
 
 @fact
 def a_hollow_body_is_pressed_on_its_own_surface(folder):
-    """A square ring of discs that is open on one side, not on its hull: each face of a cell that is free carries the pressure, inside as
-    outside. Two bodies have each their own."""
+    """A square ring of discs that is open on one side, which its hull is not: each free face of a cell carries the
+    pressure, inside and outside. Two bodies have separate surfaces."""
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(9) for j in range(9)]
     ring = [row for row in rows if max(abs(row[0] - 8e-3), abs(row[1] - 8e-3)) > 3e-3 and not (row[0] > 9e-3 and abs(row[1] - 8e-3) < 3e-3)]
     for name, particles in (("block", rows), ("bodies", rows + [[x + 0.05, y, r] for x, y, r in rows]), ("ring", ring)):
@@ -1392,7 +1396,8 @@ def a_triangular_lattice_has_the_shear_modulus_of_its_springs(folder):
 
 @fact
 def a_cubic_lattice_has_the_shear_modulus_of_its_tangential_springs(folder):
-    """Contacts along the shear and across the plane turn against each other by half the angle each: G = k_t/(4 r)."""
+    """Contacts along the shear and across the plane rotate relative to each other by half the angle each: G = k_t/(4
+    r)."""
     r, speed = 1e-3, 5e-4
     length = 7 * 2 * r
     given = glued({"kind": "cubic", "cells": [3, 4, 8]}, [6 * r, 8 * r, 1], ramp(speed), 3, "x", "z",
@@ -1403,7 +1408,8 @@ def a_cubic_lattice_has_the_shear_modulus_of_its_tangential_springs(folder):
 
 @fact
 def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_box(folder):
-    """The layer is led along the plane alone, so the normal stress is that on the lower one; there is no other load."""
+    """The layer is driven along the plane alone, so that the normal stress is that on the lower one; there is no
+    other load."""
     given = glued({"kind": "hexagonal", "cells": [5, 4]}, [0.01, 1], ramp(0), 2, "x", "y", {"wz": 0}, time={"end": 0.02},
                   walls=[{"name": "plate", "point": [0, 2e-3 + 7 * np.sqrt(3) * 1e-3], "normal": [0, -1], "stiffness": "1 MN/m",
                           "servo": {"stress": 1e5, "max_velocity": 0.5}}])
@@ -1415,8 +1421,8 @@ def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_bo
 
 
 def presses_both_ends(out, pressure):
-    """The load on the upper end is given; the lower one receives it with the waves that a sudden load and breaking leave, within a tenth in the
-    median. The normal stress is the mean of both."""
+    """The load on the upper end is given; the lower one receives it with the waves of a sudden load and of breaks,
+    within a tenth in the median. The normal stress is the mean of both."""
     rows = history(out)
     lower, upper = rows["normal_stress_lower"], rows["normal_stress_upper"]
     assert np.allclose(upper, pressure, rtol=1e-9) and np.allclose(rows["normal_stress"], (lower + upper) / 2, rtol=1e-12)
@@ -1729,7 +1735,8 @@ def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
 
 @fact
 def errors_before_the_first_step_of_stages_name_their_line(folder):
-    """The place is in the file and not in the text from which the scene of a stage is read: that of the stage for keys that it changes, else the scene's."""
+    """The place is in the file and not in the text from which the scene of a stage is read: that of the stage for
+    keys that it changes, else that of the scene."""
     given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
                    stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
     said = expect(gneiss("check", write_scene(folder, given)), 2, r"stages\[0\].end.peak_drop: .*no contact is pressed").stderr
@@ -1758,7 +1765,8 @@ def a_stage_of_more_steps_than_the_run_has_is_warned_of_at_the_start(folder):
 
 @fact
 def a_stage_waits_for_a_stress_that_can_come(folder):
-    """Contacts that are pressed at the start, loose grains or at a wall, bring one; a membrane brings at most twice its pressure."""
+    """Contacts that are compressed at the start, among loose grains or at a wall, cause a stress; a membrane causes
+    at most twice its pressure."""
     wait = [{"name": "one", "end": {"stress": 1e3}}]
     walls = [plate("low", -1e-3, 1, passive=False), plate("up", 4.9e-3, -1, passive=False)]
     for height, passive, code in ((1.9e-3, False, 0), (2e-3, False, 2), (1.95e-3, True, 0)):
@@ -1823,7 +1831,8 @@ def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
 
 @fact
 def a_response_that_is_too_short_for_the_specimen_is_warned_of(folder):
-    """Waves cross the beam in some 50 us; 0.5 ms holds it, 5 us swings (docs/scene.md)."""
+    """Waves cross the beam in some 50 us; a ramp of 0.5 ms is quasi-static, one of 5 us causes oscillations
+    (docs/scene.md)."""
     for response, reported in (("0.5 ms", False), ("5 us", True)):
         done = expect(gneiss("run", os.path.join(ROOT, "scenes", "bending.yaml"), "--out", os.path.join(folder, str(reported)), "--quiet",
                              "--set", "test.control.opening=2 mm/s", "--set", f"test.control.response={response}", "--set", "output.snapshots=0",

@@ -1,4 +1,5 @@
-/* Masses raised for a longer step: as much as the wanted step needs, no weight, no lost energy. */
+/* Masses raised for a longer step: as much as the requested step needs, without additional weight
+ * or loss of energy. */
 #include "timestep/timestep.h"
 #include "world_helpers.h"
 
@@ -68,7 +69,7 @@ static void masses_are_raised_where_it_is_needed_and_never_lowered(void **state)
         double before = mass_of(plain, p), after = mass_of(w, p);
         assert_true(after >= before);
         same += after == before;
-        /* The moment of inertia with it: the sphere swings as it did. */
+        /* The moment of inertia is raised as well: the sphere oscillates as before. */
         assert_close(vel_of(w, p)[3] / spin_of(w, p)[3], vel_of(plain, p)[3] / spin_of(plain, p)[3],
                      1e-15);
     }
@@ -142,7 +143,7 @@ static void a_grain_weighs_what_it_did(void **state) {
     world_end(w);
 }
 
-/* Dropped from a tenth of its radius; falls at a ninth of g and bounces back. */
+/* Dropped from a tenth of its radius; falls with a ninth of g and rebounds. */
 static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
     (void)state;
     double m = sphere_mass(2500, 1e-3), height = 1e-5;
@@ -226,7 +227,8 @@ static void momentum_and_energy_of_a_free_pair_stay(void **state) {
     world_end(w);
 }
 
-/* Everything else beside it, and both precisions: the ledger closes, one bit for any threads. */
+/* With all other options, in both precisions: the ledger closes, with the same bits on any number
+ * of threads. */
 static void beside_all_else_the_ledger_closes_with_the_same_bits(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++) {

@@ -213,9 +213,9 @@ static void mean_stress(const gn_world *w, double stress[9]) {
 }
 
 /* In a lattice of n^3 spheres each chain along an axis carries the pressure on a face of a cell, so
- * that the stress is the pressure in every cell: the surface is that of n^3 cells. (Areas by the
+ * that the stress is the pressure in every cell: the surface is that of n^3 cells. (Areas from the
  * directions in which a ball touches a particle, scaled to the hull, were 0.87 of a face for 12^3
- * and 0.76 for 5^3, and the excess at edges reached the middle in part only.) */
+ * and 0.76 for 5^3, and the excess at edges reached the middle only partly.) */
 static void a_lattice_is_pressed_on_the_faces_of_its_cells(void **state) {
     (void)state;
     for (int side = 5; side <= 9; side += 4)
@@ -306,8 +306,8 @@ static double chips_share(const gn_world *w) {
     return sum;
 }
 
-/* The pressure on a detached chip acts on the particles that were below it, and the body keeps the
- * required mean stress; the chip has no pressure any more, also when it returns. */
+/* The pressure on a detached chip acts on the particles below it, and the body keeps the required
+ * mean stress; the chip is no longer loaded, also when it returns. */
 static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state) {
     (void)state;
     gn_world *w = block();
@@ -351,7 +351,7 @@ static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state)
     world_end(w);
 }
 
-/* Halves that a crack parts are pressed both. */
+/* Both halves on the sides of a crack are loaded. */
 static bool of_the_upper_half(const gn_particles *q, size_t p) {
     return q->start[4 * p + 2] > 0.5 * SIDE * pitch;
 }
@@ -390,7 +390,7 @@ static void dead_loads_are_handed_on(void **state) {
         press(w);
         assert_true(q->skin[4 * p + 3] < 0 && q->applied[4 * p + 1] == 0);
         assert_close(gn_membrane_area(&w->dem), whole, 0.1); /* of the exposed surface */
-        /* as if all were where it was: there they are in balance */
+        /* in balance if all particles were at their initial positions */
         for (int a = 0; a < d; a++) q->pos[4 * p + a] = q->start[4 * p + a];
         expect_balance(w, 7e6);
         world_end(w);

@@ -1,4 +1,4 @@
-/* Bonds whose strength in shear the normal force changes (src/kernels/law_mohr.h): closed forms of
+/* Bonds whose shear strength depends on the normal force (src/kernels/law_mohr.h): closed forms of
  * one bond, couplings, energies, threads, resumption, keys. */
 #include "run_helpers.h"
 
@@ -95,7 +95,7 @@ static void linear_coupling_takes_the_friction_of_the_pull(void **state) {
     assert_int_equal(b.cause, GN_BROKEN_SHEAR);
     double strength = 12.0 - 0.5 * b.normal;
     assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
-    /* Never below zero: then the bond does not carry the first shear. */
+    /* Not below zero: the bond then cannot carry the first increment of shear. */
     b = break_it(0.3, 0.9, "linear", 15.0, "double");
     assert_true(b.shear <= 1.01 * step_force);
 }
@@ -208,8 +208,9 @@ static void shear_at_breaks(const char *confinement, const char *precision, doub
     world_end(w);
 }
 
-/* A row's bonds carry 10 N each. The line between the rows turns by 1e-2 at most, which changes its
- * length, and with it the pressure, by 5e-5 of itself: 1 N in 20; a quarter of a newton allowed. */
+/* A row's bonds carry 10 N each. The line between the rows rotates by at most 1e-2, which changes
+ * its length, and with it the pressure, by 5e-5 of itself: 1 N in 20; a quarter of a newton is
+ * allowed. */
 static void friction_may_see_the_mean_stress_around_a_bond(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -323,7 +324,7 @@ static void threads_give_the_same_bits(void **state) {
     }
 }
 
-/* With all that can be beside it: two materials, walls, gravity, a periodic direction, dampings,
+/* With all other options: two materials, walls, gravity, a periodic direction, dampings,
  * orientations. */
 static const char *const busy =
     "dimension: 3\n"

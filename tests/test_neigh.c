@@ -102,7 +102,7 @@ static void a_periodic_box_that_is_too_narrow_is_refused(void **state) {
     gn_soa_destroy(&gn_particle_record, &p);
 }
 
-/* Dense knots far apart: grids mostly empty. */
+/* Dense clusters far apart: grids that are mostly empty. */
 static void pairs_in_clusters_are_all_found(void **state) {
     (void)state;
     gn_particles p = scattered(600, 3, 4.0, 2.0, 9);

@@ -1,4 +1,4 @@
-"""Contacts, bursts and fragments in files on request, held against closed forms and against each other. Speaks TAP."""
+"""Contacts, bursts and fragments in files on request, compared with closed forms and with each other. Speaks TAP."""
 from program import *  # noqa: F403
 
 ALL = ("--set", "output.contacts=on")

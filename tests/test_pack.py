@@ -241,13 +241,12 @@ def quiet_prints_the_figures_and_nothing_else(folder):
 @fact
 def a_log_as_json_has_valid_lines(folder):
     out, done = pack(folder, request(folder, particles=3000), "--log", "json", "--threads", 1)
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
-    last = lines[-1]
+    last, = logged(done.stdout)
     assert last["particles"] == 3000 and last["in_time"] is True and last["from_cache"] is False
     with h5py.File(os.path.join(out, "packing.h5")) as file:
         for name in ("porosity", "coordination_1", "radius_mean", "overlap_max", "anisotropy"):
             assert last[name] == float(file["quality/" + name][0]), name
-    for line in lines[:-1]:
+    for line in logged(done.stdout, "progress"):
         assert line["packing"] in ("spread", "compress", "decompress", "close", "separate"), line
         assert 0 < line["fraction"] <= 1 and line["particles"] == 3000 and line["iteration"] > 0, line
     assert not done.stderr, done.stderr
@@ -407,7 +406,7 @@ def interrupted(folder, *arguments):
     with subprocess.Popen(command(*arguments, "--log", "json"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, env=environment) as process:
         line = process.stdout.readline()
-        assert json.loads(line)["packing"], line
+        assert json.loads(line)["progress"]["packing"], line
         process.send_signal(signal.SIGINT)
         stdout, stderr = process.communicate(timeout=120)
     assert process.returncode == 6, f"exit code {process.returncode}: {stderr}"
@@ -686,8 +685,8 @@ def sized(folder, packing, name):
 
 
 def check_law(radii, law):
-    """Radii that may change by a tenth of themselves have the quantiles of the law, in some unit, to a tenth; 1200 draws are within 5 %
-    of the range of theirs."""
+    """Radii that may change by a tenth of themselves have the quantiles of the law, in some unit, to a tenth; the
+    quantiles of 1200 draws are within 5 % of their range."""
     unit = np.median(radii / law)
     assert np.all(np.abs(radii / unit - law) < 0.1 * law + 0.05 * (law.max() - law.min())), np.abs(radii / unit / law - 1).max()
 

@@ -20,9 +20,9 @@ static void history_make(gn_history *h) {
                          GNEISS_OK);
 }
 
-/* A test to the strain 2e-3 at 64 MPa and down again. `sign` +1 tension: the average axial strain
- * is 0.9 of the platen strain, the lateral ones 0.15 and 0.25 of the average. Below 1 % and above
- * 50 % of the peak the curve has other slopes, so that a reading from there would show. */
+/* A test to the strain 2e-3 at 64 MPa and unloading. `sign` +1 tension: the average axial strain is
+ * 0.9 of the platen strain, the lateral ones 0.15 and 0.25 of the average. Below 1 % and above 50 %
+ * of the peak the curve has other slopes, so that a reading from there would differ. */
 static void history_of_test(gn_history *h, int axis, int sign, int rows) {
     const double modulus = 40e9, peak = 64e6;
     history_make(h);
@@ -434,7 +434,7 @@ static void a_missing_share_of_the_load_shows_and_waves_do_not(void **state) {
     add_column(&h, "stress_lower", waved);
     add_column(&h, "stress_upper", whole);
     r = read_history(&h, 3, 2, -1);
-    assert_true(r.end_imbalance < 1.1e6 / (100 * 32e6)); /* one wave at most is not made up for */
+    assert_true(r.end_imbalance < 1.1e6 / (100 * 32e6)); /* at most one wave is not corrected */
     gn_history_free(&h);
 }
 

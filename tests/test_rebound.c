@@ -51,7 +51,8 @@ static double rebound(const meeting *m, double restitution, double steps) {
     if (m->other == HELD) add(&t, "  - {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0}}\n");
     add(&t, "time: {step: %.17g, end: 1, on_unstable: warn}\nrun: {threads: 1}\n", dt);
     gn_world *w = world_of("%s", t.s);
-    /* The slowest to part, at critical damping, are at 1 % of the speed after eight of 1/w. */
+    /* At critical damping, the slowest separation, they are at 1 % of the speed after eight times
+     * 1/w. */
     run_steps(w, (int64_t)(steps * 4.0 + m->phase + 2.0));
     double parts = vel_of(w, moving)[0] - (m->other == WALL ? 0.0 : vel_of(w, 0)[0]);
     world_end(w);
@@ -247,9 +248,9 @@ static void spinning_clusters_keep_their_energy(void **state) {
     }
 }
 
-/* Along the normal of the end of a step the ends of a turning bond part by d W^2 dt/2; the distance
- * does not change. Taken from the former, 0.2 (W dt)^2 w/W of the energy is booked per radian: 8 %
- * here. */
+/* Along the normal of the end of a step the ends of a rotating bond separate by d W^2 dt/2; the
+ * distance does not change. With the former, 0.2 (W dt)^2 w/W of the energy is booked per radian: 8
+ * % here. */
 static void a_damped_cluster_that_turns_dissipates_nothing(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -265,7 +266,7 @@ static void a_damped_cluster_that_turns_dissipates_nothing(void **state) {
     double kinetic = e.kinetic + e.rotational;
     run_steps(w, 100000);
     e = measured_step(w);
-    /* The start, without the centrifugal strain (W/w)^2 = 2e-6, swings and is damped. */
+    /* Starting without the centrifugal strain (W/w)^2 = 2e-6 excites a damped oscillation. */
     assert_true(e.contact_damping < 1e-5 * kinetic);
     assert_true(fabs(gn_energy_residual(&e)) * gn_energy_scale(&e) < 1e-5 * kinetic);
     world_end(w);

@@ -180,7 +180,7 @@ def names_of_stages_and_legends_do_not_lie_over_each_other(folder):
 
 
 def the_line_of_the_modulus_lies_on_the_curve(folder):
-    """Where the section of the body varies E is another number than the slope of the curve, which the line has."""
+    """If the section of the body varies, E differs from the slope of the curve, which the line has."""
     path = os.path.join(folder, "results.h5")
     for factor in (1.0, 0.7):
         make("cylinder", path)

@@ -46,7 +46,7 @@ def threads_that_follow_the_load_of_the_machine_change_no_bit(folder):
 
 
 def same_with_isa(folder, isa):
-    """Only energies are summed over lanes, in an order of each width's own; the state is the same for all."""
+    """Only energies are summed over lanes, in an order that depends on the width; the state is the same for all."""
     if not isas()[isa]:
         raise Skip(f"no {isa} on this machine")
     run(UCS, folder, "--threads", 2, environment={"GNEISS_ISA": isa})

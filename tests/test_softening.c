@@ -1,5 +1,5 @@
-/* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths against
- * formulas and an integrator written down anew, and scenes. */
+/* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths compared with
+ * formulas and an independent integrator, and scenes. */
 #include "particles/bond_sections.h"
 #include "softening_bond.h"
 
@@ -7,7 +7,7 @@ static const double uf = 6e-6, us = 9e-6, mu1 = 0.8, mu2 = 0.3;
 
 /* --- tension --- */
 
-/* The force of a bond that has been pulled to `most` at most, from the line alone. */
+/* The force of a bond that has been stretched up to `most`, from the line alone. */
 static double pulled(double u, double most) {
     double limit = rn / kn;
     if (u < 0.0) return kn * u;
@@ -36,7 +36,7 @@ static void softening_in_tension_is_linear_and_unloads_on_the_secant(void **stat
     end(t);
 }
 
-/* Steps end where the line bends: then trapezoids are the areas. */
+/* Steps end where the line has a kink: trapezoids are then the exact areas. */
 static void linear_softening_dissipates_the_fracture_energy(void **state) {
     (void)state;
     for (int steps = 1; steps <= 64; steps *= 8) {
@@ -51,7 +51,7 @@ static void linear_softening_dissipates_the_fracture_energy(void **state) {
     }
 }
 
-/* Closed from the damaged state: all of k_n again. */
+/* Compressed in the damaged state: the full k_n again. */
 static void a_damaged_bond_closes_with_all_of_its_stiffness(void **state) {
     (void)state;
     bond *t = make(&concrete, 0);
@@ -119,8 +119,8 @@ static double across(const bond *t) {
     return hypot(t->force[1], t->force[2]);
 }
 
-/* 1000 paths, each under a pressure or pull of its own: across in all directions, to and fro; and
- * every so often along, which the surface follows. */
+/* 1000 paths, each under its own pressure or tension: shear in all directions, to and fro; and
+ * occasionally normal motion, which the surface follows. */
 static void random_shear_follows_the_surface(void **state) {
     (void)state;
     uint64_t at = 17;
@@ -245,8 +245,8 @@ static void random_presses_follow_the_three_slopes(void **state) {
     }
 }
 
-/* Tension counts from the permanent stretch; plastic work is what lies between the line and the
- * way back. */
+/* Tension counts from the permanent stretch; plastic work is the area between the loading line and
+ * the unloading line. */
 static void pressing_leaves_a_permanent_stretch(void **state) {
     (void)state;
     bond *t = make(&crushed, GN_FX_YIELD);
@@ -273,8 +273,8 @@ static void pressing_leaves_a_permanent_stretch(void **state) {
 
 /* --- what the ledger keeps --- */
 
-/* All at once, in steps of all sizes: work is stored or lost to rounding, but for the steps in
- * which the pushing part of a damaged bond closes or opens, which leave little. */
+/* All modes at once, in steps of all sizes: work is stored or lost up to rounding, except for the
+ * steps in which the compressive part of a damaged bond closes or opens, whose error is small. */
 static void work_is_stored_or_lost(void **state) {
     (void)state;
     gn_material both = concrete;
@@ -423,9 +423,9 @@ static void a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_partic
     assert_near(dissipated_by_bar(2, 1e-3, "double", "bilinear"), 1.0, 0.03);
 }
 
-/* Damaged, it swings on through 0 undamped, harder where it pushes: 700 times, 30 steps each. The
- * share of a step for which its pushing part acts is right to a high order of the step: half the
- * step leaves a thirtieth of the residual. */
+/* Damaged, it oscillates undamped through 0, stiffer in compression: 700 periods of 30 steps each.
+ * The fraction of a step for which its compressive part acts is accurate to a high order of the
+ * step: half the step gives a thirtieth of the residual. */
 static void a_damaged_bond_keeps_its_energy_while_it_swings(void **state) {
     (void)state;
     const double mass = sphere_mass(2650, 1e-3), speed = 5e-6 * sqrt(1e7 / mass);
@@ -596,7 +596,7 @@ static void sections_are_those_of_the_law(void **state) {
 }
 
 /* A periodic lattice whose sections fill it: a plane of any direction cuts 3/2 of its own area in
- * bonds in the mean, 4/pi in 2D; 2 mm of disc or (2 mm)^2 of a cube's face each. */
+ * bonds on average, 4/pi in 2D; 2 mm of disc or (2 mm)^2 of a cube's face each. */
 static void a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_cut(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++)
@@ -636,7 +636,7 @@ static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
 
 /* --- coupled by squares --- */
 
-/* Alone, either is the softening of bonds that are not coupled. */
+/* Each alone equals the softening of uncoupled bonds. */
 static void coupled_by_squares_either_alone_softens_as_uncoupled(void **state) {
     (void)state;
     for (int sheared = 0; sheared < 2; sheared++) {
@@ -692,7 +692,7 @@ static void a_fixed_mix_of_both_dissipates_its_share_of_both_energies(void **sta
     }
 }
 
-/* Shares of what is left of both strengths once kappa has gone from `from` to `to`, with the
+/* Fractions of both strengths that remain after kappa has grown from `from` to `to`, with the
  * stretch u and the trial force across: openings and slips are a u_f and b u_s a kappa. */
 static double shares2(double from, double to, double u, double across_trial) {
     double a = kn * u / (rn + (kn * uf - rn) * to);
@@ -803,7 +803,7 @@ static const way_to_break ways_to_break[] = {
      * a brittle bond is reached at 0.70. */
     {0, 15, 0, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_SHEAR},
     /* Linear: C - mu_1 f_n with mu_1 R_n = C/2. Brittle at x (across + along/2) = 1 or x along = 1;
-     * softening, the slip that is left over ends at u_s whatever the surface was. */
+     * with softening the remaining slip ends at u_s for any surface. */
     {GN_FX_COUPLED_LINEAR, 0, 0, 0.3, 3.0, 1.0, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_LINEAR, 0, 0, 0.3, 1.0, 1.0, 0.0, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_LINEAR, 15, 13.5, 0.3, 1.0, 0.0, 0.0, GN_BROKEN_TENSION},

@@ -42,8 +42,8 @@ static const char *const tests[] = {
     "opening: {axis: x, lower: low, upper: top}}\n",
 };
 
-/* Rows as a test might have: the stress rises and falls, all else grows, bonds break from the 11th
- * row of the stage on, beside as many as had broken before. */
+/* Rows as in a test: the stress rises and falls, all other columns grow, bonds break from the 11th
+ * row of the stage on, in addition to as many before. */
 static void write_rows(gn_run *run, double before) {
     const size_t first = (size_t)run->world.stages.state[1].row,
                  last = (size_t)run->world.stages.state[2].row;

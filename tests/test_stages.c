@@ -59,7 +59,7 @@ static gn_stage_cause cause_of(const gn_run *run, size_t stage) {
 
 /* --- scenes --- */
 
-/* A sphere by itself, far from anything, with a step that is given. */
+/* A single sphere, far from everything, with a given step. */
 static const char lone[] =
     "specimen: {particles: [[0, 0, 0, 1 mm]]}\n"
     "materials: [{name: m, density: 2000, normal_stiffness: 1e6, kratio: 0}]\n"
@@ -143,8 +143,8 @@ static void a_short_stage_takes_a_step(void **state) {
     run_end(run);
 }
 
-/* Fall for 1 ms, flight for 1 ms, fall for 0.5 ms with half the weight: leap-frog has the
- * velocities of constant forces exactly, but for half a step of each change. */
+/* Fall for 1 ms, flight for 1 ms, fall for 0.5 ms with half the weight: leap-frog has the exact
+ * velocities for constant forces, up to half a step at each change. */
 static void gravity_is_that_of_the_stage(void **state) {
     (void)state;
     gn_run *run = run_of(joined(lone, "stages:\n",
@@ -237,7 +237,7 @@ static void threads_do_not_matter(void **state) {
 
 /* --- bonds --- */
 
-/* Two spheres that overlap by 10 um, both held; then one is drawn away. */
+/* Two spheres that overlap by 10 um, both held; then one is pulled away. */
 static const char pair[] =
     "specimen: {particles: [[0, 0, 0, 1 mm], [1.99 mm, 0, 0, 1 mm]], group: 1}\n"
     "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: 0.3, "
@@ -278,8 +278,7 @@ static void bonds_begin_without_force_where_they_form(void **state) {
     steps(run, 38);
     assert_near(run->world.dem.set_reaction[6], spring * 3.8e-6, 1e-6 * spring * 3.8e-6);
     assert_near(force_in(run, 3, &e), 0.0, 1e-9); /* nothing pulls any more, and it is no contact */
-    /* The work of the tension over the last 0.1 um, from 3.9 to 4.0, is booked for half of it
-     * only. */
+    /* The work of the tension over the last 0.1 um, from 3.9 to 4.0, is booked by half only. */
     assert_near(e.stage_change, -held - 0.5 * spring * 3.9e-6 * 4e-6, 1e-6 * held);
     assert_near(gn_energy_residual(&e), 0.0, 1e-9);
     assert_int_equal(run->world.dem.broken_tension, 0);
@@ -633,8 +632,7 @@ static void bonds_that_form_beside_worn_ones_leave_them_as_they_are(void **state
     run_end(after);
 }
 
-/* Planes cut the bonds that there are when the new ones form, not when the run began without any.
- */
+/* Planes cut the bonds that exist when the new ones form, not those at the start of the run. */
 static void a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage(void **state) {
     (void)state;
     const char *const parts[] = {"contact", "body"}, *const when[] = {"off", "on"};
@@ -681,7 +679,7 @@ static void a_settled_heap_goes_on(void **state) {
     size_t first = (size_t)run->world.stages.state[2].row,
            after = (size_t)run->world.stages.state[3].row;
     assert_true(strain[after - 1] - strain[first] >= 0.005);
-    /* The row before, of those at which ends are looked for. */
+    /* The previous one of the rows at which ends are checked. */
     assert_true(strain[after - 1 - (1 << GN_ROW_HALVINGS)] - strain[first] < 0.005);
     gn_readings r;
     gneiss_error error = {0};
@@ -1121,7 +1119,7 @@ static void a_stage_that_never_ends_is_refused(void **state) {
             nothing);
     accepted("stages:\n- {name: a, end: {stress: 1 kPa}, sets: {top: {force: [0, 0, -1]}}}\n");
     accepted("membrane: {pressure: 1 kPa}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n");
-    /* Nothing to hold: another condition has to end it, or a membrane is without pressure. */
+    /* No servo: another condition has to end it, or a membrane is without pressure. */
     refused("stages:\n- {name: a, end: {held: 1 %}}\n- {name: b}\n",
             "s.yaml:18:25: stages[0].end.held: expected a wall or a periodic box with a servo");
     accepted("stages:\n- {name: a, end: {held: 1 %, time: 1 ms}}\n- {name: b}\n");
@@ -1140,7 +1138,7 @@ static void a_stage_that_never_ends_is_refused(void **state) {
     accepted("stages:\n- {name: a, gravity: [0, 0, -9], end: {stress: 1 kPa}, walls: {lid: "
              "{motion: {vz: 1}}}}\n");
 
-    /* A table whose last value is 0 is over once its stage was long enough. */
+    /* A table whose last value is 0 has ended when its stage was long enough. */
     snprintf(parting, sizeof parting,
              "s.yaml:19:27: stages[1].end.strain: expected ends that close");
     refused("stages:\n- {name: a, end: {time: 1 ms}, walls: {lid: {motion: {vz: [[0, -1], [1 ms, "

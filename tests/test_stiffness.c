@@ -9,7 +9,7 @@
 
 static const double kn = 3e6;
 
-/* A specimen, bonded, by the uniform law. `rho`: k_t/k_n. */
+/* A bonded specimen with the uniform law. `rho`: k_t/k_n. */
 static gn_world *bonded(int dimension, const char *specimen, double rho, double stiffness,
                         const char *more) {
     char ratio[64] = "0";

@@ -660,7 +660,7 @@ def run_with_seeds_prints_mean_and_interval_of_every_reading(folder):
 @fact
 def json_lines_report_every_event_and_the_means(folder):
     done = expect(gneiss("sweep", sweep_file(folder, seeds=2, **FRICTIONS), "--out", os.path.join(folder, "out"), "--log", "json", *QUICK), 0)
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    lines = logged(done.stdout, "progress") + logged(done.stdout)
     assert [line["sweep"] for line in lines].count("done") == 6 and [line["sweep"] for line in lines].count("started") == 6
     assert lines[-1]["sweep"] == "summary" and len(lines[-1]["combinations"]) == 3
     assert lines[-1]["combinations"][0]["largest_stress"]["count"] == 2

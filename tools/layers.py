@@ -39,7 +39,7 @@ def uses_of(cell, above):
 
 
 def rows(text):
-    """{folder: (line, [what it may use])}, in the order of the table."""
+    """Returns {folder: (line, [folders that it may use])}, in the order of the table."""
     found = {}
     for number, line in enumerate(text.splitlines(), 1):
         cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
@@ -81,7 +81,8 @@ def check_includes(path, table):
 
 
 def check_declarations(sources):
-    """A function that is declared in one folder and defined in another would let calls pass by the includes."""
+    """Lists functions that are declared in one folder and defined in another: calls of them would bypass the
+    includes."""
     texts = {path: COMMENT.sub("", path.read_text()) for path in sources}
     defined = {name: path for path, text in texts.items() if path.suffix == ".c" for name, end in FUNCTION.findall(text) if end == "{"}
     for path, text in texts.items():

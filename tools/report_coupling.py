@@ -94,7 +94,7 @@ def draw_panel(figure, axes, section, what):
     both = np.concatenate([of_particles] + ([] if of_mesh is None else [of_mesh[section.owner]]))
     factor, text = scale_of(both, unit)
     norm = norm_of(both / factor)
-    if unit == "1":  # a share, of which all may be 0 but a few
+    if unit == "1":  # A share, which may be zero except at a few times.
         factor, text, norm = 1.0, "1", Normalize(0, 1)
     if symmetric:
         top = max(abs(norm.vmin), abs(norm.vmax))

@@ -21,7 +21,7 @@ FRICTIONS, KRATIOS, RESTITUTIONS = [0.1, 0.3, 0.5, 1.0], [1.0, 2.0, 3.7, 10.0], 
 STEPS = [10, 20, 40, 100, 400]
 PAIRS = 60  # of every combination; two spheres each
 ROWS = 20  # of balls, of every number and restitution; the first of equal ones
-SPEED = 1e-4 * R * np.sqrt(2 * KN / MASS)  # of approach: overlaps of 1e-4 of the radius, normals that hardly turn
+SPEED = 1e-4 * R * np.sqrt(2 * KN / MASS)  # Speed of approach for overlaps of 1e-4 of the radius, with normals that hardly turn.
 
 
 def damping_fraction(restitution):
@@ -141,7 +141,7 @@ def shortest(mass):
 
 
 def rows_after(mass, restitution):
-    """Velocities [row][ball] of balls in rows, the first of which comes at 1 to the others, which rest in touch."""
+    """Velocities [row][ball] of balls in rows: the first ball hits, at speed 1, the others, which rest and touch."""
     dashpot = 2 * np.array([damping_fraction(c) for c in restitution])[:, None] * np.sqrt(
         KN / (1 / mass[:, :-1] + 1 / mass[:, 1:]))
     dt = shortest(mass)[:, None] / FINE

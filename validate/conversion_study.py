@@ -32,7 +32,7 @@ def mesh():
 
 
 def runs():
-    """Name and run, all of the packing of the first."""
+    """Name and run; all use the packing of the first."""
     alone, fixed = coupling_study.beams()
     found = [("particles alone", alone), ("fixed zones", fixed)]
     for width in WIDTHS:
@@ -48,7 +48,7 @@ def curve(result):
 
 
 def stiffness(result, top):
-    """MN/m, from 5 to 50 % of `top` (N) on the way up."""
+    """Stiffness in MN/m, from 5 to 50 % of `top` (N) of the rising branch."""
     bend, force = curve(result)
     last = int(np.argmax(force > 0.5 * top))
     part = np.arange(len(force)) < last
@@ -73,7 +73,7 @@ NEVER = "elements alone"
 
 
 def apart(cracked, broke):
-    """Mean distance of what broke in one run from the nearest that broke in another, m."""
+    """Mean distance of the bonds broken in one run from the nearest broken in another, m."""
     return np.mean([np.min(np.linalg.norm(broke - at, axis=1)) for at in cracked])
 
 
@@ -108,7 +108,7 @@ def table(found):
 
 
 def panels(axes, found, unit, bends, openings, most):
-    """Load over the deflection and over the opening, up to so many um and units of load."""
+    """Plots the load over the deflection and over the opening, up to the given limits in um and units of load."""
     for name, result in found:
         bend, force = curve(result)
         opening = result.results("history/opening")

@@ -64,7 +64,7 @@ def roughness(path, dimension):
 
 
 def rows_of(case, forms):
-    """Errors of the work done by the load (twice the energy: what a displacement method approaches from below)."""
+    """Errors of the work of the load (twice the energy, which a displacement method approaches from below)."""
     key, meshes, sizes = CASES[case]
     for material in ("compressible", "incompressible"):
         wanted = {k: REFERENCES[case][material]["reference"][k]["value"] for k in (key, ALSO[case])}
@@ -105,7 +105,7 @@ def pressures_of_the_block(forms):
 
 
 def picture(forms):
-    """Pressure of the nearly incompressible membrane, one colour per element."""
+    """Draws the pressure of the nearly incompressible membrane, one colour per element."""
     meshes = CASES["cook"][1]
     figure, axes = plt.subplots(len(meshes), len(forms), figsize=(4.2 * len(forms) + 0.8, 4.2 * len(meshes)),
                                 squeeze=False, layout="constrained", sharex=True, sharey=True)

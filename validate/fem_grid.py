@@ -1,6 +1,5 @@
-"""Structured meshes of quadratic and linear elements, with the triangles and tetrahedra of the core's own structured
-meshes: a grid of (2 n + 1) points per direction, of which the elements use what they need. Kinds are those of
-CalculiX."""
+"""Structured meshes of quadratic and linear elements, with the same triangles and tetrahedra as the structured meshes
+of gneiss: elements use points of a grid of (2 n + 1) points per direction. Kinds have the names of CalculiX."""
 import numpy as np
 
 

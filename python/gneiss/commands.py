@@ -64,7 +64,9 @@ def _message(text: str) -> str:
 
 
 def _last_json(output: str) -> dict[str, Any]:
-    return json.loads(next(line for line in reversed(output.splitlines()) if line.startswith("{")))
+    """The object of `--json`, or the result among the lines of `--log json`."""
+    found = [json.loads(line) for line in output.splitlines() if line.startswith("{")]
+    return next(one.get("result", one) for one in reversed(found) if one.get("level", "result") == "result")
 
 
 def run(scene: Scene | Source, out: Path, *, set: Changes = None, folder: Path | None = None, threads: int | None = None,

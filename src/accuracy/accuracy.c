@@ -12,9 +12,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- results of the study of accuracy (docs/accuracy.md): errors of readings over dimensionless
- * groups, and some ratios of its tests. The tables are made from validate/accuracy/slopes.csv and
- * base.csv when the program is built ---- */
+/* ---- results of the study of accuracy (docs/evidence/accuracy.md): errors of readings over
+ * dimensionless groups, and some ratios of its tests. The tables are made from
+ * validate/accuracy/slopes.csv and base.csv when the program is built ---- */
 
 const gn_slope *gn_slope_find(const char *study, const char *reading, const char *effect,
                               bool scatter) {

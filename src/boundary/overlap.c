@@ -121,7 +121,9 @@ static size_t crossings(const gn_surface *s, int32_t at, const double from[3]) {
     return count;
 }
 
-static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *s) {
+/* *first: the first of them. */
+static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *s,
+                           size_t *first) {
     size_t inside = 0;
     for (size_t p = 0; p < dem->particles.soa.count; p++) {
         const double *x = dem->particles.pos + 4 * p;
@@ -129,9 +131,20 @@ static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const
         double d[3], centre[3];
         for (int a = 0; a < 3; a++) centre[a] = d[a] = b ? x[a] - b->position[a] : x[a];
         if (b) gn_rigid_local(b, d, centre);
-        inside += crossings(s, 0, centre) % 2;
+        if (crossings(s, 0, centre) % 2 == 0) continue;
+        if (!inside++) *first = p;
     }
     return inside;
+}
+
+gneiss_status gn_body_holds(const gn_dem *dem, const gn_boundary *boundary, size_t body,
+                            size_t *count, size_t *first, gneiss_error *error) {
+    const gn_surface *s = &boundary->surfaces[body]; /* those of bodies come first */
+    bool closed = false;
+    *count = 0;
+    GN_TRY(is_closed(&s->facets, &closed, error));
+    if (closed) *count = count_inside(dem, boundary, s, first);
+    return GNEISS_OK;
 }
 
 /* --- touching --- */
@@ -159,7 +172,8 @@ gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
     for (size_t k = 0; k < boundary->surface_count; k++) {
         bool closed = false;
         GN_TRY(is_closed(&boundary->surfaces[k].facets, &closed, error));
-        if (closed) overlap[k].inside = count_inside(dem, boundary, &boundary->surfaces[k]);
+        size_t first;
+        if (closed) overlap[k].inside = count_inside(dem, boundary, &boundary->surfaces[k], &first);
     }
     return GNEISS_OK;
 }

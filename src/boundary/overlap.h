@@ -21,6 +21,10 @@ typedef struct gn_overlap {
 gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, gn_overlap *overlap,
                                 gneiss_error *error);
+/* Counts the particles whose centre is inside a body with a closed surface; *first: the first of
+ * them. */
+gneiss_status gn_body_holds(const gn_dem *dem, const gn_boundary *boundary, size_t body,
+                            size_t *count, size_t *first, gneiss_error *error);
 /* Returns the overlap of a wall. */
 gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_t wall);
 /* Tells whether a wall, a body or elements that are no end of the test overlap particles at the

@@ -14,6 +14,7 @@
 #include "conversion/conversion.h"
 #include "inflow/removal.h"
 #include "inflow/sources.h"
+#include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
@@ -668,6 +669,11 @@ gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error
     }
     if (gn_geometry_doubts(&world->ctx, &world->dem, &world->boundary, &world->solids, doubts,
                            sizeof doubts)) {
+        printf("  warning: %s\n", doubts);
+        (*warnings)++;
+    }
+    if (gn_scene_test(&world->ctx.scene)->tool &&
+        gn_cutting_doubts(&world->ctx, &world->boundary, &world->cutting, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }

@@ -89,10 +89,10 @@ gneiss_status gn_conversion_check_places(const gn_convertible *model,
 /* Properties of the elements in the box and of the dormant particles in them (conversion_setup.c);
  * at the start all particles are dormant. */
 typedef struct gn_conversion_figures {
-    size_t elements, held, particles; /* held: of motions and loads */
+    size_t elements, held, particles; /* held: those with nodes of motions and loads */
     double element, diameter;         /* m, means */
     double smallest;                  /* m, smallest size of an element (`element` is the mean) */
-    double side;                      /* m, the shortest of the body of elements */
+    double side;                      /* m, the shortest side of the body of elements */
     double mass;                      /* of the particles over that of the elements */
     size_t materials;                 /* of the elements, with the packing in each */
     gn_zone_material material[GN_ZONE_MATERIALS];

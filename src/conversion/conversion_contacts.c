@@ -46,11 +46,11 @@ static void grow(const gn_conversion *conversion, gn_contacts *list) {
     }
 }
 
-/* Turns at the particles that were asked for last: a particle has many bonds, which lie together.
- */
+/* Rotations at the particles of the last queries: a particle has many bonds, which are adjacent in
+ * the list. */
 enum { TURNS = 256 };
 typedef struct turns {
-    int32_t particle[TURNS]; /* by its number modulo theirs; -1: none */
+    int32_t particle[TURNS]; /* index: id modulo the size; -1: none */
     double turn[TURNS][3][3];
 } turns;
 

@@ -29,7 +29,7 @@ static double least_share(const gn_most_loaded *most_loaded) {
     return fmin(1.0, most_loaded->share);
 }
 
-/* By stresses that are means over the elements at the nodes, and over the nodes of an element. */
+/* Uses stresses averaged over the elements at each node, and then over the nodes of an element. */
 static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_solids *solids,
                                           const gn_most_loaded *most_loaded, const uint8_t *kind,
                                           double *excess, gneiss_error *error) {
@@ -86,7 +86,8 @@ static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) 
     }
 }
 
-/* The first READY element of the largest excess that is at least `least`; count: there is none. */
+/* Returns the first READY element of the largest excess that is at least `least`; count: there is
+ * none. */
 static size_t most_stressed(size_t count, const double *excess, double least, const uint8_t *kind) {
     size_t first = count;
     for (size_t e = 0; e < count; e++)
@@ -221,7 +222,7 @@ gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_sol
     return status;
 }
 
-/* Time of phases that book themselves within a conversion. */
+/* Times of phases that are booked separately within a conversion. */
 static double other_seconds(const double *seconds) {
     return seconds[GN_PHASE_lists] + seconds[GN_PHASE_step_limit];
 }

@@ -15,6 +15,7 @@ typedef struct gn_conversions gn_conversions;     /* conversion/records.h */
 typedef struct gn_periodic_box gn_periodic_box;   /* frame/periodic_box.h */
 typedef struct gn_gauge gn_gauge;                 /* laboratory/strain_gauge.h */
 typedef struct gn_approach gn_approach;           /* laboratory/ends.h */
+typedef struct gn_cutting gn_cutting;             /* laboratory/cutting.h */
 typedef struct gn_bar_section gn_bar_section;     /* laboratory/laboratory.h */
 typedef struct gn_features gn_features;           /* world/features.h */
 typedef struct gn_stages gn_stages;               /* world/world.h */

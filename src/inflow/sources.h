@@ -34,7 +34,7 @@ double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k)
  * since it last looked. */
 bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem);
 
-/* The wall that has all of the region of source k behind it; NULL: none has. */
+/* Returns the wall behind which the whole region of source k lies; NULL: there is none. */
 const char *gn_flow_wall_before(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k);
 

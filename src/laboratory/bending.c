@@ -20,9 +20,10 @@
  * height. */
 static const double tolerance = 0.01;
 
-/* Positions along the beam of the parts of an end, in all and on either side of their middle. */
+/* Positions along the beam of the parts of an end, of all parts and on either side of their middle.
+ * */
 typedef struct places {
-    bool known; /* a wall has none along itself */
+    bool known; /* a wall has no position along itself */
     double low, high, left_high, right_low;
 } places;
 

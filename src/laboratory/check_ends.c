@@ -336,7 +336,7 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     char doubt[240];
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     if (!d->ends || d->sign > 0 || d->beam) return false;
-    /* An unbonded beginning becomes another specimen once stages have bonded it. */
+    /* An unbonded initial state becomes another specimen when stages have bonded it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return false;
     /* With particles beside elements either may be the specimen. */
     if (!dem->particles.soa.count == !solids->count) return false;

@@ -1,4 +1,4 @@
-/* The specimen as a test sees it: lengths, areas, sections, and the stress in its middle. */
+/* The specimen of a test: lengths, areas, sections, and the stress in its middle. */
 #ifndef GN_LABORATORY_LABORATORY_H
 #define GN_LABORATORY_LABORATORY_H
 
@@ -9,8 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The shape of the test from the scene, else from the extent and the volume of the specimen, which
- * the world has. */
+/* Returns the shape of the test from the scene, or else from the extent and the volume of the
+ * specimen in the world. */
 gn_tested_shape gn_test_shape(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, const gn_solids *solids);
 

@@ -18,7 +18,7 @@
 
 /* --- columns --- */
 
-/* Those that kernels write of pairs. */
+/* Columns of pairs that kernels write. */
 #define GN_WRITTEN_COLUMNS(X) X(shear) X(fd) X(closeness) X(roll)
 
 static bool is_uniform(const gn_field *field, const gn_uniform *uniform) {
@@ -273,7 +273,7 @@ void gn_near_moved(const gn_step_context *ctx, gn_dem *dem) {
 
 /* --- which --- */
 
-/* A block in the list, and where it is packed. */
+/* A block in the list, and its place when packed. */
 typedef struct block_of_pairs {
     size_t number, begin, end, groups, at;
     uint8_t *act;
@@ -353,8 +353,8 @@ static void move_packed(const gn_step_context *ctx, double *data, const packed_b
     ctx->kernels->near->repack(data, old, was->act, block->act, block->groups);
 }
 
-/* Columns of the block, with zeros behind them. Those that the kernel writes are where `was` are
- * packed, if that is given, else in the list. */
+/* Gathers the columns of the block, with zeros after the last pair. Columns that the kernel writes
+ * are read from the place where `was` are packed, if that is given, else from the list. */
 static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                   const packed_before *was, const block_of_pairs *block) {
     const gn_near *n = &dem->near;
@@ -371,8 +371,9 @@ static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contac
         }
 }
 
-/* And back. Of pairs that are not packed it is zero, as they did not touch when they last were.
- * Zeros lose their sign: whether a pair that does not touch was worked on must not show. */
+/* Scatters them back. The columns of unpacked pairs are zero, because they did not touch when they
+ * were last packed. Zeros lose their sign, so that the result does not depend on which non-touching
+ * pairs were processed. */
 static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                 const block_of_pairs *block) {
     const gn_near *n = &dem->near;

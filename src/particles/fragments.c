@@ -122,13 +122,42 @@ gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem) {
     return measure(ctx, dem, q->parent, q->volume, q->members);
 }
 
+/* --- the anchored rest --- */
+
+static bool is_anchor(const gn_dem *dem, size_t p) {
+    const gn_particles *q = &dem->particles;
+    const int32_t slot = dem->prescribed.count ? q->slot[p] : -1;
+    return (slot >= 0 && dem->prescribed.mask[slot] & 7) || (q->blend && q->blend[2 * p] < 1.0);
+}
+
+double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    const gn_pieces *pieces = &dem->pieces;
+    double sum = 0.0, dormant = 0.0, largest = 0.0;
+    bool anchored = false;
+    if (!(ctx->effects & GN_FX_BONDS) || !q->soa.count) return 0.0;
+    (void)gn_dem_fragments(ctx, dem);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        largest = fmax(largest, pieces->volume[p]);
+        if (gn_is_dormant(dem, p))
+            dormant += gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
+        else if (is_anchor(dem, p)) {
+            const size_t root = (size_t)gn_set_root(pieces->parent, (int32_t)p);
+            sum += pieces->volume[root];
+            pieces->volume[root] = 0.0; /* once only */
+            anchored = true;
+        }
+    }
+    return dormant + (anchored ? sum : largest);
+}
+
 /* --- as a list --- */
 
 static bool is_there(const gn_dem *dem, size_t p) {
     return gn_particle_is_active(&dem->particles, p) && !gn_is_dormant(dem, p);
 }
 
-/* `at`: the first particle of the piece by its id, for images. */
+/* `at`: the first particle of the fragment by id, next to which images are taken. */
 static void add_particle(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *fragment,
                          size_t at, size_t p) {
     const gn_particles *q = &dem->particles;

@@ -51,6 +51,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.box),
     DOUBLES(world.ctx.machine),
     DOUBLES(world.approach),
+    DOUBLES(world.cutting),
     DOUBLES(world.section),
     DOUBLES(world.ctx.volume),
     DOUBLES(world.ctx.lower),
@@ -327,7 +328,7 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
 }
 
 /* The saved steps must resemble the earlier ones, and rates must be possible with the saved step:
- * values far from these would make a run without end. */
+ * with values far from these a run would never end. */
 static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_error *error) {
     const double far = 1e5, steps = (double)(world->ctx.step - world->ctx.first_step);
     const double least = steps > 0.0 ? world->ctx.time / steps / far : 0.0,
@@ -354,7 +355,7 @@ static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_
     return GNEISS_OK;
 }
 
-/* The rows at which stages begin must rise, and the cause that ended a stage must be a known
+/* The rows at which stages begin must increase, and the cause that ended a stage must be a known
  * one. */
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;

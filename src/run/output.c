@@ -401,6 +401,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     GN_TRY(gn_owners_results(w, file, error));
     GN_TRY(put_state(w, file, error));
     GN_TRY(gn_fragments_results(w, file, error));
+    GN_TRY(gn_rim_results(w, file, error));
     GN_TRY(gn_events_results(w, file, error));
     GN_TRY(gn_output_lost(w, file, error));
     return gn_h5_commit(&file, GN_DURABLE, error);

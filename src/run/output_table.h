@@ -34,6 +34,7 @@ enum { GN_OUTPUT_FIELDS_MOST = 28 };
 extern const gn_output_table gn_particle_outputs, gn_bond_outputs; /* output_fields.c */
 extern const gn_output_table gn_contact_outputs;                   /* output_contacts.c */
 extern const gn_output_table gn_event_outputs, gn_burst_outputs;   /* events.c */
+extern const gn_output_table gn_rim_outputs;                       /* output_cutting.c */
 extern const gn_output_table gn_fragment_outputs;                  /* output_fragments.c */
 extern const gn_output_table gn_node_outputs, gn_element_outputs;  /* output_elements.c */
 extern const gn_output_table gn_body_outputs, gn_vertex_outputs,

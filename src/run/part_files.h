@@ -51,6 +51,11 @@ gneiss_status gn_events_results(const gn_world *world, gn_h5 *file, gneiss_error
 /* Writes /fragments. */
 gneiss_status gn_fragments_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
+/* --- cutting tests (output_cutting.c) --- */
+
+/* Writes /rim, of disc cutters that have been in the rock. */
+gneiss_status gn_rim_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+
 /* --- checkpoints (checkpoint_dem.c, checkpoint_boundary.c, checkpoint_elements.c) --- */
 
 /* Loading creates the part; `path` is named in messages. The boundary is loaded after the

@@ -2,6 +2,7 @@
 
 #include "conversion/conversion.h"
 #include "inflow/sources.h"
+#include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
@@ -160,11 +161,13 @@ static double hydrostatic_strain(const gn_world *world) {
     return 1.0 - gn_dot3(stretch, cofactor);
 }
 
-READ(test_strain, gn_scene_test(&world->ctx.scene)->isotropic
-                      ? hydrostatic_strain(world)
-                      : gn_ends_shortening(&world->ctx, &world->dem, &world->boundary,
-                                           &world->solids, &world->approach) /
-                            world->ctx.test_length)
+READ(test_strain,
+     gn_scene_test(&world->ctx.scene)->isotropic ? hydrostatic_strain(world)
+     : gn_scene_test(&world->ctx.scene)->tool
+         ? gn_cutting_path(&world->ctx, &world->boundary, &world->cutting) / world->ctx.test_length
+         : gn_ends_shortening(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                              &world->approach) /
+               world->ctx.test_length)
 
 static double mean_pressure(const gn_world *world) {
     const double *s = world->ledger.stress;
@@ -184,8 +187,14 @@ static double end_stress(const gn_world *world, bool upper_end) {
 }
 READ(test_lower, end_stress(world, false))
 READ(test_upper, end_stress(world, true))
-READ(test_stress, gn_scene_test(&world->ctx.scene)->isotropic
-                      ? mean_pressure(world)
+static double cut_stress(const gn_world *world) {
+    double force[GN_CUT_AXES];
+    gn_cutting_force(&world->ctx, &world->boundary, &world->cutting, force);
+    return force[GN_CUT_ROLLING] / world->ctx.test_area;
+}
+READ(test_stress, gn_scene_test(&world->ctx.scene)->isotropic ? mean_pressure(world)
+                  : gn_scene_test(&world->ctx.scene)->tool
+                      ? cut_stress(world)
                       : 0.5 * (end_stress(world, false) + end_stress(world, true)))
 READ(membrane_pressure, gn_membrane_pressure(&world->membrane))
 READ(membrane_area, gn_membrane_area(&world->dem))
@@ -529,6 +538,7 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"set", set_count, set_name, of_sets, COUNT(of_sets), NULL, false},
     {"source", source_count, source_name, of_sources, COUNT(of_sources), NULL, false},
     {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks), NULL, false},
+    {NULL, one, NULL, gn_cut_quantities, GN_CUT_QUANTITIES, NULL, false},
     {NULL, one, NULL, of_elements, COUNT(of_elements), NULL, false},
     {"motion", motion_count, motion_name, of_motions, COUNT(of_motions), "motions", false}};
 

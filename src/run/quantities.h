@@ -45,7 +45,9 @@ typedef struct gn_quantity_group {
                    */
 } gn_quantity_group;
 
-enum { GN_QUANTITY_GROUPS = 8 };
+enum { GN_QUANTITY_GROUPS = 9, GN_CUT_QUANTITIES = 8 };
+/* Quantities of a cutting test (quantities_cutting.c). */
+extern const gn_quantity gn_cut_quantities[GN_CUT_QUANTITIES];
 extern const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS];
 
 bool gn_condition_holds(const gn_condition *when, const gn_world *world, size_t owner);

@@ -20,7 +20,7 @@
 #include <string.h>
 
 /* Unbalanced forces, and stress after a peak, are evaluated after this number of samples
- * (spacing.h) of the stage because the first ones swing through zero. Servos must hold for
+ * (spacing.h) of the stage because the first ones oscillate about zero. Servos must hold for
  * ROWS_HELD samples. */
 enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD, ROWS_MOST = ROWS_BEFORE + 1 };
 

@@ -4,6 +4,7 @@
 #include "conversion/conversion.h"
 #include "inflow/removal.h"
 #include "inflow/sources.h"
+#include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "particles/bonds.h"
@@ -392,6 +393,14 @@ static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
     gn_warn(list, "test_geometry", "%s", text);
 }
 
+static void warn_of_tool(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    char text[GNEISS_MESSAGE_SIZE];
+    if (!gn_scene_test(&w->ctx.scene)->tool) return;
+    if (gn_cutting_doubts(&w->ctx, &w->boundary, &w->cutting, text, sizeof text))
+        gn_warn(list, "cutting_tool", "%s", text);
+}
+
 static void warn_of_ends(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_ends_doubts(&run->world.ctx, &run->world.dem, &run->world.solids, text, sizeof text))
@@ -408,8 +417,8 @@ static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     gn_warn(list, "no_normal_stress", "%s", text);
 }
 
-/* A factor that alternates between its bounds is no control; one that reverses beyond the initial
- * position of the ends unloads without a load. */
+/* A factor that alternates between its bounds is no control; one that moves the ends beyond their
+ * initial positions unloads without a load. */
 enum { SWINGS = 10 };
 
 static void warn_of_control(const gn_run *run, gn_warnings *list) {
@@ -533,6 +542,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_burst(run, list);
     warn_of_sizes(run, list);
     warn_of_geometry(run, list);
+    warn_of_tool(run, list);
     warn_of_ends(run, list);
     warn_of_normal(run, list);
     warn_of_sources(run, list);

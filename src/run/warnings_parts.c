@@ -403,7 +403,8 @@ static void warn_of_balance(const gn_readings *readings, gn_warnings *list) {
         100.0 * readings->end_imbalance);
 }
 
-/* The largest rise from one row to the next, that of twenty rows of a stress that rises evenly. */
+/* The largest increase from one row to the next, that of twenty rows of a stress that increases
+ * uniformly. */
 static const double rise_limit = 0.05;
 
 static void warn_of_rows(const gn_readings *readings, gn_warnings *list) {
@@ -428,7 +429,8 @@ static void warn_of_rows(const gn_readings *readings, gn_warnings *list) {
              ": more output.history_rows resolve it better");
 }
 
-/* The largest initial stress that vanished, relative to the later peak: as much may break bonds. */
+/* The largest initial stress that vanished, relative to the later peak: a larger one may have
+ * broken bonds. */
 static const double initial_limit = 0.5;
 
 static void warn_of_beginning(const gn_readings *readings, gn_warnings *list) {
@@ -459,7 +461,8 @@ static void warn_of_section(const gn_run *run, const gn_readings *readings, gn_w
  * rows of the run are checked. */
 static bool measured(const gn_run *run, const gn_readings *readings) {
     const double *stress = gn_history_column(&run->history, "stress");
-    if (!gn_run_staged(run)) return !isnan(readings->largest_stress);
+    if (!gn_run_staged(run) && !gn_scene_test(&run->world.ctx.scene)->tool)
+        return !isnan(readings->largest_stress);
     if (run->world.stages.now + 1 < run->world.ctx.scene.stage_count)
         return true; /* the last stage was not reached */
     for (size_t k = 0; stress && k < run->history.row_count; k++)
@@ -472,8 +475,9 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *readings, gn_w
     if (!gn_scene_tested(s) || !run->finished || run->history.row_count < 2) return;
     if (measured(run, readings)) return;
     gn_warn(list, "nothing_measured", "the test has no strength and no modulus: %s%s",
-            gn_run_staged(run) ? "the stress never had the sense of the test"
-                               : readings->reason[GN_READING_largest_stress],
+            gn_run_staged(run) || gn_scene_test(s)->tool
+                ? "the stress never had the sense of the test"
+                : readings->reason[GN_READING_largest_stress],
             gn_scene_test(s)->ends
                 ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
                 : "");

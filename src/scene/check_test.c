@@ -167,6 +167,9 @@ static void get_values(const gn_test *t, double value[GN_TEST_KEY_COUNT]) {
 #undef X
     value[GN_TEST_KEY_centre] = t->centre != 0.2 ? t->centre : 0.0;
     value[GN_TEST_KEY_normal] = (double)t->normal + 1.0;
+    value[GN_TEST_KEY_tool] = *t->tool ? 1.0 : 0.0;
+    value[GN_TEST_KEY_blocks] = t->blocks != 5 ? 1.0 : 0.0;
+    value[GN_TEST_KEY_pressure_exponent] = t->pressure_exponent != 0 ? 1.0 : 0.0;
 }
 
 static gneiss_status check_keys(const check *c, const gn_scene *s) {
@@ -426,11 +429,58 @@ static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
     return s->stage_count ? GNEISS_OK : gn_check_hydrostatic_load(c, gn_scene_may_compress(s));
 }
 
+/* ---- cutting ---- */
+
+/* Checks that the tool is a body that moves along the cut by a prescribed velocity. In a scene with
+ * stages it may begin to move later. */
+static gneiss_status check_tool(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    char advice[GN_ADVICE_SIZE];
+    const int body = gn_scene_find_body(s, t->tool);
+    if (body < 0) {
+        gn_names names = gn_names_for(t->tool);
+        for (size_t k = 0; k < s->body_count; k++) gn_names_add(&names, s->bodies[k].name);
+        return gn_check_fail(c, "test.tool", "expected the name of a body, found '%s'%s", t->tool,
+                             gn_names_advice(&names, advice, sizeof advice));
+    }
+    const gn_table *along = &s->bodies[body].motion.velocity[t->axis];
+    if (s->stage_count || gn_table_is_nonzero(along)) return GNEISS_OK;
+    return gn_check_fail(c, "test.tool",
+                         "expected a body whose motion prescribes a velocity along %c, the axis of "
+                         "the cut, found '%s' without",
+                         "xyz"[t->axis], t -> tool);
+}
+
+/* Chips that fly off are a part of a cut, which therefore goes on without them. */
+static gneiss_status check_cutting(const check *c, gn_scene *s) {
+    const gn_test *t = &s->test;
+    if (!gn_check_given(c, "domain.lost")) s->lost = GN_LOST_REMOVE;
+    const char *key = t->lower.count   ? "test.lower"
+                      : t->upper.count ? "test.upper"
+                      : t->has_opening ? "test.opening"
+                      : t->has_control ? "test.control"
+                                       : NULL;
+    if (key)
+        return gn_check_fail(c, key, "expected none: a %s test has no ends, but a tool",
+                             gn_scene_test(s)->name);
+    GN_TRY(check_keys(c, s));
+    if (t->axis < 0 && !gn_check_is_valid(c, "test.axis")) return GNEISS_OK;
+    if (t->axis < 0) return gn_check_fail(c, "test.axis", "required, but not given");
+    GN_TRY(check_needed_keys(c, s));
+    if (t->axis >= s->dimension)
+        return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
+    GN_TRY(check_shear(c, s));
+    if (!s->has_specimen)
+        return gn_check_fail(c, "test.kind", "expected particles that the tool cuts, found none");
+    return gn_check_is_valid(c, "bodies") ? check_tool(c, s) : GNEISS_OK;
+}
+
 gneiss_status gn_check_test(const check *section, gn_scene *scene) {
     const gn_test *t = &scene->test;
     GN_TRY(check_confinements(section, scene));
     if (!gn_scene_tested(scene)) return check_no_test(section, scene);
     if (gn_scene_test(scene)->isotropic) return check_isotropic(section, scene);
+    if (gn_scene_test(scene)->tool) return check_cutting(section, scene);
     const char *missing = t->axis < 0       ? "test.axis"
                           : !t->lower.count ? "test.lower"
                           : !t->upper.count ? "test.upper"

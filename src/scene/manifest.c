@@ -305,7 +305,7 @@ static const gn_key domain_keys[] = {
     VECTOR("max", gn_scene, domain_max, "m", NULL, PRESENT(BOOL, gn_scene, has_domain),
            "upper corner; given together with min"),
     CHOICE("lost", gn_scene, lost, lost_policies, BY("stop"),
-           "reaction to a particle that leaves the domain"),
+           "reaction to a particle that leaves the domain; default in cutting tests: remove"),
 };
 TABLE_OF(domain);
 

@@ -35,20 +35,41 @@ static const gn_key test_keys[] = {
     CHOICE("kind", gn_scene, test.kind, test_kinds, REQUIRED,
            "which test it is: how stress and strain are formed and what is read" KINDS_TEXT),
     CHOICE("axis", gn_scene, test.axis, gn_axes_or_none, BY("none"),
-           "direction of loading; needed by all but hydrostatic"),
+           "direction of loading, of a cut that of the tool; needed by all but hydrostatic"),
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
           PRESENT(COUNT, gn_scene, test.lower.count), PLACED(gn_scene, test.lower.where),
           .text = "wall, body, set or motion of elements at the lower end; forces of several add "
-                  "up; needed by all but hydrostatic"),
+                  "up; needed by all but hydrostatic and cutting"),
     ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count,
           PRESENT(COUNT, gn_scene, test.upper.count), PLACED(gn_scene, test.upper.where),
           .text = "wall, body, set or motion of elements at the upper end; forces of several add "
-                  "up; needed by all but hydrostatic"),
+                  "up; needed by all but hydrostatic and cutting"),
     CHOICE("normal", gn_scene, test.normal, gn_axes_or_none, BY("none"),
-           "shear and simple_shear: axis normal to the sheared plane"),
+           "shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of "
+           "the rock"),
+    TEXT("tool", gn_scene, test.tool, BY(""), "cutting: the body that cuts"),
+    REAL("depth", gn_scene, test.given.depth, "m", GN_LENGTHS, OR("none", 0),
+         "cutting: depth of the cut, to which energies and predictions refer"),
+    REAL("spacing", gn_scene, test.given.spacing, "m", GN_LENGTHS, OR("none", 0),
+         "cutting: distance of neighbouring cuts"),
+    REAL("run_in", gn_scene, test.given.run_in, "m", "[0, 1e9]", OR("none", 0),
+         "cutting: path of the tool before means are taken; length is the path of the means"),
+    INTEGER("blocks", gn_scene, test.blocks, "[1, 10000]", BY("5"),
+            "cutting: parts of the path of the means, whose scatter is read"),
+    REAL("peak_window", gn_scene, test.given.peak_window, "m", GN_LENGTHS, OR("auto", 0),
+         "cutting: path over which a peak force is a mean; auto: a quarter of the depth"),
+    REAL("compressive_strength", gn_scene, test.given.compressive_strength, "Pa", GN_STRENGTHS,
+         OR("none", 0), "cutting: uniaxial strength of the rock, for predicted forces alone"),
+    REAL("tensile_strength", gn_scene, test.given.tensile_strength, "Pa", GN_STRENGTHS,
+         OR("none", 0), "cutting: Brazilian strength of the rock, for predicted forces alone"),
+    REAL(
+        "pressure_exponent", gn_scene, test.pressure_exponent, "1", "[-0.2, 0.2]", BY("0"),
+        "cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp "
+        "to -0.2 of wide tips"),
     REAL("length", gn_scene, test.given.length, "m", GN_LENGTHS, OR("auto", 0),
          "length of the specimen; auto: its extent along the axis, in shear the free distance "
-         "between the ends along the normal"),
+         "between the ends along the normal; cutting: path of the means, auto: until the tool "
+         "leaves the rock"),
     REAL("area", gn_scene, test.given.area, "m2", GN_AREAS, OR("auto", 0),
          "area of its section; auto: from the diameter, else the specimen's volume over the length "
          "(in shear its height)"),

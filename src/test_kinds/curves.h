@@ -6,7 +6,7 @@
 #include "test_kinds/readings.h"
 
 /* A set of readings, for a descriptor. */
-#define GN_READS(name) (UINT64_C(1) << GN_READING_##name)
+#define GN_READS(name) ((gn_reading_set)1 << GN_READING_##name)
 #define GN_READS_PEAK                                                                              \
     (GN_READS(peak_stress) | GN_READS(peak_strain) | GN_READS(largest_stress) |                    \
      GN_READS(largest_strain))

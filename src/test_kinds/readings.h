@@ -4,6 +4,7 @@
 #ifndef GN_TEST_KINDS_READINGS_H
 #define GN_TEST_KINDS_READINGS_H
 
+#include "test_kinds/cut.h"
 #include "test_kinds/history.h"
 #include "test_kinds/test_kind.h"
 
@@ -100,6 +101,38 @@
       "that size: maximum likelihood of a discrete power law (Aki 1965, Clauset et al. 2009)")     \
     X(fragments, "1", "fragments of two or more bonded particles at the end")                      \
     X(largest_fragment, "1", "fraction of the particles' volume in the largest fragment")          \
+    X(normal_force, "N",                                                                           \
+      "mean force on the tool out of the rock, over the path of the means (run_in, length)")       \
+    X(rolling_force, "N", "mean force on the tool against its motion, over the same path")         \
+    X(side_force, "N", "mean force on the tool along normal x axis, over the same path")           \
+    X(normal_force_deviation, "N",                                                                 \
+      "standard deviation of the means of normal_force over the blocks of that path")              \
+    X(rolling_force_deviation, "N",                                                                \
+      "standard deviation of the means of rolling_force over the blocks of that path")             \
+    X(side_force_deviation, "N",                                                                   \
+      "standard deviation of the means of side_force over the blocks of that path")                \
+    X(cutting_coefficient, "1", "rolling_force over normal_force")                                 \
+    X(peak_normal_force, "N", "largest mean of the normal force over a path of peak_window")       \
+    X(peak_rolling_force, "N", "largest mean of the rolling force over a path of peak_window")     \
+    X(peak_side_force, "N",                                                                        \
+      "mean of the side force over a path of peak_window, the largest in magnitude")               \
+    X(specific_energy, "J/m3",                                                                     \
+      "rolling_force over depth times spacing (without a spacing times the width of the tool)")    \
+    X(removed_volume, "m3",                                                                        \
+      "rock that came off along that path: particles that no intact bond joins to the anchored "   \
+      "rest, over 1 - porosity")                                                                   \
+    X(specific_energy_removed, "J/m3",                                                             \
+      "work of the rolling force along that path over removed_volume")                             \
+    X(damage_depth, "m",                                                                           \
+      "depth below the surface of the rock above which 95 % of the broken bonds lie")              \
+    X(predicted_coefficient, "1",                                                                  \
+      "rolling over normal force of a disc cutter, tan(arc/2) (Rostami 1997)")                     \
+    X(predicted_normal_force, "N",                                                                 \
+      "normal force of a disc cutter by the model of the Colorado School of Mines (Rostami 1997)") \
+    X(predicted_rolling_force, "N", "rolling force of a disc cutter by that model")                \
+    X(predicted_peak_evans, "N",                                                                   \
+      "peak force along the cut of a chisel (Evans 1962) or a conical pick (Evans 1984)")          \
+    X(predicted_peak_goktan, "N", "peak force along the cut of a conical pick (Goktan 1997)")      \
     X(returned_energy, "1",                                                                        \
       "energy of plane waves in elements outside of zones that travel away from the particles of " \
       "the first zone at the end, over the energy that was there or has come in")
@@ -150,6 +183,7 @@ typedef struct gn_tested {
     /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
      * as the section varies; 0: as 1; NaN: none follows from it. */
     double by_ends, by_mean;
+    gn_cut cut;             /* of cutting tests */
     bool zones;             /* particles and elements share some */
     double returned_energy; /* found elsewhere, at the end; NaN: there is none */
 } gn_tested;

@@ -21,7 +21,8 @@
     X(HYDROSTATIC, hydrostatic, ", hydrostatic: without ends, from all sides alike")               \
     X(OEDOMETER, oedometer, ", oedometer: between sides that stand")                               \
     X(SHEAR, shear, ", shear: one half along the other")                                           \
-    X(SIMPLE_SHEAR, simple_shear, ", simple_shear: between periodic sides")
+    X(SIMPLE_SHEAR, simple_shear, ", simple_shear: between periodic sides")                        \
+    X(CUTTING, cutting, ", cutting: a tool along the surface of a rock")
 
 #define X(NAME, name, text) GN_TEST_##NAME,
 typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_KIND_LIST(X) GN_TEST_KINDS } gn_test_kind;
@@ -36,7 +37,13 @@ typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_KIND_LIST(X) GN_TEST_KINDS } g
     X(span)      /* between the supports of a beam */                                              \
     X(load_span) /* between its two loads; 0: one load at mid-span */                              \
     X(height)    /* of a beam */                                                                   \
-    X(notch)     /* its depth */
+    X(notch)     /* its depth */                                                                   \
+    X(depth)     /* of a cut, as those that follow */                                              \
+    X(spacing)                                                                                     \
+    X(run_in)                                                                                      \
+    X(peak_window)                                                                                 \
+    X(compressive_strength) /* Pa, of the rock */                                                  \
+    X(tensile_strength)
 typedef struct gn_test_sizes {
 #define X(name) double name;
     GN_TEST_SIZES(X)
@@ -44,12 +51,15 @@ typedef struct gn_test_sizes {
 } gn_test_sizes;
 
 /* Keys of the section `test` that only some kinds take. */
-#define GN_TEST_KEYS(X) GN_TEST_SIZES(X) X(centre) X(normal)
+#define GN_TEST_KEYS(X) GN_TEST_SIZES(X) X(centre) X(normal) X(tool) X(blocks) X(pressure_exponent)
 #define X(name)         GN_TEST_KEY_##name,
 typedef enum gn_test_key { GN_TEST_KEYS(X) GN_TEST_KEY_COUNT } gn_test_key;
 #undef X
 #define GN_TAKES(name)  (1u << GN_TEST_KEY_##name)
 #define GN_TAKES_LENGTH (GN_TAKES(length) | GN_TAKES(area) | GN_TAKES(diameter))
+
+/* A set of readings, a bit each (curves.h). */
+__extension__ typedef unsigned __int128 gn_reading_set;
 
 /* Extents of the specimen at the start of a test. */
 typedef struct gn_tested_specimen {
@@ -94,6 +104,8 @@ typedef struct gn_test_descriptor {
                        its length */
     bool disc;      /* loaded across its diameter, with its faces across z */
     bool beam;      /* on two supports */
+    bool tool;      /* without ends: a body moves along the surface of the specimen; strain is its
+                       path over the length, stress its force against the motion over the area */
     bool sheared;   /* the ends move along a plane, whose normal is a key; strain is their
                        displacement over their distance along the normal */
     bool periodic_sides; /* in a box that is open along the normal, whose section is the area */
@@ -120,7 +132,7 @@ typedef struct gn_test_descriptor {
 
     /* Readings: the set of those that belong to it (curves.h), and the function that reads those
      * that not all kinds have, NULL: there are none. */
-    uint64_t readings;
+    gn_reading_set readings;
     void (*read)(const struct gn_curves *curves, struct gn_readings *readings);
 
     /* The report. */

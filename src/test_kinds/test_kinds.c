@@ -19,7 +19,8 @@ GN_TEST_KIND_LIST(X)
 const gn_test_descriptor *const gn_test_kinds[GN_TEST_KINDS] = {&none, GN_TEST_KIND_LIST(X)};
 #undef X
 
-_Static_assert(GN_READING_COUNT <= 64, "sets of readings have 64 bits");
+_Static_assert(GN_READING_COUNT <= 128, "sets of readings have 128 bits");
+_Static_assert(GN_TEST_KEY_COUNT <= 32, "sets of keys have 32 bits");
 _Static_assert(GN_TEST_KINDS <= 32, "sets of kinds have 32 bits");
 
 const char *gn_test_names(unsigned kinds, char *text, size_t size) {

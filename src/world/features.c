@@ -5,6 +5,7 @@
 #include "base/timer.h"
 #include "conversion/conversion.h"
 #include "drive/box.h"
+#include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/strain_gauge.h"
 #include "membrane/membrane.h"
@@ -199,6 +200,20 @@ const gn_feature gn_feature_ends = {
     .name = "ends",
     .used = has_ends,
     .hook = {[GN_HOOK_ACT] = look_at_ends},
+};
+
+static bool cuts(const gn_world *world) {
+    return gn_scene_test(&world->ctx.scene)->tool;
+}
+
+GN_HOOK(add_cut) {
+    return gn_cutting_add(&world->ctx, &world->dem, &world->boundary, &world->cutting, error);
+}
+
+const gn_feature gn_feature_cutting = {
+    .name = "cutting",
+    .used = cuts,
+    .hook = {[GN_HOOK_WORK] = add_cut},
 };
 
 static bool has_events(const gn_world *world) {

@@ -320,6 +320,8 @@ static gneiss_status build(gn_world *world, gneiss_error *error) {
     world->section = gn_section_of(&world->ctx, &world->dem, &world->boundary, &world->solids);
     GN_TRY(gn_geometry_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
     GN_TRY(gn_sides_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
+    GN_TRY(gn_cutting_begin(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                            &world->cutting, error));
     GN_TRY(gn_stages_check_first(&world->ctx, &world->dem, &world->solids, &world->stages, error));
     GN_TRY(gn_pulse_start(world, error));
     GN_TRY(make_gauge_and_step(world, particles, error));

@@ -10,6 +10,7 @@
 #include "frame/frame.h"
 #include "frame/parts.h"
 #include "frame/phases.h"
+#include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "laboratory/strain_gauge.h"
@@ -56,6 +57,7 @@ struct gn_world {
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */
     gn_approach approach;       /* of the ends of the test to the specimen */
+    gn_cutting cutting;         /* of the tool of the test */
     gn_bar_section section;     /* of the specimen of the test */
     gn_most_loaded most_loaded; /* element nearest to a limit of couple.convert since the run began
                                    or was resumed */

@@ -16,7 +16,7 @@ EPS = 2.0**-52
 @dataclasses.dataclass(frozen=True)
 class Case:
     """A row of the table."""
-    name: str        # of the test as well
+    name: str        # name of the test as well
     hard: str        # the difficulty
     should: str      # the expected result
     scene: Callable  # folder -> scene; may write files into the folder
@@ -26,8 +26,8 @@ class Case:
     others: str = ""  # the result of other codes, where it is known
     ends: int = 0     # exit code of a run
     more: str = ""    # tests that run variants of it
-    long: float = 0.0  # how many times as long its long form is; 0: it has none
-    long_check: Callable | None = None  # of that; None: the same
+    long: float = 0.0  # length of its long form over that of its short form; 0: it has none
+    long_check: Callable | None = None  # check of the long form; None: the same
 
 
 def sphere_mass(radius, density=DENSITY):
@@ -148,7 +148,7 @@ def half_way(one, scene):
 
 
 def taken_up(one, scene, row, sets):
-    """The run once more to a row, and from there on by other threads and another set."""
+    """Runs the case again up to a row, and continues it with another number of threads and another instruction set."""
     end, rows = scene["time"]["end"], scene["output"]["history_rows"]
     part = start(one.folder, scene, "part", "--threads", 2, "--set", f"run.isa={sets[len(sets) // 2]}", "--set",
                  f"time.end={row * end / rows!r}", "--set", f"output.history_rows={row}")
@@ -208,7 +208,7 @@ def keeps_energy(limit):
 
 
 def says(*patterns):
-    """Ends with these words, without a number that is none."""
+    """Ends with these words, and without numbers that are not finite."""
     def check(one):
         for pattern in patterns:
             assert re.search(pattern, one.message), f"expected /{pattern}/ in: {one.message[:600]}"

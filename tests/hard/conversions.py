@@ -1,4 +1,4 @@
-"""Elements that turn into particles, where that is awkward."""
+"""Elements that convert to particles in difficult situations."""
 from hard.case import *  # noqa: F403
 from hard.solids import grid, msh
 from hard.zones import HEAVY, STIFF
@@ -27,7 +27,7 @@ def drawn(folder, notches, box=None, end=5e-5, **changes):
 
 
 def centres(one):
-    """m, at the start, of the elements that are left."""
+    """Initial positions of the remaining elements, m."""
     start = one.field("nodes/position") - one.field("nodes/displacement")
     return start[one.field("elements/node")].mean(axis=1)
 
@@ -37,7 +37,7 @@ def two_places(folder):
 
 
 def between(one):
-    """Elements that are left between the notches, beside them."""
+    """Remaining elements between the notches, and beside them."""
     at = centres(one)
     return int(((at[:, 0] > 0.018) & (at[:, 0] < 0.028) & (at[:, 1] < 4e-3)).sum())
 
@@ -102,7 +102,7 @@ def bears_as_before(one):
 
 
 def relaxing(folder):
-    """A disordered packing, drawn twice."""
+    """A disordered packing, pulled twice."""
     made = drawn(folder, (11,), box={"min": [4e-3, -1], "max": [0.044, 1]}, end=5.8e-5)
     pulls = [[0, 0], [2e-6, 0.05], [1e-5, 0.05], [1.1e-5, 0], [2.4e-5, 0], [2.5e-5, 0.005]]
     for sign, side in ((-1, 0), (1, 1)):

@@ -146,8 +146,8 @@ def rolling(folder):
 
 
 def rolls(one):
-    """5/7 of the acceleration, and friction does no work. The contact's spring starts without a force and swings for ever,
-    by (2/7 m g)^2/k_t: of 1e-4 of the energy."""
+    """5/7 of the acceleration, and friction does no work. The contact's spring starts without a force and oscillates
+    permanently, by (2/7 m g)^2/k_t: 1e-4 of the energy."""
     t, d = one.summary["time"], one.field("particles/displacement")[0]
     words = close(d[0], 0.5 * 5 / 7 * WEIGHT * math.tan(TILT) * t * t, 2e-3, "m of path")
     lost = one.history["energy_friction"][-1] / one.history["energy_work_gravity"][-1]

@@ -59,7 +59,7 @@ def one_ball(place, speed, **changes):
 
 
 def flies_as_far_as_it_should(one):
-    """Places 5000 km away are 1e-9 m apart, and it moves 1e-6 m."""
+    """Coordinates 5000 km away are spaced by 1e-9 m, and it moves by 1e-6 m."""
     path = one.field("particles/displacement")[0, 0]
     return close(path, 1e-3 * one.summary["time"], 1e-9, "m of path")
 
@@ -88,7 +88,7 @@ def hangs(one):
 
 
 def stiff_in_single(folder):
-    """A block far from its origin is stretched by 1e-7 of its length: single precision has 6e-8 of a length."""
+    """A block far from its origin is stretched by 1e-7 of its length: single precision resolves 6e-8 of a length."""
     scene = spheres(lattice("cubic", [2, 2, 6], origin=[0.5, 0.5, 0.5]), 4e-3, {"normal_stiffness": 1e7, **STRONG}, bonds={},
                     sets=[{"name": side, "select": {"end": {"axis": "z", "side": side, "depth": 1.5e-3}},
                            "motion": {"vx": 0, "vy": 0, "vz": [[0, 0], [1e-3, v], [2e-3, 0]]}}

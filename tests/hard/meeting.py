@@ -17,8 +17,8 @@ def nearly_coincident(folder):
 
 
 def flies_apart(one):
-    """The energy 1/2 k (2 r)^2 becomes that of two spheres, along the line of their centres; in steps of y/w, ten to a half
-    wave, the scheme has 1 - y^2/4 of it."""
+    """The energy 1/2 k (2 r)^2 becomes kinetic energy of two spheres, along the line of their centres; with steps of
+    y/w, ten per half wave, the scheme gives 1 - y^2/4 of it."""
     v, y = one.field("particles/velocity"), math.pi / 10
     wanted = 2e-3 * math.sqrt(1e6 / (2 * sphere_mass(1e-3)) * (1 - y * y / 4))
     assert np.abs(v[:, :2]).max() == 0 and abs(v[0, 2] + v[1, 2]) < 1e-9, v
@@ -113,7 +113,7 @@ def gas(folder):
 
 
 def crowd(folder):
-    """Gaps of 1e-4 diameters: as soon as anything moves, all twelve neighbours press."""
+    """Gaps of 1e-4 diameters: after the first motion all twelve neighbours are in contact."""
     edge = 3 * 2e-3 * 1.0001 * math.sqrt(2)
     return spheres(lattice("fcc", [3, 3, 3], spacing=1.0001), 6e-3,
                    {"normal_stiffness": 1e5, "kratio": 1, "friction": 0}, periodic={"min": [0] * 3, "max": [edge] * 3},

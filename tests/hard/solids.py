@@ -1,4 +1,4 @@
-"""Finite elements: nearly incompressible, slivers, inside out, and a mesh that would rather not be one."""
+"""Finite elements: nearly incompressible, slivers, inverted, and degenerate meshes."""
 from hard.case import *  # noqa: F403
 
 YOUNG = 1e9

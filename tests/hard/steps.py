@@ -63,7 +63,8 @@ def plate_hits(one):
 
 
 def hinge(folder):
-    """Three discs bonded at a right angle that turns: stretched out they swing 1.22 times as fast. No shear."""
+    """Three discs bonded at a right angle that changes: in a straight line they oscillate 1.22 times as fast. No
+    shear."""
     rows = [[0, 0, 1e-3], [2e-3, 0, 1e-3], [2e-3, 2e-3, 1e-3]]
     scene = spheres(rows, 0.9, {"kratio": 10, **STRONG}, bonds={})
     speed = [[7.52e-3, -15.04e-3], [7.52e-3, 7.52e-3], [-15.04e-3, 7.52e-3]]
@@ -126,7 +127,7 @@ def stiff_on_elements(folder):
 
 
 def servo(rows, end, fastest, **changes):
-    """A wall that holds a force on spheres between it and a floor; it may take up all that is missing in a step."""
+    """A wall whose servo holds a force on spheres between it and a floor; its relaxation is 1."""
     def scene(folder):
         top = max(row[2] for row in rows) + 1e-3 + 1e-6
         return spheres(rows, end, {"normal_stiffness": 1e5, "kratio": 0, **STRONG},

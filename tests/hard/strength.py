@@ -127,7 +127,7 @@ def notched(folder):
 
 
 def body_scene(step=None, **motion):
-    """Bonded spheres and a plate that moves, in steps that are given if not chosen."""
+    """Bonded spheres and a moving plate, with given steps unless automatic."""
     def scene(folder):
         made = spheres(lattice("hcp", [4, 3, 3]), 1e-4, {"bond_tension_limit": 100, "bond_shear_limit": 100}, bonds={},
                        bodies=[{"name": "tool", "box": {"size": [0.5, 1e-3, 1]}, "origin": [0.02, 0, -0.5], "reference": [0.02, 0, 0],

@@ -18,13 +18,13 @@ def ring(folder):
     around = 2 * np.pi * np.arange(RING) / RING
     large = 1e-3 / math.sin(math.pi / RING)
     scene = turning(np.stack([large * np.cos(around), large * np.sin(around), 0 * around], 1), [0, 0, SPIN], 0.03)
-    for k, kick in ((0, 0.2), (RING // 2, -0.2)):  # so that it is no circle, and shears
+    for k, kick in ((0, 0.2), (RING // 2, -0.2)):  # so that the path is not a circle, and bonds are sheared
         scene["sets"][k]["initial_velocity"][0] += kick
     return scene
 
 
 def angular_momentum(one):
-    """Angular momentum of spheres about 0. Positions are a half step later than velocities, which makes no difference to it."""
+    """Angular momentum of spheres about 0. Positions are half a step later than velocities, which does not affect it."""
     x, v, w = (one.field("particles/" + name) for name in ("position", "velocity", "spin"))
     r = one.field("particles/radius")
     m = sphere_mass(r)[:, None]
@@ -49,7 +49,7 @@ def turns_for_ever(scene, limit):
 
 
 def bent_chain(folder):
-    """Three spheres at a right angle about an axis that is none of theirs: bonds bend and twist."""
+    """Three spheres at a right angle that rotate about an oblique axis: bonds bend and twist."""
     return turning([[2e-3, 0, 0], [0, 0, 0], [0, 2e-3, 0]], [30.0, 40.0, 50.0], 0.05)
 
 
@@ -60,7 +60,7 @@ def block(folder):
 
 
 def twisted_pair(folder):
-    """Turns about its own line while one end swings across it: the shear force has to turn along."""
+    """Rotates about its own line while one end moves across it: the shear force must rotate with it."""
     scene = turning([[0, 0, 0], [2e-3, 0, 0]], [2000.0, 0, 0], 0.02, ball={"kratio": 4})
     scene["sets"][1]["initial_velocity"] = [0, 1.0, 0]
     return scene
@@ -123,7 +123,7 @@ def flips(one):
 
 
 def keeps_turning(one):
-    """Long after the phase is lost."""
+    """Long after the phase has become random."""
     energy = swing(one.history["energy_rotational"])
     assert energy < 1e-4, energy
     return f"energy within {energy:.0e}, {one.summary['steps']} steps"

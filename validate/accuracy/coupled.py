@@ -1,4 +1,5 @@
-"""A notched beam of finite elements that turn into particles where it cracks, beside the same beam of particles alone."""
+"""A notched beam of finite elements that turn into particles where it cracks, compared with the same beam of
+particles only."""
 import simple
 import words
 from machinery import Axis, key
@@ -11,7 +12,7 @@ POLYGON = [[0, 0], [LONG / 2 - WIDTH / 2, 0], [LONG / 2 - WIDTH / 2, DEPTH], [LO
 
 
 def motion(v):
-    """The load starts slowly; some 80 um of deflection break the beam."""
+    """The load starts slowly; a deflection of about 80 um breaks the beam."""
     return [[0, 0], [4e-6 / v, -v]], 80e-6 / v
 
 

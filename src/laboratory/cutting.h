@@ -1,0 +1,59 @@
+/* The tool of a cutting test: its path, its forces, and what it has cut. */
+#ifndef GN_LABORATORY_CUTTING_H
+#define GN_LABORATORY_CUTTING_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+#include "test_kinds/cut.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Bins of the rim of a disc cutter, 20 over the arc in the rock: from half an arc behind the lowest
+ * point to half an arc beyond the surface. */
+enum { GN_RIM_BINS = 40, GN_RIM_BINS_OF_ARC = 20 };
+
+/* Components of a force in the axes of the tool: out of the rock, against the motion, along normal
+ * x axis. */
+enum { GN_CUT_NORMAL, GN_CUT_ROLLING, GN_CUT_SIDE, GN_CUT_AXES };
+
+/* State, doubles only: checkpoints store it as it is. */
+struct gn_cutting {
+    double direction;  /* +1, -1: sense of the motion along the axis; 0: it has not moved yet */
+    double outward;    /* +1, -1: sense of the outward normal of the rock's surface */
+    double surface;    /* m: place of that surface along the normal at the start */
+    double begin, end; /* m: path of the means */
+    double loose;      /* m3 of particles that were not anchored when the tool began to move */
+    double solid;      /* m3 of all particles at the start */
+    double impulse[GN_CUT_AXES];          /* N s, of the half step after the last instant too */
+    double seen[GN_CUT_AXES];             /* N s, at the last instant */
+    double rim[GN_RIM_BINS][GN_CUT_AXES]; /* N, sums over the samples */
+    double samples;
+};
+
+/* Finds the axes of the tool and the path of the means, and sets the length of the test.
+ * GNEISS_ERROR_INPUT if particles are inside the tool, it is below the rock, or leaves it before
+ * the path ends. Call after all parts are made. */
+gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                               const gn_solids *solids, gn_cutting *cutting, gneiss_error *error);
+/* Adds the forces of the instant, once works up to it are booked. */
+gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                             gn_cutting *cutting, gneiss_error *error);
+
+/* Path of the tool along the cut since the start, m. */
+double gn_cutting_path(const gn_step_context *ctx, const gn_boundary *boundary,
+                       const gn_cutting *cutting);
+/* Force of the instant on the tool, N, in its axes. */
+void gn_cutting_force(const gn_step_context *ctx, const gn_boundary *boundary,
+                      const gn_cutting *cutting, double force[GN_CUT_AXES]);
+/* Volume of the rock, with its pores, that is not anchored any more, m3 (2D: m2 x 1 m). */
+double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *cutting);
+/* Describes the cut for its readings. */
+gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_cutting *cutting);
+/* Tells whether the depth of the test is not that of the tool at the start, or a disc cutter cannot
+ * turn; `text` then states it with its place. */
+bool gn_cutting_doubts(const gn_step_context *ctx, const gn_boundary *boundary,
+                       const gn_cutting *cutting, char *text, size_t size);
+
+#endif

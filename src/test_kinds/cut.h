@@ -1,0 +1,47 @@
+/* A cut as its readings see it, and closed forms of forces on tools. */
+#ifndef GN_TEST_KINDS_CUT_H
+#define GN_TEST_KINDS_CUT_H
+
+typedef enum gn_cut_tool {
+    GN_CUT_OTHER, /* no closed form is known */
+    GN_CUT_DISC,
+    GN_CUT_CHISEL,
+    GN_CUT_PICK
+} gn_cut_tool;
+
+/* Sizes in m, angles in rad, strengths in Pa; 0: not given. */
+typedef struct gn_cut {
+    gn_cut_tool tool;
+    double depth, spacing;
+    double begin, end;           /* path over which means are taken */
+    double window;               /* path over which a peak is a mean */
+    int blocks;                  /* parts of that path */
+    double radius, tip_width;    /* disc */
+    double rake, width;          /* chisel; width in 2D 1 m */
+    double half_angle;           /* pick: of the cone with its axis */
+    double friction;             /* angle of friction between tool and rock */
+    double compressive, tensile; /* strengths of the rock */
+    double exponent;             /* psi of the pressure along the rim */
+    double damage_depth;         /* NaN: no bond is broken */
+} gn_cut;
+
+/* Forces on a disc cutter by the model of the Colorado School of Mines (Rostami 1997, PhD thesis,
+ * eq. 4.1 to 4.6): arc = acos((R - p)/R), P(theta) = P0 (theta/arc)^psi with P0 = 2.12 (sigma_c^2
+ * sigma_t s/(arc sqrt(R T)))^(1/3), F = T R arc P0/(1 + psi), which acts at arc/2. */
+typedef struct gn_csm {
+    double arc;             /* rad */
+    double pressure;        /* Pa, P0 */
+    double total;           /* N */
+    double normal, rolling; /* N */
+    double coefficient;     /* rolling over normal force, which needs neither s nor strengths */
+} gn_csm;
+gn_csm gn_csm_of(const gn_cut *cut);
+
+/* Largest force along the cut, N. Chisel of width w and rake a (Evans 1962): 2 sigma_t d w sin q/(1
+ * - sin q), q = (pi/2 - a)/2. Conical pick of semi-angle q (Evans 1984): 16 pi sigma_t^2
+ * d^2/(sigma_c cos^2 q). */
+double gn_evans_force(const gn_cut *cut);
+/* Conical pick (Goktan 1997): 4 pi d^2 sigma_t sin^2(q + f)/cos(q + f), f the angle of friction. */
+double gn_goktan_force(const gn_cut *cut);
+
+#endif

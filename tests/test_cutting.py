@@ -1,0 +1,174 @@
+"""Cutting tests: the example scenes with larger particles, their forces and works, and what is refused."""
+import math
+import os
+import re
+
+import numpy as np
+
+from program import SCENES, expect, fact, gneiss, history, main, results, resume, run, state_hash, summary, write_scene
+
+EXAMPLES = os.path.join(SCENES, os.pardir, os.pardir, "scenes")
+
+
+def example(name):
+    return os.path.join(EXAMPLES, f"cutting-{name}.yaml")
+
+
+def sets(**values):
+    return [part for key, value in values.items() for part in ("--set", f"{key.replace('__', '.')}={value}")]
+
+
+COARSE = sets(specimen__mean_radius="6 mm", output__snapshots=0)
+# A dozen lattice cells of unbonded or bonded balls under a chisel: seconds of nothing but the tool.
+BLOCK = """
+dimension: 3
+specimen:
+  lattice: {kind: fcc, radius: 2 mm, cells: [8, 4, 3], origin: [2 mm, -10 mm, -17 mm]}
+  material: rock
+  group: 1
+materials:
+  - {name: rock, density: 2650, contact_modulus: 10 GPa, kratio: 3, friction: 0.5, tensile_strength: 5 MPa, shear_strength: 20 MPa}
+law: {stiffness: harmonic}
+bonds: {interaction_range: 0.05}
+sets:
+  - {name: base, select: {end: {axis: z, side: lower, depth: 2 mm, by: centre}}, motion: {vx: 0, vy: 0, vz: 0}}
+bodies:
+  - name: pick
+    chisel: {width: 15 mm, rake_angle: 10 deg, clearance_angle: 10 deg, height: 20 mm, length: 15 mm}
+    origin: [-2 mm, 0, -5 mm]
+    stiffness: 50 MN/m
+    motion: {vx: 5 m/s}
+test: {kind: cutting, axis: x, normal: z, tool: pick, depth: 5 mm, length: 10 mm}
+time: {end: 4 ms}
+output: {snapshots: 0}
+"""
+
+
+def reading(folder, name):
+    value = summary(folder)["readings"][name]
+    assert value is not None, f"{name}: {summary(folder)['absent'][name]}"
+    return value
+
+
+def closes(folder, tools=1):
+    """The work of the tools is that of the rolling force along the path, and the ledger closes."""
+    h = history(folder)
+    work = np.sum(np.diff(h["rolling_impulse"]) * np.diff(h["cut_path"]) / np.diff(h["time"]))
+    assert work > 0
+    if tools == 1:
+        assert abs(h["energy_work_walls"][-1] / work - 1) < 1e-9, (h["energy_work_walls"][-1], work)
+    assert abs(summary(folder)["energy_residual"]) < 1e-3, summary(folder)["energy_residual"]
+    return h
+
+
+@fact
+def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
+    run(example("disc"), folder, *COARSE)
+    h, s = closes(folder), summary(folder)
+    assert "strain reached 1" in s["stop_reason"], s["stop_reason"]
+    rows = h["cut_path"] >= 0.042  # its axis is over the edge of the block: the path of the means begins
+    mean = np.diff(h["normal_impulse"][rows][[0, -1]]) / np.diff(h["time"][rows][[0, -1]])
+    assert abs(mean[0] / reading(folder, "normal_force") - 1) < 0.02
+    assert 0 < reading(folder, "rolling_force") < 0.5 * reading(folder, "normal_force")
+    assert reading(folder, "peak_normal_force") > reading(folder, "normal_force")
+    assert abs(reading(folder, "predicted_coefficient") - math.tan(0.5 * math.acos(1 - 4 / 216))) < 1e-9
+    path = [0.042, 0.11 + 0.042 - 0.216 * math.sin(math.acos(1 - 4 / 216))]
+    volume = np.diff(np.interp(path, h["cut_path"], h["removed_volume"]))[0]
+    assert abs(reading(folder, "removed_volume") / volume - 1) < 1e-6 and volume > 0
+    assert not any(w["name"] == "nothing_measured" for w in s["warnings"]), s["warnings"]
+
+
+@fact
+def forces_along_the_rim_add_up_to_the_mean_forces(folder):
+    run(example("disc"), folder, *COARSE)
+    with results(folder) as file:
+        rim = {name: data[:] for name, data in file["rim"].items()}
+    for part in ("normal", "rolling"):  # every tenth step is looked at
+        assert abs(rim[part].sum() / reading(folder, part + "_force") - 1) < 0.1, part
+    arc = math.acos(1 - 4 / 216)
+    assert np.allclose(rim["angle"], rim["share"] * arc) and len(rim["share"]) == 40
+    assert 0 < np.sum(rim["normal"] * rim["share"]) / rim["normal"].sum() < 1  # ahead of the axis, below the surface
+
+
+@fact
+def a_resumed_cut_has_the_same_bits_and_impulses(folder):
+    whole, part = os.path.join(folder, "whole"), os.path.join(folder, "part")
+    scene = write_scene(folder, BLOCK)
+    run(scene, whole, "--set", "time.end=2.2 ms")  # the path of the means ends at 2.4 ms
+    run(scene, part, "--set", "time.end=1 ms")
+    resume(part, "--set", "time.end=2.2 ms")
+    assert state_hash(part) == state_hash(whole)
+    for name in ("normal_impulse", "rolling_impulse", "removed_volume"):  # rows are others, the last one is the same
+        assert history(part)[name][-1] == history(whole)[name][-1], name
+
+
+@fact
+def a_chisel_that_meets_nothing_has_no_force(folder):
+    scene = write_scene(folder, BLOCK.replace("origin: [-2 mm, 0, -5 mm]", "origin: [-2 mm, 0, 5 mm]"))
+    run(scene, folder)
+    s = summary(folder)
+    assert {w["name"] for w in s["warnings"]} >= {"cutting_tool", "nothing_measured"}, s["warnings"]
+    assert s["readings"]["normal_force"] is None
+
+
+@fact
+def every_example_cuts_and_closes_its_ledger(folder):
+    coarse = {
+        "relieved": COARSE,
+        "coupled": sets(specimen__mean_radius="5.5 mm", output__snapshots=0, time__end="15 ms"),
+        "pick": sets(specimen__mean_radius="3.5 mm", output__snapshots=0),
+        "pick-plane": sets(specimen__mean_radius="2 mm", output__snapshots=0),
+    }
+    for name, options in coarse.items():
+        place = os.path.join(folder, name)
+        run(example(name), place, *options)
+        h = closes(place, tools=2 if name in ("relieved", "coupled") else 1)
+        assert h["removed_volume"][-1] > 0, name
+        if name != "coupled":
+            assert reading(place, "rolling_force") > 0, name
+
+
+@fact
+def the_section_of_a_chisel_is_its_width_times_the_depth(folder):
+    run(write_scene(folder, BLOCK), folder)
+    closes(folder)
+    energy = reading(folder, "rolling_force") / (15e-3 * 5e-3)
+    assert abs(reading(folder, "specific_energy") / energy - 1) < 1e-12
+    absent = summary(folder)["absent"]
+    assert "tensile_strength" in absent["predicted_peak_evans"] and "no closed form" in absent["predicted_coefficient"]
+
+
+@fact
+def tools_that_cannot_cut_are_refused_with_their_place(folder):
+    cases = [
+        (("origin: [-2 mm, 0, -5 mm]", "origin: [15 mm, 0, -5 mm]"), r"scene.yaml:\d+:\d+: test.tool: expected a tool that begins outside .* inside 'pick'"),
+        (("length: 10 mm}", "length: 90 mm}"), r"scene.yaml:\d+:\d+: test.length: expected at most 0.04\d* m, after which .* found 0.09 m"),
+        (("length: 10 mm}", "run_in: 90 mm}"), r"scene.yaml:\d+:\d+: test.run_in: expected a tool that is in the rock"),
+        (("motion: {vx: 5 m/s}", "motion: {vz: 5 m/s}"), r"scene.yaml:\d+:\d+: test.tool: expected a body whose motion prescribes a velocity along x"),
+        (("tool: pick", "tool: pikc"), r"scene.yaml:\d+:\d+: test.tool: expected the name of a body, found 'pikc'.*pick"),
+        (("tool: pick, ", ""), r"test.tool: required by a cutting test"),
+        (("depth: 5 mm, ", ""), r"test.depth: required by a cutting test"),
+        (("normal: z", "normal: x"), r"test.normal: expected another direction than axis"),
+        (("tool: pick", "tool: pick, lower: base"), r"test.lower: expected none: a cutting test has no ends, but a tool"),
+        (("tool: pick", "tool: pick, span: 2 mm"), r"test.span: expected in tests of the kind bending, found cutting"),
+        (("width: 15 mm, ", ""), r"bodies\[0\].chisel.width: required in a 3D scene"),
+        (("rake_angle: 10 deg", "rake_angle: 85 deg"), r"bodies\[0\] \(pick\): clearance_angle: expected less than 90 degrees"),
+    ]
+    for (old, new), pattern in cases:
+        assert old in BLOCK, old
+        expect(gneiss("check", write_scene(folder, BLOCK.replace(old, new))), 2, pattern)
+    scene = BLOCK.replace("kind: cutting", "kind: tension").replace("tool: pick", "lower: base, upper: pick, tool: pick")
+    expect(gneiss("check", write_scene(folder, scene)), 2, r"test.(depth|normal|tool): expected in tests of the kind")
+
+
+@fact
+def a_locked_disc_and_another_depth_are_doubted(folder):
+    locked = gneiss("check", example("disc"), *COARSE, *sets(bodies__disc__motion__wy=0))
+    assert "the disc cutter 'disc' cannot turn about its axis" in locked.stdout, locked.stdout[-2000:]
+    deep = gneiss("check", example("disc"), *COARSE, *sets(test__depth="8 mm"))
+    assert "depth is 0.008 m, the tool begins 0.004" in deep.stdout, deep.stdout[-2000:]
+    fine = gneiss("check", example("disc"), *COARSE)
+    assert "warning:" not in fine.stdout, re.findall("warning:.*", fine.stdout)
+
+
+main()
