@@ -129,6 +129,21 @@ def every_example_cuts_and_closes_its_ledger(folder):
 
 
 @fact
+def elements_turn_into_particles_ahead_of_a_tool(folder):
+    run(example("adaptive"), folder, *sets(time__end="3.4 ms", output__snapshots=0))
+    h = closes(folder)
+    assert h["rolling_impulse"][-1] > 0 and h["removed_volume"][-1] > 0
+    assert 0 == h["particles"][0] < h["particles"][-1] < 0.5 * summary(folder)["counts"]["particles"]
+    assert not any(w["name"] == "conversion_halted" for w in summary(folder)["warnings"])
+    # No element is left within reach of the chisel, which has no contact with elements: its tip ends at 4.2 mm, 5 mm deep.
+    with results(folder) as file:
+        at = file["nodes/position"][:][np.unique(file["elements/node"][:])]
+    assert np.hypot(at[:, 0] - 4.2e-3, at[:, 1] + 5e-3).min() > 4e-3 - 50 * 4e-7 * 3
+    without = gneiss("check", example("adaptive"), "--set", "couple.convert.bodies=none")
+    expect(without, 2, "bodies: expected no bodies, or couple.convert.bodies beside couple.convert, found bodies without it")
+
+
+@fact
 def the_section_of_a_chisel_is_its_width_times_the_depth(folder):
     run(write_scene(folder, BLOCK), folder)
     closes(folder)

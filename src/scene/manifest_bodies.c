@@ -280,6 +280,9 @@ static const gn_key convert_keys[] = {
     SECTION("mohr_coulomb", mohr_section, PRESENT(BOOL, gn_scene, couple.convert.has_mohr),
             .text = "converts elements under compression: limit of (s1 - s3)/2 + (s1 + s3)/2 "
                     "sin(phi) over cohesion cos(phi)"),
+    REAL("bodies", gn_scene, couple.convert.near_bodies, "m", GN_LENGTHS, OR("none", 0),
+         "distance from a body at which elements convert, so that it touches particles alone; "
+         "needed beside bodies: they have no contact with elements"),
     CHOICE(
         "by", gn_scene, couple.convert.by, by, BY("elements"),
         "stresses that are compared with the limits: of each element, or averaged from its nodes"),
