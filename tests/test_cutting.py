@@ -18,7 +18,7 @@ def sets(**values):
     return [part for key, value in values.items() for part in ("--set", f"{key.replace('__', '.')}={value}")]
 
 
-COARSE = sets(specimen__mean_radius="6 mm", output__snapshots=0)
+COARSE = sets(specimen__mean_radius="5 mm", output__snapshots=0)
 # A dozen lattice cells of unbonded or bonded balls under a chisel: seconds of nothing but the tool.
 BLOCK = """
 dimension: 3
