@@ -165,6 +165,7 @@ class World:
         self._c = ffi.gc(pointer, lib.gneiss_world_free)
         self._writes, self._stop, self._inside = writes, False, False
         self._hooks: dict[int, Hook] = {}
+        self._removed: list[Hook] = []
         self._failed: Optional[BaseException] = None
         self._chunk, self._lock = 1, threading.Lock()
         for number, name in enumerate(("particles", "bonds", "pairs", "wall_contacts", "nodes", "elements")):
@@ -244,6 +245,7 @@ class World:
             return False
         finally:
             self._inside, self._stop = False, False
+            self._removed.clear()
             self._lock.release()
             self._raise_failed()
 
@@ -320,11 +322,11 @@ class World:
         times = [times] if isinstance(times, (str, float, int)) else times
         return self._hooked(hooks.add_call, function, times=sorted({seconds_of(time) for time in times}))
 
-    def force(self, function: Callable[[Points], Any] | None = None, *, stiffness: float = 0.0) -> Any:
+    def force(self, function: Callable[[Points], Any] | None = None, *, stiffness: float = 0.0, on: str = "particles") -> Any:
         """Adds a field of force: function(points) writes points.force [n][3], N, or returns it, in every step. Its work is `work_user` of
         the energy ledger. `stiffness`, N/m: the largest by which it stiffens the motion of a particle; an automatic time step is lowered
-        for it. Also a decorator. Returns a Hook."""
-        return self._hooked(hooks.add_force, function, stiffness=stiffness)
+        for it. on: 'particles', or 'nodes' of finite elements. Also a decorator. Returns a Hook."""
+        return self._hooked(hooks.add_force, function, stiffness=stiffness, on=on)
 
     def _hooked(self, add: Any, function: Any, **options: Any) -> Any:
         if function is None:
@@ -446,6 +448,13 @@ class World:
 
     def _repr_html_(self) -> str | None:
         return None if self.closed else pictures.html_of(self)
+
+    def dataset(self) -> Any:
+        """History, particles and bonds of the present state as an xarray.Dataset with units and descriptions: a copy."""
+        from .results import dataset_of
+        fields = {name: ({key: getattr(self, name).output(key) for key in getattr(self, name).outputs}, getattr(self, name).outputs)
+                  for name in ("particles", "bonds")}
+        return dataset_of({"history": (self.history, self.history.about), **fields})
 
     # --- saving ---
 
