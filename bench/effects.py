@@ -140,7 +140,7 @@ PRIORITY = ("nice", "-n", "-10") if os.geteuid() == 0 else ()
 
 
 def seconds(cases, steps=3000, turns=TURNS):
-    """Counts per step of each (program, name, changes): the least of runs in turns."""
+    """Counts per step of each (program, name, changes): the smallest of alternating runs."""
     least = [float("inf")] * len(cases)
     for _ in range(turns):
         for k, (program, name, changes) in enumerate(cases):

@@ -90,7 +90,7 @@ def gneiss_models(bench, scene):
 
 
 def gneiss_steps(bench, model, precision, unit):
-    """Steps alone with the widest instruction set, on 2 threads and on 1, through the bench harness."""
+    """Times steps of gneiss with the widest instruction set, on 2 threads and on 1, by the bench harness."""
     text = call([bench, "--large", f"--benchmark_min_time={MIN_TIME}", "--benchmark_format=json",
                  f"--benchmark_filter=^{kind_of_bench(unit)}/{model}/threads:[12]/"])
     results = json.loads(text[text.index("{"):text.rindex("}") + 1])
@@ -155,7 +155,7 @@ def granular(code, script, cells, ranks, steps):
 
 
 def scripted(label, command, items, steps, **settings):
-    """A Python script inside or in front of the other code, which leaves its result in a file."""
+    """Runs a Python script inside or in front of the other code; the script leaves its result in a file."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "result.json")
         call(command, {"STEPS": str(steps), "RESULT": path, **settings})

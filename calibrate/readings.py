@@ -43,7 +43,7 @@ def of_curve(target):
 
 
 def tests_of(name, targets):
-    """The tests that the value of a target takes."""
+    """The tests that are needed for the value of a target."""
     if name in OF_ENVELOPE:
         return envelope_tests(targets)
     target = targets[name]

@@ -97,7 +97,7 @@ static inline void cloud_lattice(const lattice *l, double scale, bool closed) {
 
 static const gn_effects all_effects = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_BONDS | GN_FX_SHEAR;
 
-/* Particles of the cloud, in an order unlike that of their ids; unit mass. */
+/* Particles of the cloud, not in the order of their ids; unit mass. */
 static inline gn_particles particles_of_cloud(gn_effects effects, bool shuffle) {
     gn_particles p = {0};
     assert_int_equal(gn_soa_create(&gn_particle_record, &p, points.count, effects, NULL), 0);

@@ -99,7 +99,7 @@ static inline double *cook_pressure(const gn_fem_solid *body) {
 }
 
 /* Root mean square, over inner nodes, of the highest frequency of the grid, which changes sign from
- * node to node along both directions, over that of the pressure. */
+ * node to node along both directions, relative to that of the pressure. */
 static inline double cook_checkerboard(const double *p, int cells) {
     const int row = cells + 1;
     double high = 0.0, all = 0.0;

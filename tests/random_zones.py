@@ -24,15 +24,15 @@ KINDS = ("zones", "conversion")
 # Seeds that fail, {seed: reason}: still open.
 OPEN = {6449: "what wakes on a wall opens and closes there undamped, half of 90 steps: 1.5e-3, 9e-5 and 1e-6 with 0.9, 0.45 and 0.2 of the limit, 1e-9 without "
               "the wall"}
-# Largest residual over all energy: where nothing breaks, converts or slides; with conversions; with breakage, undamped in most scenes (as of
-# particles alone, random_scenes.py).
+# Largest residual relative to the total energy: without breakage, conversion and sliding; with conversions; with
+# breakage, undamped in most scenes (the same as for particles alone, random_scenes.py).
 SMOOTH, CONVERTS, BREAKS = 1e-5, 1e-3, 1e-1
 # A step resolves rotation and stretch to second order, (w dt/2)^2 <= 0.81 of the shortest waves: of these, which
 # short pulses and sudden loads excite, the ledger misses no more than the strain, also with elements alone.
 OF_STRAIN = 1.0
 MOMENTUM_MOST = {"double": 1e-12, "mixed": 1e-6}  # relative to the sum of magnitudes; forces in single precision do not balance to the bit
 
-# A cause in the scene itself.
+# An error due to the scene itself.
 NAMED = "expected a zone that is wide enough for its mass to be kept"
 
 
@@ -221,7 +221,7 @@ class Maker:
         if d.chance(0.3) and 0.35 * self.size[0] > width + 3 * h:
             box[0][0], box[1][0] = 0.15 * self.size[0], 0.85 * self.size[0]
         part = {"box": {"min": box[0], "max": box[1]}, "width": width, "every": d.randint(1, 60), "most": d.log(0.01, 1)}
-        # Waves of both ends meet in the middle, where they are twice as large as by themselves.
+        # Waves from both ends superpose in the middle, where their amplitude doubles.
         limit = self.young * self.strain * (d.uniform(1.1, 1.8) if how in ("both", "drawn") else d.log(0.05, 0.7))
         if d.chance(0.7):
             part["stress"] = limit
@@ -259,7 +259,8 @@ class Maker:
         self.alone = True
 
     def bend(self, _, h):
-        """At three lines of nodes, one in the middle of the upper side; a bar that is bent has strains of its height over its length."""
+        """At three lines of nodes, one in the middle of the upper side; in bending, strains scale with the height of
+        the bar over its length."""
         def line(x, y):
             low, high = [-self.s] * self.dim, [size + self.s for size in self.size]
             low[0], high[0], low[1], high[1] = x - 0.1 * h, x + 0.1 * h, y - 0.1 * h, y + 0.1 * h

@@ -1,5 +1,5 @@
-/* Acting on a run through the public API: calls, fields of force, velocities, motions, pinned
- * views, prepared specimens. The program knows the public headers and the shared library alone. */
+/* Intervention in a run through the public API: calls, fields of force, velocities, motions, pinned
+ * views, prepared specimens. The program uses only the public headers and the shared library. */
 #include "test.h"
 
 #include <gneiss/gneiss.h>
@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <unistd.h>
 
-/* Two spheres far apart that nothing holds. */
+/* Two distant spheres without any restraint. */
 static const char pair[] = "specimen:\n"
                            "  material: a\n"
                            "  particles: [[0, 0, 0, 1 mm], [9 mm, 0, 0, 1 mm]]\n"
@@ -131,7 +131,7 @@ static void a_pinned_view_keeps_its_values_when_the_world_is_gone(void **state) 
     gneiss_view_unpin(view.data);
     const double radius = gneiss_view_value(&view, 3, 3);
     gneiss_world_free(w);
-    gneiss_world_free(world_of(block, NULL, NULL)); /* takes the memory that is free */
+    gneiss_world_free(world_of(block, NULL, NULL)); /* takes the next free block of memory */
     assert_true(gneiss_view_value(&view, 3, 3) == radius);
     gneiss_view_unpin(view.data);
     refused(gneiss_view_pin(&none, &error), &error, "view->data");
@@ -222,7 +222,7 @@ static void bad_calls_are_refused(void **state) {
 
 typedef struct spring {
     double stiffness, centre[3];
-    int first; /* axis from which on it acts */
+    int first; /* coordinate from which on it acts */
     int result;
     double wrong; /* added to the force */
 } spring;
@@ -260,7 +260,8 @@ static void a_spring_swings_as_its_closed_form_and_the_ledger_closes(void **stat
     gneiss_world_free(w);
 }
 
-/* With a stiffness that sets the step: w dt = 2 safety/sqrt(2 safety^2 + ...) stays below 2. */
+/* With a stiffness that determines the step: w dt = 2 safety/sqrt(2 safety^2 + ...) remains below
+ * 2. */
 static void a_stiff_field_lowers_the_step(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -293,7 +294,7 @@ static void fields_act_beside_contacts_walls_and_motions(void **state) {
     must(gneiss_world_remove_hook(w, second, &error), &error);
     must(gneiss_world_run(w, &error), &error);
     assert_true(fabs(energy(w, "work_user")) > 0.01 * energy(w, "work_walls"));
-    /* As without a field: contacts and breaks are not linear. */
+    /* The bound is the same as without a field: contacts and breaks are not linear. */
     assert_near(energy(w, "residual"), 0.0, 2e-3);
     gneiss_world_free(w);
 }

@@ -32,7 +32,7 @@ static gn_area_check check_of(const gn_world *w) {
     return check;
 }
 
-/* Lattices of radius 1 mm in a box that goes on with them. */
+/* Lattices of radius 1 mm in a periodic box that continues them. */
 static const struct lattice {
     int dimension;
     const char *specimen, *box;
@@ -72,7 +72,7 @@ static void polyhedra_fill_lattices(void **state) {
     }
 }
 
-/* At the skin of a block the missing faces are those that the lattice would have. */
+/* At the surface of a block the missing faces equal those of the lattice. */
 static void sections_at_a_skin_are_those_inside(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k += 2) { /* square, cubic: their skins are faces of the cells */
@@ -225,7 +225,7 @@ static gn_world *couple(int dimension, const char *law, const char *motion, doub
     return driven(dimension, law, motion, 0.0, step);
 }
 
-/* Dempack's section, and the mean of those of two square columns. */
+/* Dempack's section, and the mean section for two square columns. */
 static double pair_section(int dimension, bool polyhedron, double gamma) {
     double r = 2.0 * r1 * r2 / (r1 + r2);
     if (polyhedron)
@@ -264,7 +264,7 @@ static void a_bar_breaks_at_its_strain(void **state) {
         while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.time < 2.0 * time)
             run_steps(w, 1);
         assert_int_equal(w->dem.bonds.contacts.cause[0], way ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
-        /* The turn of the normal tilts the path by at most half of the strain, squared. */
+        /* The rotation of the normal tilts the path by at most half of the strain, squared. */
         assert_near(w->dem.bonds.contacts.broken_time[0], time, 2.0 * dt + strain * strain * time);
         world_end(w);
     }

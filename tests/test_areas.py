@@ -59,7 +59,7 @@ def a_resumed_run_has_the_bits_of_one_without_a_break(folder):
 
 @fact
 def bonds_that_hold_beyond_their_strength_in_shear_have_a_finite_share_of_it(folder):
-    # Pulled beyond R_t/mu_1 nothing is left of the strength in shear, and the force in tension softens on.
+    # Pulled beyond R_t/mu_1 the shear strength is zero, and the tensile force continues to soften.
     place = os.path.join(folder, "out")
     run(write_scene(folder, {
         "dimension": 2, "specimen": {"particles": [[0, 0, 1e-3], [2e-3, 0, 1e-3], [4e-3, 2e-4, 1e-3]]},

@@ -357,7 +357,7 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
             off, restitution);
         run_steps(w, 10000);
         const gn_rigid *b = &w->boundary.bodies[0];
-        /* Along z at the point that was hit; the body has hardly turned by then. */
+        /* Along z at the contact point; the body has hardly rotated by then. */
         double at = b->velocity[2] - off * b->spin[1];
         assert_near(vel_of(w, 0)[2] - at, restitution, 0.01);
         assert_true(b->velocity[2] < -0.01);
@@ -367,8 +367,8 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
 
 /* --- stability --- */
 
-/* A light plate on a bed of spheres on a wall, pressed by a strong gravity so that all contacts
- * stay closed, in balance but for small random velocities. */
+/* A light plate on a bed of spheres on a wall, under strong gravity so that all contacts stay
+ * closed, in balance except for small random velocities. */
 static gn_world *bed(const char *damping, const char *step) {
     return world_of(
         "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [8, 8, 1], "

@@ -1,4 +1,4 @@
-/* Convex rigid bodies that meet each other. */
+/* Contacts between convex rigid bodies. */
 #include "body_helpers.h"
 #include "parts.h"
 #include "run_helpers.h"
@@ -250,8 +250,8 @@ static void blocks_with_sides_in_line_stay(void **state) {
 
 /* --- friction --- */
 
-/* A cube slides on a fixed slab, and on one that is driven at 1 m/s to where it goes with it; or
- * turns on it about the vertical. */
+/* A cube slides on a fixed slab, and on one driven at 1 m/s until both have the same velocity; or
+ * rotates on it about the vertical. */
 static void a_sliding_cube_stops_by_friction(void **state) {
     (void)state;
     const double size[3] = {0.1, 0.1, 0.05}, slab[3] = {2, 2, 0.1};
@@ -471,7 +471,8 @@ static void blocks_come_to_rest_on_each_other(void **state) {
         lowest = fmin(lowest, body(w, k)->position[2]);
     }
     for (int p = 0; p < 36; p++) weight += 10.0 * mass_of(w, p);
-    assert_near(-w->boundary.walls[0].force[2], weight, 0.1 * weight); /* sides hold some of it */
+    assert_near(-w->boundary.walls[0].force[2], weight,
+                0.1 * weight); /* the sides carry a part of it */
     assert_true(worst < 1e-3 && speed < 0.01 && lowest > 0.0);
     world_end(w);
     free(lines);

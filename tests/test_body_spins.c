@@ -113,7 +113,7 @@ static void bearings_do_no_work(void **state) {
 
 /* --- bearings that turn --- */
 
-/* A free body about which nothing but bearings is. */
+/* A free body on which only bearings act. */
 static gn_world *driven(const char *body, double dt) {
     return world_of("%sbodies: [{name: b, stiffness: 1, free: true, %s}]\ntime: {step: %.17g, end: "
                     "99}\n",
@@ -244,7 +244,8 @@ static void a_driven_body_turns_for_long(void **state) {
     }
 }
 
-/* A paddle of which a bearing turns z, and springs of walls and grains all else, among spheres. */
+/* A paddle among spheres. A bearing prescribes its rotation about z; springs of walls and grains
+ * restrain the other components. */
 static const char stirred[] =
     "dimension: 3\nspecimen: {lattice: {kind: hcp, radius: 2e-3, cells: [8, 5, 2], origin: "
     "[2.2e-3, 2.2e-3, 2.2e-3], jitter: 0.02, spacing: 1.03}, group: 0}\n"

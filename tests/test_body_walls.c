@@ -42,7 +42,7 @@ static void parts_do_not_depend_on_how_faces_are_cut(void **state) {
 
 /* --- bounces --- */
 
-/* A cube of 2 kg flies at 1 m/s at a wall on a spring of 1 MN/m: on a face, on a corner below its
+/* A cube of 2 kg hits a wall at 1 m/s on a spring of 1 MN/m: on a face, on a corner below its
  * centre; in the plane on a side. `steps` of an undamped half wave, 0: automatic. */
 static gn_world *bouncing(int dimension, const char *rotation, double restitution,
                           const char *time) {
@@ -157,7 +157,7 @@ static void a_rocking_block_keeps_its_energy(void **state) {
 
 /* --- friction --- */
 
-/* A box on a floor under a gravity that leans: it goes sideways with `slope` times its weight. */
+/* A box on a floor under inclined gravity: the horizontal component is `slope` times its weight. */
 static gn_world *on_slope(int dimension, double slope, double friction, double height) {
     double turn = atan(slope), gx = 9.81 * sin(turn), gz = -9.81 * cos(turn);
     const char *damping = "damping: {contact: {fraction: 0.3}}\n";
@@ -195,8 +195,7 @@ static void a_box_slides_when_the_slope_is_beyond_friction(void **state) {
         }
 }
 
-/* A box of 0.1 m by 0.2 m falls over beyond a slope of 1/2; put down all at once it rocks a little.
- */
+/* A box of 0.1 m by 0.2 m falls over beyond a slope of 1/2; released suddenly it rocks a little. */
 static void a_box_falls_over_when_its_weight_is_beyond_the_edge(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)
@@ -213,7 +212,7 @@ static void a_box_falls_over_when_its_weight_is_beyond_the_edge(void **state) {
 
 /* --- walls that move --- */
 
-/* A servo presses a box on a floor that shakes below it. */
+/* A servo presses a box against a floor that vibrates. */
 static void a_servo_wall_feels_the_body(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -249,7 +248,8 @@ static void the_work_of_a_moving_wall_is_in_the_ledger(void **state) {
 
 /* --- the automatic step --- */
 
-/* From springs that yield by metres to almost rigid ones, and a body of a thousand vertices. */
+/* From springs with displacements of metres to almost rigid ones, and a body of a thousand
+ * vertices. */
 static void the_automatic_step_follows_any_stiffness(void **state) {
     (void)state;
     for (int power = 3; power <= 12; power += 3) {

@@ -94,8 +94,8 @@ static void a_chain_bends_as_a_cantilever_with_shear(void **state) {
     bends_as_a_cantilever(2, 1, -1e-3);
 }
 
-/* The tip is turned by an angle about the axis and held: by as much of it in every bond, whatever
- * the angle. */
+/* The tip is rotated by an angle about the axis and held: every bond has an equal part of it,
+ * whatever the angle. */
 static void a_chain_twists_by_the_same_angle_in_every_bond(void **state) {
     (void)state;
     enum { BONDS = 5 };
@@ -153,7 +153,8 @@ static gn_world *driven(int dimension, double bend, double pull, double twist, d
     return driven_by("", "", dimension, bend, pull, twist, slide);
 }
 
-/* Steps until the bond breaks; what the ledger has then, and how much was released. */
+/* Returns the number of steps until the bond breaks, the ledger at that time, and the released
+ * energy. */
 static int64_t steps_to_break(gn_world *w, gn_energy *e) {
     measured_step(w);
     while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
@@ -323,7 +324,7 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
         const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p,
                      *s = w->dem.particles.spin + 4 * p;
         double l[3], middle[3];
-        /* Where it was half a step ago, when it had that velocity. */
+        /* Its position half a step earlier, the time of that velocity. */
         for (int a = 0; a < 3; a++) middle[a] = x[a] - 0.5 * w->ctx.dt_past * v[a];
         cross3(middle, v, l);
         for (int a = 0; a < 3; a++) {
@@ -333,8 +334,8 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
     }
 }
 
-/* A ring of twelve spheres (discs), with random velocities on top of a turn about an oblique axis.
- */
+/* A ring of twelve spheres (discs), with random velocities superposed on a rotation about an
+ * oblique axis. */
 static gn_world *ring(int dimension, double speed, const char *more) {
     text t = {0};
     bool space = dimension == 3;
@@ -368,8 +369,8 @@ static gn_world *ring(int dimension, double speed, const char *more) {
     return world_of("%s", t.s);
 }
 
-/* Sums of 1e5 additions of numbers whose rounding is random: some 1e-16 x sqrt(1e5) of the largest
- * of them, with room. */
+/* Sums of 1e5 additions with random rounding: about 1e-16 x sqrt(1e5) of the largest number, plus a
+ * margin. */
 static void a_bent_ring_keeps_momentum_and_energy(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -392,16 +393,17 @@ static void a_bent_ring_keeps_momentum_and_energy(void **state) {
         }
         print_message("# ring in %dD: %.2g of the energy is bending, residual %.2g\n", dimension,
                       most, gn_energy_residual(&e));
-        /* Without moments it is as much: the normal turns by 2e-3 rad in a step, in which the
-         * tangential force errs by the square of half of that. */
+        /* Without moments the residual is equally large: the normal rotates by 2e-3 rad in a step,
+         * and the relative error of the tangential force is the square of half of that. */
         assert_true(most > 1e-6);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
         world_end(w);
     }
 }
 
-/* A pair that was bent and twisted turns as a whole about an axis, both spins alike: nothing
- * strains it, so its moment turns along and keeps its size, whatever the angle of a step. */
+/* A pair with bending and twist rotates as a whole about an axis, with equal spins: the bond is not
+ * strained further, so its moment rotates with it and keeps its magnitude, whatever the angle of a
+ * step. */
 static void a_moment_turns_with_its_bond(void **state) {
     (void)state;
     const double axes[3][3] = {{1, 0, 0}, {0, 0, 1}, {0.48, 0.6, 0.64}};

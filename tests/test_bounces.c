@@ -1,5 +1,5 @@
-/* Many bounces without damping: what opens and closes within a step keeps its energy, whatever else
- * acts on the particle, and whatever a held particle weighs. */
+/* Many bounces without damping: contacts that open and close within a step conserve energy,
+ * whatever else acts on the particle, and whatever the mass of a held particle. */
 #include "world_helpers.h"
 
 #include "measure/energy.h"
@@ -24,8 +24,8 @@ static const char *const head =
     "friction: 0, bond_tension_limit: 1e30, bond_shear_limit: 1e30}]\n"
     "law: {stiffness: uniform}\nrun: {threads: 1, residual_limit: 'off'}\n";
 
-/* J, of which nothing is in a spring of a wall or a pair; the weight's work is taken off. Steps
- * until that is so. */
+/* J, kinetic energy while no spring of a wall or a pair stores any; the work of the weight is
+ * subtracted. Returns the number of steps until then. */
 static double energy_in_flight(gn_world *w) {
     for (int k = 0; k < 10000; k++) {
         gn_energy e = measured_step(w);
@@ -86,7 +86,7 @@ static void a_ball_that_bounces_on_a_held_one_keeps_its_energy_nearly(void **sta
     assert_near(gain(scene, 0.1, 50) / 50.0, 0.0, 2e-5);
 }
 
-/* Where the ball is after many bounces between two that are held. */
+/* The position of the ball after many bounces between two held ones. */
 static double place_between(double held_density) {
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {material: m, particles: [[0, 0, 0, 1e-3], [0, 0, -2.02e-3, "

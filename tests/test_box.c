@@ -134,9 +134,9 @@ static void a_servo_is_stable_at_the_limit_of_the_step(void **state) {
                         "time: {end: 1, safety: 1}\n");
 }
 
-/* An fcc lattice without friction answers strains along an axis half as much across it (C12/C11 =
- * 1/2): while z shrinks at E, sides that hold a stress go on growing at E/3. By the share alone
- * they would have E/3 dt D/(rho V) too much for ever. */
+/* In an fcc lattice without friction the lateral stress response to axial strain is half (C12/C11 =
+ * 1/2): while z shrinks at E, sides that are held at a stress continue to grow at E/3. With the
+ * share only, the stress would permanently be too large by E/3 dt D/(rho V). */
 static void a_stress_is_held_while_another_side_moves_on(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {
@@ -169,8 +169,7 @@ static void steps(gn_run *run, int64_t count) {
     if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* Compacts, bonds, is held, and is then sheared along z with everything on that goes beside a box.
- */
+/* Compacts, bonds, is held, and is then sheared along z, with all features that a box allows. */
 static const char *programme(const char *run) {
     static char s[4096];
     snprintf(
@@ -238,7 +237,7 @@ static void stress_held_to_the_end(const char *scene, double wanted) {
     run_end(run);
 }
 
-/* Contacts that stiffen as they are pressed, with dashpots, that roll, under a weight. */
+/* Contacts that stiffen with the overlap, with dashpots and rolling resistance, under gravity. */
 static void grains_of_hertzs_law_are_held(void **state) {
     (void)state;
     stress_held_to_the_end(
@@ -253,7 +252,8 @@ static void grains_of_hertzs_law_are_held(void **state) {
         5e4);
 }
 
-/* Discs with bonds that bend, torn apart along y at 35 ms. What breaks rings on. */
+/* Discs with bonds that resist bending, pulled apart along y at 35 ms. Breaking bonds cause
+ * vibrations. */
 static void bonded_discs_are_held_while_they_are_torn(void **state) {
     (void)state;
     stress_held_to_the_end(

@@ -89,7 +89,8 @@ def known_parameters_are_recovered_from_their_readings_within_the_stated_interva
         low, high = found["parameters"][key]["interval"]
         middle, wider = (low * high)**0.5, (high / low)**(0.5 * 2.0**0.5)  # the targets scatter as much: they are means of as many packings
         assert middle / wider <= value <= middle * wider, f"{key}: {value} outside of {middle / wider} .. {middle * wider}"
-        # An interval that holds everything would show nothing: scatter of packings of 250 particles is some percent.
+        # An interval that contains every value would prove nothing: the scatter of packings of 250 particles is some
+        # per cent.
         assert high / low < {"kratio": 3.0, "shear_strength": 3.0}.get(key, 1.5), (key, low, high)
 
 

@@ -822,7 +822,8 @@ def the_summary_has_its_keys_and_agrees_with_the_results(folder):
         assert text(file.attrs["state_hash"]) == s["state_hash"]
         stress = file["history/stress"][:]
     assert s["readings"]["peak_stress"] == stress.max() and 1e7 < stress.max() < 1e9
-    # Phases are known from one step in seven, and need not add up to the whole on a machine that others use.
+    # Phases are measured in one step of seven, and their sum need not equal the total on a machine with other
+    # processes.
     assert all(value >= 0 for value in s["seconds"].values()) and s["seconds"]["total"] > 0, s["seconds"]
 
 
@@ -895,7 +896,7 @@ def no_rows_and_no_snapshots_leave_the_first_row_and_the_last_state(folder):
 
 @fact
 def the_ledger_is_looked_at_at_the_end_with_or_without_rows(folder):
-    """As a row of the last step has it; the bits of the state are the same."""
+    """Equals a row of the last step; the bits of the state are equal."""
     whole, none, ledgers = os.path.join(folder, "whole"), os.path.join(folder, "none"), {}
     for out, rows in ((whole, 10**7), (none, 0)):
         run(LATTICE, out, "--set", f"output.history_rows={rows}", "--set", "output.snapshots=0")
@@ -1031,7 +1032,7 @@ def without_the_ledger_there_is_no_energy(folder):
 def snapshots_are_grids_with_their_time(folder):
     out = ucs()
     listed = series(out)
-    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # with those of the peak
+    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # with the snapshot at the peak
     for name, when in listed:
         with h5py.File(os.path.join(out, name)) as file:
             assert file["VTKHDF/FieldData/TimeValue"][0] == when
@@ -1119,8 +1120,9 @@ def orientations_are_written_where_they_are_asked_for(folder):
 
 @fact
 def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
-    """Three balls in a row that come together: nothing touched at the start, and it is over before the step is looked at again. A pair
-    has w^2 = 2 k/m, the row 3 k/m; dashpots are none. Half a contact later it is pressed most."""
+    """Three balls in a row that collide: there is no contact at the start, and the collision ends before the step is
+    checked again. A pair has w^2 = 2 k/m, the row 3 k/m; there are no dashpots. The overlap is largest after half
+    the contact time."""
     k, r, rho, v = 1e5, 1e-3, 2500.0, 0.01
     m = rho * 4 / 3 * math.pi * r**3
     w = math.sqrt(k / m)  # the middle one stays
@@ -1141,7 +1143,7 @@ def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
 
 @fact
 def a_body_that_is_absurdly_light_is_warned_of_before_the_run(folder):
-    """1e-21 kg over grains of 1e-5 kg: steps fall to 1e-14 s when it comes to them, which no plan can know."""
+    """1e-21 kg among grains of 1e-5 kg: steps fall to 1e-14 s when it makes contact, which no plan can predict."""
     scene = write_scene(folder, {
         "dimension": 3, "specimen": {"lattice": {"kind": "cubic", "radius": 1e-3, "cells": [3, 3, 1]}},
         "law": {"stiffness": "uniform"},

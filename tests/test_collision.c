@@ -27,7 +27,7 @@ static momentum momentum_of(const gn_world *w) {
     return m;
 }
 
-/* A ring of unlike particles that meet off centre, with spin. */
+/* A ring of unequal particles that collide off centre, with spin. */
 static gn_world *swarm(int dimension, double dt, const char *more) {
     text t = {0};
     enum { COUNT = 7 };
@@ -82,7 +82,7 @@ static void collisions_keep_momentum(int dimension) {
     assert_true(e.friction > 0.005 * kinetic); /* they were in contact */
     assert_true(e.contact_damping > 0.05 * kinetic);
     /* A contact that opens or closes within a step leaves 1/2 k (v dt)^2 unbooked. */
-    double v = 10.0, events = 100.0; /* no more than that */
+    double v = 10.0, events = 100.0; /* upper bounds */
     assert_true(fabs(gn_energy_residual(&e)) * kinetic <=
                 events * 0.5 * 2e6 * pow(v * w->ctx.dt, 2));
     world_end(w);
@@ -135,7 +135,7 @@ static void spheres_rebound_with_the_restitution_coefficient(void **state) {
     }
 }
 
-/* The largest error over where in a step the spheres meet. */
+/* The largest error over all phases of a step at which the spheres touch first. */
 static double worst_rebound(double fine) {
     double worst = 0.0;
     for (int k = 0; k < 10; k++)

@@ -31,7 +31,7 @@ static void an_oscillating_pair_keeps_its_energy(void **state) {
         largest = fmax(largest, fabs(gn_energy_residual(&e)));
         assert_true(e.friction == 0.0 && e.contact_damping == 0.0 && e.background_damping == 0.0);
     }
-    /* Positions of 2 mm round by 4e-19 m, the stretch swings by 5 um. */
+    /* Positions of 2 mm are rounded to 4e-19 m, the stretch oscillates by 5 um. */
     assert_true(largest < 1e-10);
     assert_true(e.elastic_normal > 0.0);
     world_end(w);
@@ -289,8 +289,8 @@ static void the_work_of_a_wall_is_booked(void **state) {
     world_end(w);
 }
 
-/* The tangential spring of a spinning sphere turns with half its spin. Turned before each
- * increment, its two directions would drive each other: the oscillation here grew sixfold. */
+/* The tangential spring of a spinning sphere rotates with half its spin. If it were rotated before
+ * each increment, its two components would drive each other: the oscillation here grew sixfold. */
 static void a_top_on_a_floor_keeps_its_energy(void **state) {
     (void)state;
     gn_world *w = world_of(

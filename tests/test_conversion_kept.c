@@ -160,7 +160,7 @@ static const double corners[3][2][3] = {{{0.0, 0.0, 0.0}, {2e-3, 2e-3, 2e-3}},
                                         {{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 4e-3}},
                                         {{26e-3, 0.0, 0.0}, {30e-3, 2e-3, 2e-3}}};
 
-/* Converts at corners and in the middle, and adds up the changes of the whole body; [2] N m s: the
+/* Converts at corners and in the middle, and sums the changes of the whole body; [2] N m s: the
  * largest change of angular momentum; the largest angular momentum, or that of its vibration. */
 static gn_world *convert_and_sum(const block *s, field *motion, const void *of, own *sum,
                                  double size[2]) {
@@ -433,8 +433,8 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
 
 /* --- elements that may not go --- */
 
-/* The least ratio, over nodes of elements with nodes of a motion or a load, of their mass to that
- * of the whole elements at them. */
+/* The smallest ratio of the mass of a node to that of the whole elements at it, over nodes of
+ * elements that have a node with a motion or a load. */
 static double least_held(const gn_world *w) {
     const gn_fem_solid *b = &w->solids.elements[0]->solid;
     double *mass = calloc(b->nodes.soa.count, sizeof *mass), least = INFINITY;

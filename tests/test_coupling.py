@@ -52,7 +52,7 @@ def plan_says_when_elements_convert_first_and_what_the_step_is_then(folder):
     assert "the first would end the run: conversion would have to go on to element" in small.stdout, small.stdout + small.stderr
 
 
-# A bar of elements that convert, drawn at its right end: a limit of 1 MPa comes at 0.12 m 1 MPa/(24 GPa v).
+# A bar of elements that convert, pulled at its right end: a limit of 1 MPa is reached at 0.12 m 1 MPa/(24 GPa v).
 DRAWN = """dimension: 2
 specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [120, 16]}}
 materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0.2, bond_tension_limit: 1e15, bond_shear_limit: 1e15}]
@@ -167,7 +167,7 @@ def check_warns_of_walls_that_elements_go_through(folder):
         scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
         said = expect(gneiss("check", scene), 0, r"").stdout
         assert ("elements have no contact with walls" in said) == bool(word) and (not word or re.search(word, said)), said
-    # The first stage ends before they come to the wall; another one may move otherwise.
+    # The first stage ends before they reach the wall; another stage may prescribe another motion.
     stages = "time: {end: 3 s}\nstages: [{name: pull, end: {time: %s}}, {name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}}]\n"
     for time, warned in (("1 s", False), ("2.5 s", True)):
         said = expect(gneiss("check", write_scene(folder, DRAWN + stages % time + wall % "121 mm")), 0, r"").stdout
@@ -269,8 +269,9 @@ def dormant_particles_are_not_damaged(folder):
 
 @plain_fact
 def a_beam_in_mixed_mode_opens_as_it_was_measured(folder):
-    """Garcia-Alvarez et al. 2012 before the notch cracks: 2041 to 2258 N open its mouth by 5 um. What turns into particles by then is at the notch's tip and,
-    as the load is to its right, more on that side."""
+    """Garcia-Alvarez et al. 2012 before the notch cracks: 2041 to 2258 N open its mouth by 5 um. The elements that
+    have converted by then are at the tip of the notch and, since the load is to the right of it, more on that
+    side."""
     out = os.path.join(folder, "out")
     run(os.path.join(ROOT, "scenes", "bending-mixed.yaml"), out, "--set", "time.end=2.4 ms", "--set", "output.snapshots=0", "--set", "run.threads=1")
     with h5py.File(os.path.join(out, "results.h5")) as file:
@@ -404,7 +405,7 @@ def nodes_that_only_record_are_warned_of_before_conversion_reaches_them(folder):
         assert re.search(words, gneiss(command, scene, *everywhere).stdout), command
         assert "only watch" not in gneiss(command, write_scene(folder, PULLED, "none.yaml"), *everywhere).stdout
     out = os.path.join(folder, "out")
-    done = run(scene, out, *everywhere, "--set", "elements.motions[0].motion={vx: -0.1}", "--set", "couple.convert.stress=2 MPa")  # waves meet in the middle
+    done = run(scene, out, *everywhere, "--set", "elements.motions[0].motion={vx: -0.1}", "--set", "couple.convert.stress=2 MPa")  # waves superpose in the middle
     assert re.search("gneiss: " + words, done.stderr), done.stderr
     said = warnings_of(out).get("conversion_halted", "")
     assert "has nodes of motion 'mid', which is only watched; sets of particles, which may be dormant, can record there instead" in said, said
@@ -530,7 +531,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert again.returncode == 0 and "which no setting" not in again.stderr, again.stdout + again.stderr
     again = gneiss("resume", out, "--quiet", "--set", "time.end=1")
     assert again.returncode == 0, again.stdout + again.stderr
-    assert "beyond its upper x side" in again.stderr, again.stderr  # the warning stays
+    assert "beyond its upper x side" in again.stderr, again.stderr  # the warning is printed again
     assert "no step was taken; the model itself ended it, which no setting changes" in again.stderr and "time.end" not in again.stderr, again.stderr
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         after = json.load(file)
@@ -773,9 +774,9 @@ def energy_returned_by_a_zone_is_a_reading(folder):
 
 @fact
 def elements_under_compression_convert_by_shear(folder):
-    """By Coulomb's limit, under the pulses with opposite sign: where they superpose there are 5 MPa and the overshoot
-    of waves, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is compared with the cohesion; 3 MPa alone are 0.78 of it.
-    Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
+    """Coulomb's limit under pulses of opposite sign: where they superpose the stress is 5 MPa plus the overshoot of
+    waves, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is compared with the cohesion; a single pulse of 3 MPa is 0.78
+    of it. With a cohesion of 1.6 MPa there is no conversion, nor with a tension limit that is not reached."""
     turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")
     mohr = turned.replace("stress: 4 MPa", "mohr_coulomb: {cohesion: 1 MPa, friction: 0.7}")
     out = os.path.join(folder, "out")
@@ -787,13 +788,13 @@ def elements_under_compression_convert_by_shear(folder):
         first = file["history/time"][:][np.argmax(file["history/particles"][:] > 0)]
     assert len(active) == s["counts"]["particles"] - s["counts"]["asleep"] > 200
     assert abs(np.mean(active) - 0.06) < 5e-3, np.mean(active)
-    assert 0.06 / 1754 < first < 0.06 / 1754 + 20e-6, first  # the fronts meet, then the plateaus
+    assert 0.06 / 1754 < first < 0.06 / 1754 + 20e-6, first  # the fronts superpose, then the plateaus
     for k, text in enumerate((mohr.replace("cohesion: 1 MPa", "cohesion: 1.6 MPa"), turned)):
         run(write_scene(folder, text), os.path.join(folder, str(k)))
         assert summary(os.path.join(folder, str(k)))["counts"]["elements"] == 480
 
 
-# A body of which the middle is packed.
+# A body whose middle is packed.
 REGION = """dimension: 2
 specimen: {group: 1, rectangle: {width: 60 mm, height: 16 mm}, mean_radius: 0.7 mm, density_basis: bulk,
   packing: {overlap: passive, size_variation: 0.2, region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}}}
@@ -888,7 +889,7 @@ def conversions_of_a_symmetric_beam_are_symmetric(folder):
             mass = results["particles/mass"][:][order].reshape(rows, columns)
             velocity = results["particles/velocity"][:][order].reshape(rows, columns, 3)
         with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
-            assert json.load(file)["conversions"]["count"] > 3, setting  # the first one alone was symmetric
+            assert json.load(file)["conversions"]["count"] > 3, setting  # the result of the first one only was symmetric
         assert np.abs(mass - mass[:, ::-1]).max() < 1e-10 * mass.max(), setting
         mirrored = velocity[:, ::-1] * [-1, 1, 1]
         assert np.abs(velocity - mirrored).max() < 1e-7 * np.abs(velocity).max(), setting

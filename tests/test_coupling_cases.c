@@ -1,5 +1,5 @@
-/* Zones that overlap, that lie elsewhere, of several materials, that lose particles or bonds; what
- * is read in them. */
+/* Zones that overlap, that are at other places, of several materials, that lose particles or bonds;
+ * and their readings. */
 #include "coupling_helpers.h"
 #include "particles/observe.h"
 #include "run/output_fields.h"
@@ -288,8 +288,8 @@ static void fly_on(gn_world *w, size_t wanted, int most) {
     assert_int_equal(gn_coupled_removed_count(&w->ctx, &w->zones), wanted);
 }
 
-/* Nodes give up the mass that they carried: in the end they have their own mass, and the ledger
- * closes on the way. */
+/* Nodes lose the mass that they carried: at the end they have their own mass, and the ledger closes
+ * on the way. */
 static void a_zone_may_lose_all_its_particles(void **state) {
     (void)state;
     const char *couple[] = {NULL, "constraint: consistent", "constraint: penalty", "spins: slaved"};
@@ -382,7 +382,7 @@ static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
 }
 
 /* The default length and section of a test are those of the whole body, whatever part of it is
- * packed; those of a beam are checked against it. */
+ * packed; those of a beam are compared with it. */
 static void a_test_takes_its_sizes_from_all_of_the_body(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {

@@ -220,8 +220,8 @@ static double energy_at(const model *m, double part, int steps) {
     return grown;
 }
 
-/* Just below the limit velocities of the fastest modes swing by 1/sqrt(1 - 0.99^2) = 7 times what
- * they are at the start, in energy 50 times, of the small part of it that is in them. */
+/* Just below the limit, velocities of the fastest modes reach 1/sqrt(1 - 0.99^2) = 7 times their
+ * initial values, and the small part of the energy that is in them grows 50 times. */
 static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
@@ -261,8 +261,8 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
     }
 }
 
-/* The outermost particles of a packing's zone would take a smaller step by themselves; springs are
- * softer than the bound has to assume. */
+/* The outermost particles of the zone of a packing would require a smaller step on their own;
+ * springs are softer than the bound has to assume. */
 static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
     (void)state;
     for (int k = 4; k < 7; k++) {
@@ -339,7 +339,7 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
 
 /* --- steps that collisions ask for --- */
 
-/* m/s2, along an axis, of a particle of a zone that a force of 1 N acts on there. */
+/* m/s2, along an axis, acceleration of a particle of a zone by a force of 1 N on it. */
 static double moved_by(gn_world *w, size_t k, int axis) {
     gn_coupled *q = w->zones.coupled;
     gn_fem_solid *b = &w->solids.elements[0]->solid;
@@ -405,9 +405,9 @@ static double asked_by_softening(const char *couple) {
     return step;
 }
 
-/* If bonds soften, all of them must last five steps: with the masses that particles have at the
- * edge of a zone, where they meet others with weighted contacts, they would not, but these
- * particles move with nodes. */
+/* If bonds soften, the shortest period must last five steps. With the masses of particles at the
+ * edge of a zone, which touch others with weighted contacts, it would not, but these particles move
+ * with nodes. */
 static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void **state) {
     (void)state;
     static const char *const with[] = {"", ", constraint: consistent", ", spins: slaved"};

@@ -277,7 +277,7 @@ static void test_triangles_without_area_change_nothing(void **state) {
     (void)state;
     gn_domain *d = cube_with_needle(0);
     assert_same_as_box(d, 20000);
-    /* In the plane of the bottom, beside the edge that has the needle along it. */
+    /* In the plane of the bottom, near the edge with the needle. */
     for (int i = 1; i < 10; i++)
         assert_close(gn_domain_depth(d, (double[]){0.1 * i, -0.1, 0}), -0.1, 1e-13);
     gn_domain_free(d);

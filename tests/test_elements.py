@@ -92,8 +92,9 @@ def write_bone(path, length, half, along, across):
 
 @fact
 def a_bar_with_a_waist_reads_back_its_modulus(folder):
-    """Twice as wide at its ends as in the middle half. Whether the stress is over the waist or over the volume by the length: F/E times
-    the integral of 1/A is what the ends move by, but for what the shear of a taper of 1 to 6 adds, a percent or two."""
+    """The ends are twice as wide as the middle half. Whether the stress is formed with the waist or with the volume
+    over the length: the displacement of the ends is F/E times the integral of 1/A, plus the shear of a taper of 1
+    to 6, a per cent or two."""
     length, waist = 0.12, 0.01
 
     def half(x):
@@ -123,8 +124,8 @@ def a_bar_with_a_waist_reads_back_its_modulus(folder):
 
 @fact
 def a_bar_with_steps_has_no_modulus_of_a_slender_bar(folder):
-    """Twice as wide beside a waist: 28.0 GPa were read for 31.25. The mean strain of the volume is that of F/(E V/L)
-    for any step."""
+    """Ends twice as wide as the waist: 28.0 GPa were read for 31.25. The mean strain of the volume is F/(E V/L) for
+    any step."""
     length, waist = 0.1, 0.02
     write_bone(os.path.join(folder, "steps.msh"), length, lambda x: waist if abs(x - length / 2) > 0.0201 else waist / 2, 100, 8)
     scene = bar(2)
@@ -241,7 +242,7 @@ def the_notched_beam_gives_force_deflection_and_mouth_opening(folder):
     strain = rows["motion_supports_displacement_y"] - rows["motion_load_displacement_y"]
     assert np.allclose(deflection, strain, rtol=1e-12, atol=1e-18)
     assert np.allclose(0.5 * (rows["motion_supports_reaction_y"] - rows["motion_load_reaction_y"]), force, rtol=1e-12)
-    # The wedge opens by more than the deflection times its depth over the half span, by less than all of it.
+    # The notch opens by more than the deflection times its depth over the half span, and less than twice that.
     assert 0.01 / 0.075 * deflection[-1] < opening[-1] < deflection[-1], (opening[-1], deflection[-1])
 
 
@@ -258,7 +259,7 @@ def forces_and_energies_balance(folder):
     edges = place[corners[:, 1:]] - place[corners[:, :1]]
     mass = np.bincount(corners.ravel(), np.repeat(2400 * np.linalg.det(edges) / 24, 4))
     assert abs(mass.sum() / (2400 * (0.17 * 0.05 - 0.004 * 0.01) * 0.03) - 1) < 1e-3
-    # The traction has come to 20 kPa on the upper face. Background damping holds against the motion with a m v.
+    # The traction has reached 20 kPa on the upper face. Background damping acts against the motion with a m v.
     down = 20e3 * 0.17 * 0.03 + 9.81 * mass.sum()
     drag = -1e4 * (mass * velocity[:, 1]).sum()
     assert abs(sum(reaction) + drag - down) < 0.02 * max(map(abs, reaction)), (reaction, drag, down)
@@ -567,7 +568,7 @@ def scenes_without_a_valid_mesh_are_refused(folder):
 def nothing_that_moves_needs_a_step(folder):
     scene = bar(2)
     scene["elements"]["motions"].append({"name": "all", "group": "body", "motion": {"vx": 0, "vy": 0}})
-    expect(gneiss("check", write_scene(folder, scene)), 2, "time.step: required, because nothing can move")
+    expect(gneiss("check", write_scene(folder, scene)), 2, "time.step: required, because no moving part")
 
 
 @fact

@@ -1,5 +1,5 @@
-/* Loose grains that begin exactly in touch: whether a contact closes in the first step depends on
- * the last bit, and must depend on nothing else. */
+/* Loose grains that are exactly in contact at the start: whether a contact closes in the first step
+ * depends on the last bit, and must depend on nothing else. */
 #include "world_helpers.h"
 
 typedef struct lattice {
@@ -49,7 +49,8 @@ static uint64_t small_fcc(int seed, const char *precision, const char *isa) {
     return hash;
 }
 
-/* One pair in some thousands was decided otherwise in a vector than alone: in 2 of these 25. */
+/* One pair in some thousands got a different result in a vector than on its own: in 2 of these 25.
+ * */
 static void any_start_in_touch_gives_the_same_bits_on_every_instruction_set(void **state) {
     (void)state;
     for (int k = 0; k < 50; k++) {
@@ -116,7 +117,7 @@ static void grains_in_touch_move_in_mixed_precision_as_in_double(void **state) {
     print_message("# mixed beside double after 3 steps: off by %.2g of the largest speed\n", worst);
 }
 
-/* No force acts on two grains that separate from exact contact: there is nothing to take back. */
+/* No force acts on two grains that separate from exact contact: there is no energy to recover. */
 static void grains_that_part_from_touch_feel_nothing(void **state) {
     (void)state;
     static const char *const precisions[] = {"double", "mixed"};

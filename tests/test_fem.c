@@ -46,8 +46,8 @@ static void check_sides(const gn_mesh *mesh, int d, const double size[3]) {
     }
 }
 
-/* The sides' facets are those of the elements: the mesh's own boundary has no others, also where
- * elements meet, so that these share whole faces. */
+/* The facets of the sides are those of the elements: the boundary of the mesh has no others; where
+ * sides join they share whole faces. */
 static void sides_of_structured_meshes_are_their_boundary(void **state) {
     (void)state;
     static const int many[][3] = {{9, 6, 0}, {1, 1, 0}, {5, 4, 4}, {1, 1, 1}, {1, 2, 1}, {3, 1, 1}};
@@ -377,7 +377,7 @@ static void wrong_order_of_nodes_is_corrected(void **state) {
     }
 }
 
-/* A mesh without its last row of cells: their upper nodes are left behind, and the sides' lines
+/* A mesh without its last row of cells: the upper nodes of these remain, and the lines of the sides
  * that need them. */
 static void unused_nodes_are_dropped_and_counted(void **state) {
     (void)state;

@@ -117,8 +117,9 @@ static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
     }
 }
 
-/* Potential energy is least at rest, so that half the work of a load put on at once is stored and
- * half is lost: a check of the ledger with the damping of the stabilising pressure in it. */
+/* The potential energy has its minimum at rest, so that half the work of a suddenly applied load is
+ * stored and half is dissipated: this checks the ledger including the damping of the stabilising
+ * pressure. */
 static void ledger_closes_on_the_way_to_rest(void **state) {
     (void)state;
     const cook c = {GN_FEM_PRESSURE, COOK_CHESS, 0.4999, 8};

@@ -1,5 +1,5 @@
-/* time.start: first_break: equilibria up to the first break without steps, and the steps that go on
- * from there. */
+/* time.start: first_break: equilibria up to the first break without steps, and the steps that
+ * follow them. */
 #include "world_helpers.h"
 
 #include "run/run.h"
@@ -65,8 +65,8 @@ static void a_chain_breaks_when_its_springs_say(void **state) {
     world_end(w);
 }
 
-/* Seen particle by particle a load goes one bond further with every iteration, so that a chain
- * would need as many as it has particles for every solution; its groups hand it on at once. */
+/* With one group per particle a load advances by one bond per iteration, so that a chain would need
+ * as many iterations as particles for every solution; groups transmit it in one iteration. */
 static void a_long_chain_needs_fewer_iterations_than_it_has_particles(void **state) {
     (void)state;
     enum { COUNT = 481 };
@@ -131,7 +131,7 @@ static void a_column_carries_its_weight(void **state) {
     world_end(w);
 }
 
-/* A wall that has a gap to go before it shears a bond: T = (v t - gap)/(1/k_w + 1/k_t). */
+/* A wall that has to close a gap before it shears a bond: T = (v t - gap)/(1/k_w + 1/k_t). */
 static const char gap_scene[] =
     "specimen:\n  particles: [[0, 0, 0, 0.5 mm], [1.5 mm, 0, 0, 1 mm]]\n  group: 1\n%ssets:\n"
     "- {name: foot, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0}}\n"
@@ -172,7 +172,7 @@ static void viscous_damping_is_a_load(void **state) {
     world_end(w);
 }
 
-/* A bond is as strong as the weaker of its materials: the last one holds half. */
+/* A bond is as strong as the weaker of its materials: the last one has half the strength. */
 static void the_weaker_material_breaks_first(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -102,7 +102,8 @@ def a_plan_counts_the_steps_that_grains_will_need(folder):
 
 @fact
 def every_column_of_the_history_has_numbers(folder):
-    """With particles that enter and leave there is no average strain, in a scene of sources alone or beside others."""
+    """If particles enter and leave there is no average strain, in scenes with sources only or with other particles as
+    well."""
     alone = {key: value for key, value in SCENE.items() if key not in ("specimen", "sets", "bonds")}
     alone.update(time={"end": 0.02}, materials=[{k: v for k, v in SCENE["materials"][0].items() if "bond" not in k}])
     run(write_scene(folder, alone), os.path.join(folder, "alone"))
@@ -136,7 +137,7 @@ def a_later_end_on_resume_equals_a_straight_run(folder):
 @fact
 def another_run_begins_with_those_that_are_left(folder):
     scene = {key: value for key, value in SCENE.items() if key not in ("sources", "sinks", "sets")}
-    scene["domain"] = {"min": [-1, -1, -1], "max": [1, 1, 1]}  # particles that left a little since the last lists are still there
+    scene["domain"] = {"min": [-1, -1, -1], "max": [1, 1, 1]}  # particles that left the domain slightly since the last lists are not yet removed
     scene["specimen"] = {"from": reference(), "from_bonds": "keep"}
     run(write_scene(folder, {**scene, "time": {"end": 0.001}}), os.path.join(folder, "run"))
     with results(os.path.join(folder, "run")) as file:
@@ -154,7 +155,7 @@ def the_report_draws_what_flows(folder):
 def a_source_in_a_sink_is_warned_of_by_name(folder):
     scene = {k: v for k, v in SCENE.items() if k not in ("specimen", "sets", "bonds", "output", "domain")}
     scene["sinks"] = [{"name": "all", "plane": {"point": [0, 0, -0.01], "normal": [0, 0, 1]}}]
-    expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink takes as they come, found that sink 'all' takes those of source 'rain'")
+    expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink removes on entry, found that sink 'all' removes those of source 'rain'")
     scene["sinks"] = SCENE["sinks"]
     expect(gneiss("check", write_scene(folder, scene)), 0, "")
 

@@ -1,5 +1,5 @@
-/* Facets that meet at shallow concave edges, and several at once: no jump in the force, whatever
- * the angle, and a potential. */
+/* Facets that join at shallow concave edges, and several at the same time: no jump in the force,
+ * whatever the angle, and a potential. */
 #include "surface_helpers.h"
 
 #include "surfaces/facet.h"

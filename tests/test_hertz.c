@@ -96,8 +96,8 @@ static void check_impact(const matter *m, bool two, double v) {
     world_end(w);
 }
 
-/* The part of its energy that an undamped impact in a number of steps gains or loses at most, over
- * the phases of its first step. */
+/* The largest fraction of its energy that an undamped impact resolved by a number of steps gains or
+ * loses, over the phases of its first step. */
 static double most_missed(const matter *m, int steps) {
     enum { PHASES = 16 };
     const double v = 1.0, velocity[3] = {0, 0, -v};
@@ -142,7 +142,7 @@ static void impacts_reach_the_overlap_and_the_force_of_hertz(void **state) {
 static double rebound(const matter *m, double v, double steps, bool pull) {
     double mass = sphere_mass(m->density, m->r);
     impact want = impact_of(modulus_alone(m), m->r, mass, v);
-    /* Its S_n at most is that of an overlap of want.overlap. */
+    /* S_n is at most that of the overlap want.overlap. */
     double w2 = 2.0 * modulus_alone(m) * sqrt(m->r * want.overlap) / mass;
     const double velocity[3] = {0, 0, -v};
     gn_world *w = meeting(m, false, velocity, none, pi / sqrt(w2) / steps, pull ? "" : "no_pull");
@@ -152,8 +152,8 @@ static double rebound(const matter *m, double v, double steps, bool pull) {
     return ratio;
 }
 
-/* By the closed form of the damped oscillator that the collision is in u^(5/4), for which 200 steps
- * leave the second order of pi/200: 2e-4. */
+/* By the closed form: in u^(5/4) the collision is a damped oscillator, for which 200 steps have a
+ * second-order error of (pi/200)^2: 2e-4. */
 static void restitution_is_as_requested_at_any_speed(void **state) {
     (void)state;
     const double asked[] = {0.2, 0.5, 0.8, 0.95};
@@ -417,7 +417,7 @@ static void twisting_resistance_stops_a_top(void **state) {
 
 /* --- all together --- */
 
-/* Grains of two materials and sizes in a box, beside a body that stands and one that falls. */
+/* Grains of two materials and sizes in a box, with a fixed body and a falling one. */
 static const char *crowd_text(const char *law, const char *run) {
     static text t;
     t.used = 0;
@@ -645,7 +645,7 @@ static void the_step_follows_the_overlap(void **state) {
     world_end(w);
 }
 
-/* The example: grains in a tube that is lifted. As long as they settle in it. */
+/* The example: grains in a tube that is lifted, up to the end of their settling in it. */
 static void the_example_runs(void **state) {
     (void)state;
     char path[4096];
@@ -730,8 +730,8 @@ static void keys_that_exclude_hertz_are_refused(void **state) {
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 
-/* k_r = k_t r^2 of a large sphere is much for a small body: (1 + 6 r^2/l^2) times what its own arm
- * makes of k_t, of a cube of side l. */
+/* k_r = k_t r^2 of a large sphere is large for a small body: (1 + 6 r^2/l^2) times the value that
+ * its own arm gives with k_t, for a cube of side l. */
 static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -752,7 +752,7 @@ static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     world_end(w);
 }
 
-/* It follows from the tangential stiffness: without that there would be no resistance. */
+/* It follows from the tangential stiffness: without it there would be no resistance. */
 static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
     (void)state;
     static const char *const key[] = {"rolling_friction", "twisting_friction"};

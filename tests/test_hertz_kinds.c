@@ -89,7 +89,7 @@ static void restitution_is_as_requested_for_any_pair(void **state) {
             }
 }
 
-/* 1 % from 0.5 on, 0.01 below. */
+/* Errors: 1 % from a restitution of 0.5 on, 0.01 below. */
 static void restitution_is_kept_by_automatic_steps(void **state) {
     (void)state;
     const double asked[] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.9};

@@ -77,7 +77,7 @@ static void elements_named_again_for_another_group_count_once(void **state) {
     assert_int_equal(joints_of(m, 2).parts, 1);
 }
 
-/* A load in a box, or on a group, goes by the facets that the mesh lists. */
+/* A load in a box, or on a group, is assigned by the facets that the mesh lists. */
 static void facets_that_are_listed_twice_count_once(void **state) {
     gn_mesh m = mesh_of(*state, square,
                         "6\n1 1 2 3 1 1 2\n2 1 2 4 1 3 2\n3 1 2 3 1 2 1\n4 1 2 4 1 1 2\n"

@@ -173,7 +173,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     }
 }
 
-/* Effects that make no variants of their own, in turn. */
+/* Effects without variants of their own, in turn. */
 static gn_effects with_options(gn_effects effects, uint64_t turn) {
     static const gn_effects couplings[] = {0, GN_FX_COUPLED_QUADRATIC, GN_FX_COUPLED_LINEAR};
     if (effects & GN_FX_HERTZ) return effects | (turn % 2 ? GN_FX_NO_PULL : 0);
@@ -1074,8 +1074,8 @@ static void shear_turns_with_a_rotation_across_the_normal(void **state) {
     }
 }
 
-/* About an oblique axis the normal runs on a cone; chord and spins act on the normal of the middle:
- * no term of first order. */
+/* About an oblique axis the normal moves on a cone; chord and spins act on the normal at the middle
+ * of the step, so that there is no first-order term. */
 static void shear_turns_with_a_rotation_about_an_oblique_axis(void **state) {
     (void)state;
     const double axis[3] = {1 / sqrt(3.0), 1 / sqrt(3.0), 1 / sqrt(3.0)};

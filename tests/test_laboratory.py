@@ -27,7 +27,7 @@ def absent(out):
 
 
 def refused(folder, given, *patterns):
-    """Messages by name, value and place."""
+    """Messages with name, value and place in the file."""
     for pattern in patterns:
         expect(gneiss("check", write_scene(folder, given)), 2, r"scene.yaml:\d+:\d+: " + pattern)
 
@@ -42,7 +42,7 @@ def fitted(rows, name, over="stress"):
 # --- stresses over the present area and volume ---------------------------------------------------------
 
 def crowd(dimension, spacing, kind):
-    """A loose lattice of grains without bonds, as far from servo walls as half of what grains are apart."""
+    """A loose lattice of grains without bonds, separated from servo walls by half the distance between grains."""
     side, axes = 8e-3 * spacing, "xyz"[:dimension]
     walls = []
     for a, axis in enumerate(axes):
@@ -148,7 +148,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
             refused(folder, given, "test: expected the size of the specimen at the start")
         else:
             assert len(reported(given)) == outcome, (key, factor, reported(given))
-    # A body that two ends bend, or pull out of another, has lengths and areas of its own: these are only reported.
+    # A body that two ends bend, or pull out of another body, has its own length and area: these are only reported.
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(4) for j in range(8)]
     bar = scene(2, specimen={"particles": rows}, time={"end": 1e-5},
                 sets=[{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 1e-3, "by": "centre"}}, "motion": {"vy": way}} for side, way in (("lower", -1), ("upper", 1))],
@@ -176,7 +176,7 @@ def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
 
 
 def jaw(name, side, ratio, half=0.5):
-    """An arc of `ratio` times the radius of the disc that touches it at its end."""
+    """An arc of `ratio` times the radius of the disc; its end touches the disc."""
     arc = [[ratio * np.sin(a), side * (1 - ratio + ratio * np.cos(a))] for a in np.linspace(-half, half, 41)]
     return {"name": name, "polyline": [[DIAMETER / 2 * x, DIAMETER / 2 * y] for x, y in arc], "stiffness": "100 GN/m", "motion": {"vy": [[0, 0], [1e-4, -side * 0.05]]}}
 
@@ -223,7 +223,8 @@ def a_region_may_be_empty_or_the_whole_disc(folder):
 
 @fact
 def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
-    """By the mean of a hundredth of the rows, ten at most, once a tenth of the bonds through a section have broken; the peak is that of a run that goes on."""
+    """The mean over a hundredth of the rows, at most ten, after a tenth of the bonds through a section have broken;
+    the peak is that of a run that continues."""
     given = disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}])
     del given["time"]["stop"]
     said = expect(gneiss("check", write_scene(folder, given)), 0).stdout
@@ -565,7 +566,7 @@ PRESSURE = 5e6
 
 
 def cell(shape, count, dimension=3, membrane=None, **more):
-    """A specimen that cannot break in a cell whose pressure comes in 0.1 ms; viscous damping brings it to rest."""
+    """A specimen that cannot break in a cell whose pressure rises in 0.1 ms; viscous damping brings it to rest."""
     given = scene(dimension, specimen={**shape, "particles": count, "packing": {"size_ratio": 2}}, membrane={
         "pressure": [[0, 0], [1e-4, PRESSURE]], **(membrane or {})}, test={"kind": "hydrostatic"}, time={"end": 4e-4})
     return {**given, "materials": [STRONG], "damping": {"background": {"model": "viscous", "coefficient": 3e4}}, **more}
@@ -627,7 +628,7 @@ def write_tetrahedron(folder):
 
 
 def under_pressure(shape, dimension, membrane, **more):
-    """A specimen whose bonds stand 300 MPa in a cell, at defaults."""
+    """A specimen in a cell whose bonds carry 300 MPa, at default settings."""
     rock = {"name": "rock", "density": 2600, "contact_modulus": "10 GPa", "kratio": 2.5, "friction": 0.5, "tensile_strength": "300 MPa",
             "shear_strength": "300 MPa"}
     return scene(dimension, specimen={**shape, "particles": 500}, materials=[rock], membrane=membrane, test={"kind": "hydrostatic"},
@@ -714,7 +715,7 @@ def a_membrane_finds_the_skin_of_particles_without_a_shape(folder):
         gap = size / 2 - np.hypot(x[:, 0], x[:, 1]) - x[:, -1]
         if dimension == 3:
             gap = np.minimum(gap, np.minimum(x[:, 2], 0.03 - x[:, 2]) - x[:, -1])
-        # Particles that touch the surface of the shape, and those that show between them.
+        # Particles that touch the surface of the shape, and those visible between them.
         touching = int((gap < 0.1 * x[:, -1]).sum())
         assert 0.9 * touching < skin < 1.5 * touching, (name, skin, touching)
 
@@ -982,7 +983,7 @@ def the_outermost_particles_of_a_shape_may_be_pressed(folder):
 
 @fact
 def the_surface_of_particles_is_that_of_the_same_particles_without_their_shape(folder):
-    """The surface of the shape is loaded by default. The report names what the mean stress refers to."""
+    """The surface of the shape is loaded by default. The report names the volume to which the mean stress refers."""
     listed_scene = listed(folder, CELL, 300)
     given = {**listed_scene, "specimen": {**CELL, "particles": 300, "packing": {"size_ratio": 2}}, "time": {"end": 1e-5}}
     outs = {"file": run_scene(folder, {**listed_scene, "time": {"end": 1e-5}}, name="file"), "default": run_scene(folder, given, name="default")}
@@ -1094,7 +1095,7 @@ def results_have_the_skin_and_the_forces_on_it(folder):
     assert (area > 0).any() and (area == 0).any()
     assert not force[area == 0].any()
     size = np.linalg.norm(force[area > 0], axis=1)
-    # Areas are vectors: where pieces of one share face different ways they add up to less.
+    # Areas are vectors: the sum of the pieces of a particle is smaller if they face different directions.
     assert (size <= 1e6 * area[area > 0] * 1.1).all() and size.sum() > 0.8e6 * area.sum(), size.sum()
 
 
@@ -1146,7 +1147,7 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
     k, c = np.polyfit(s3, s1, 1)
     assert abs(angle - np.degrees(np.arcsin((k - 1) / (k + 1)))) < 1e-9 * angle and abs(cohesion - c / (2 * np.sqrt(k))) < 1e-6 * cohesion
     assert f"{angle:.4g}" in done.stdout, done.stdout
-    # Runs that are complete are not repeated; and one of them alone is a run.
+    # Complete runs are not repeated; and a single one of them is an ordinary run.
     again = expect(gneiss("run", given, "--out", out, "--quiet"), 0)
     assert again.stdout == done.stdout
     one = os.path.join(folder, "one")
@@ -1155,7 +1156,7 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
 
 
 def parted_beam(seed, **contact):
-    """A notched beam of discs that cracks where its halves meet, which alone are weak."""
+    """A notched beam of discs that cracks where its halves join, where alone the bonds are weak."""
     strong = {"density": 2400, "contact_modulus": "20 GPa", "kratio": 2.5, "tensile_strength": "100 MPa", "shear_strength": "400 MPa",
               "fracture_energy": 1e7}
     mm = 1e-3
@@ -1197,7 +1198,7 @@ def taken_by_a_crack(folder, scene):
 def a_notched_beam_takes_the_fracture_energy_that_is_given_alone(folder):
     taken = [taken_by_a_crack(folder, parted_beam(seed))[0] for seed in (1, 2, 3)]
     assert abs(np.mean(taken) - 1) < 0.05, taken
-    # Without an energy in shear bonds that open and slip end before they have opened.
+    # Without a fracture energy in shear, bonds that open and slip fail before they have opened.
     brittle = parted_beam(1)
     for material in brittle["materials"]:
         material["shear_fracture_energy"] = "none"
@@ -1301,7 +1302,8 @@ def spins_are_damped_by_a_coefficient_of_their_own(folder):
 
 @fact
 def stages_change_rolling_resistance_and_snapshot_fields(folder):
-    """Changed before the first step it is as if the scene said so; changed on the way the ledger closes, on any number of threads and after a stop."""
+    """A change before the first step equals a scene with that value; after a change during the run the ledger closes,
+    on any number of threads and after a stop."""
     grain = {"name": "m", "density": 2000, "normal_stiffness": 1e4, "kratio": 2, "friction": 0.5}
     rolls = {"rolling_friction": 0.2, "twisting_friction": 0.1}
     floor = {"name": "floor", "point": [0, 0, -1e-3], "normal": [0.1, 0, 0.995], "stiffness": 1e4, "kratio": 2, "friction": 0.5}
@@ -1346,7 +1348,8 @@ def a_coefficient_of_spins_has_the_unit_and_the_range_of_its_model(folder):
 # --- simple shear ---------------------------------------------------------------------------------------
 
 def glued(lattice, size, speed, dimension, axis, normal, turn, **more):
-    """A bonded lattice between two layers that go and turn as in uniform shear, in a box without sides along the normal."""
+    """A bonded lattice between two layers that move and rotate as in uniform shear, in a periodic box that is open
+    along the normal."""
     side = {"axis": normal, "depth": 1.1e-3}
     still = {"v" + a: 0 for a in "xyz"[:dimension]}
     sets = [{"name": name, "select": {"end": {**side, "side": name}}, "motion": {**still, **turn, "v" + axis: v}}
@@ -1562,7 +1565,8 @@ def supports_are_no_load_of_a_beam(folder):
 
 @fact
 def ends_that_are_beside_each_other_may_be_right(folder):
-    """A cantilever that is clamped over its height and pushed down at its end; a block that a ring around a punch holds; a bar one particle high."""
+    """A cantilever that is clamped over its height and pushed down at its end; a block held by a ring around a punch;
+    a bar one particle high."""
     for given in (bonded([12, 4], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
                   bonded([12, 1], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
                   bonded([12, 8], sets=[place("west", [0, 0.014], [3e-3, 0.02], vy=0), place("east", [0.021, 0.014], [0.03, 0.02], vy=0),
@@ -1631,7 +1635,7 @@ def control_needs_ends_that_move(folder):
 
 @fact
 def shear_without_normal_stress_is_warned_of(folder):
-    """By check and by the run; a constant height has a test of its own."""
+    """By `gneiss check` and by the run; a constant height has a test of its own."""
     for k, (more, reported) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
         sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
         given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
@@ -1736,7 +1740,7 @@ def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
 @fact
 def errors_before_the_first_step_of_stages_name_their_line(folder):
     """The place is in the file and not in the text from which the scene of a stage is read: that of the stage for
-    keys that it changes, else that of the scene."""
+    keys that it changes, otherwise that of the scene."""
     given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
                    stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
     said = expect(gneiss("check", write_scene(folder, given)), 2, r"stages\[0\].end.peak_drop: .*no contact is pressed").stderr
@@ -1868,7 +1872,8 @@ def strains_count_from_the_last_stage(out, *names):
 
 @fact
 def a_stage_takes_nothing_below_a_tenth_of_the_pressure_for_a_peak(folder):
-    """The ends go back once, at a fortieth of the pressure and with bonds already broken: by then no peak was passed."""
+    """The ends move back once, at a fortieth of the pressure and with bonds already broken: by then no peak has been
+    passed."""
     with open(os.path.join(ROOT, "scenes", "concrete.yaml")) as file:
         text = file.read()
     for sign, other in (("", "-"), ("-", "")):
@@ -1932,7 +1937,7 @@ def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
 
 @fact
 def the_mean_stress_under_a_membrane_can_be_made_of_the_contacts(folder):
-    """With the volume and the part of the membrane that are attributes; without them it is another."""
+    """With the volume and the part of the membrane that are stored as attributes; without them the result differs."""
     out = run_scene(folder, {"specimen": {"cylinder": {"diameter": "20 mm", "height": "30 mm"}, "particles": 300, "material": "a"}, "materials": [ROCK],
                              "law": {"stiffness": "harmonic"}, "bonds": {}, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
                              "membrane": {"pressure": "10 MPa", "ramp": "0.1 ms", "surface": "particles"}, "test": {"kind": "hydrostatic"}, "time": {"end": "0.3 ms"},

@@ -109,7 +109,8 @@ static void ratios_in_the_middle_of_a_disc_are_those_before_it_cracks(void **sta
     assert_close(r.centre_compression_ratio, 3, 1e-9);
 }
 
-/* A start that others have loaded may expand as soon as it is sheared or pressed. */
+/* A specimen that other parts have loaded at the start may expand as soon as it is sheared or
+ * compressed. */
 static void a_specimen_that_only_expands_has_no_onset_of_damage(void **state) {
     (void)state;
     static const char *const names[] = {"strain",    "stress",         "strain_xx",   "strain_yy",
@@ -196,7 +197,7 @@ static void brittleness_is_one_when_stress_falls_below_zero(void **state) {
     }
     gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
     assert_true(r.brittleness == 1);
-    /* The row before the peak has 48 of 49 Pa; the rows beside it stand at 48 and 50. */
+    /* The row before the peak has 48 of 49 Pa; the adjacent rows have 48 and 50. */
     assert_close(r.peak_rise, 1.0 / 49, 1e-12);
     assert_true(r.peak_strain_least == 48 && r.peak_strain_most == 50);
 }

@@ -194,7 +194,7 @@ static void force_and_energy_reported_by_the_law_are_those_of_the_kernel(void **
     }
 }
 
-/* Pulled, and sheared, by steps of a thousandth of the way to the break. */
+/* Pulled and sheared by steps of a thousandth of the displacement at the break. */
 static void a_bond_breaks_when_its_criterion_reaches_one(void **state) {
     (void)state;
     for (int law = 0; law < LAWS; law++)

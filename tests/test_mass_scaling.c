@@ -82,7 +82,8 @@ static void masses_are_raised_where_it_is_needed_and_never_lowered(void **state)
     world_end(w);
 }
 
-/* The step of a loose pair is what resolves its collision in 10 steps, not its stability. */
+/* The step of a loose pair is that which resolves its collision in 10 steps, not its stability
+ * limit. */
 static void collisions_are_resolved_at_the_wanted_step(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -177,9 +178,9 @@ static gn_world *pairs_that_meet(const char *time) {
                     time);
 }
 
-/* With the bound, particles are made heavier when they come near, before they touch, and the step
- * stays; the energy of that is in the ledger. With the sharp limit the step falls as without mass
- * scaling. */
+/* With the bound, masses of particles increase when they approach, before they touch, and the step
+ * does not change; the energy of this is in the ledger. With the sharp limit the step falls as
+ * without mass scaling. */
 static void masses_follow_the_contacts_that_form(void **state) {
     (void)state;
     for (int sharp = 0; sharp < 2; sharp++) {
@@ -198,7 +199,7 @@ static void masses_follow_the_contacts_that_form(void **state) {
             /* Twice the springs at the step over 0.989 instead of over 0.9. */
             assert_close(mass_of(w, 1), 2.0 * middle * pow(0.9 / 0.989, 2.0), 1e-9);
             assert_close(mass_of(w, 2), mass_of(w, 1), 1e-12);
-            assert_close(e.step_change, 0.5 * more, 1e-9); /* of the one that flies, at 1 m/s */
+            assert_close(e.step_change, 0.5 * more, 1e-9); /* mass of the flying one, at 1 m/s */
             assert_near(gn_energy_residual(&e), 0.0, 1e-6);
         }
         world_end(w);

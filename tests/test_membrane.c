@@ -1,5 +1,5 @@
-/* The forces of a membrane: Nanson's formula under any affine motion, balance, and what breaks off.
- */
+/* The forces of a membrane: Nanson's formula under any affine motion, balance, and particles that
+ * detach. */
 #include "world_helpers.h"
 
 #include "membrane/membrane.h"
@@ -64,8 +64,8 @@ static void force_on(const gn_world *w, size_t p, double force[3]) {
     for (int a = 0; a < 3; a++) force[a] = q->applied[4 * p + a] - q->load[4 * p + a];
 }
 
-/* Forces and moments of the membrane add up to nothing, to rounding of the largest there could be.
- */
+/* Forces and moments of the membrane sum to zero, to rounding relative to the largest possible
+ * values. */
 static void expect_balance(const gn_world *w, double pressure) {
     const gn_particles *q = &w->dem.particles;
     double sum[3] = {0}, moment[3] = {0}, force[3], turn[3], reach = 0;
@@ -195,7 +195,8 @@ static double force_across(const gn_world *w, const double centre[3]) {
     return sum;
 }
 
-/* Pa: of forces at centres and ways to the surface, over the volume that it encloses. */
+/* Pa: the virial of forces at the centres with the distances to the surface, over the enclosed
+ * volume. */
 static void mean_stress(const gn_world *w, double stress[9]) {
     const gn_particles *q = &w->dem.particles;
     const double volume = gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
@@ -462,7 +463,7 @@ static void a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one(void
     world_end(w);
 }
 
-/* Bodies of size 1 mm about the origin of their axis, and how far in a place is. */
+/* Bodies of size 1 mm about the origin of their axis, and the depth of a position in them. */
 typedef struct packed_body {
     int dimension;
     const char *shape;

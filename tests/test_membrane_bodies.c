@@ -54,8 +54,8 @@ static void areas_turn_with_the_body_that_they_are_of(void **state) {
     world_end(w);
 }
 
-/* For any distance of the bodies from one another each is followed by the surroundings of a patch,
- * and a patch is limited to the stretch of its own body. */
+/* At any distance of the bodies from one another each is followed by the surroundings of a patch,
+ * and the stretch of a patch is limited by that of its own body. */
 static void bodies_that_drift_apart_keep_their_areas(void **state) {
     (void)state;
     gn_world *w = two_blocks(7e6, 0);
@@ -164,7 +164,7 @@ static void bodies_without_volume_are_not_loaded_by_the_membrane(void **state) {
     world_end(w);
 }
 
-/* About the centre of mass: of displacements and of spins. */
+/* About the centre of mass: moments of displacements and of spins. */
 static void angular_momentum(const gn_world *w, double sum[3]) {
     const gn_particles *q = &w->dem.particles;
     double mass = 0, centre[3] = {0}, velocity[3] = {0};

@@ -132,7 +132,7 @@ static void set_decimal_comma(fixture *f) {
     char command[1200];
     spill_text(
         f, "LC_NUMERIC\ndecimal_point \",\"\nthousands_sep \"\"\ngrouping -1\nEND LC_NUMERIC\n");
-    /* It warns of the categories that are left out, by its exit code too. */
+    /* It reports the categories that are left out, also by its exit code. */
     snprintf(command, sizeof command, "localedef -c --no-archive -i %s %s/comma 2>/dev/null",
              f->path, f->dir);
     (void)!system(command);

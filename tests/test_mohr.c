@@ -115,7 +115,8 @@ static void in_mixed_precision_a_bond_breaks_at_the_same_force(void **state) {
 
 /* --- with moments --- */
 
-/* As break_it, for a bond that carries moments: neither particle rotates, so that they are zero. */
+/* Like break_it, for a bond with moments: neither particle rotates, so that they are zero.
+ * */
 static broke break_beam(const char *coupling, double normal, const char *precision) {
     char words[2048];
     const char *still = "wx: 0, wy: 0, wz: 0";
@@ -164,9 +165,9 @@ static void friction_strengthens_bonds_with_moments_alike(void **state) {
 
 /* --- mean stress --- */
 
-/* Two rows of three discs; the outer ones move inwards by 1e-6 m, then the upper row goes sideways.
- * The bonds between the rows carry nothing along; the middle one lies between particles with two
- * pressed bonds of three, the outer ones with one of two. */
+/* Two rows of three discs; the outer ones move inwards by 1e-6 m, then the upper row moves
+ * sideways. The bonds between the rows carry no normal force; the middle one lies between particles
+ * with two compressed bonds of three, the outer ones with one of two. */
 static const char *const rows =
     "dimension: 2\n"
     "specimen: {particles: [[0, 0, 1e-3], [2e-3, 0, 1e-3], [4e-3, 0, 1e-3],\n"

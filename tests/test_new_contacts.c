@@ -1,4 +1,4 @@
-/* Contacts that form while a run goes on: the automatic step holds for them, and resolves them. */
+/* Contacts that form during a run: the automatic step is stable for them, and resolves them. */
 #include "parts.h"
 #include "world_helpers.h"
 
@@ -67,7 +67,7 @@ static void lattices_between_closing_walls_do_not_go_bad(void **state) {
     print_message("# largest residual of 18 closing lattices: %.2g\n", worst);
 }
 
-/* Stable is what the limit with all listed contacts is for, without the rule for collisions. */
+/* Stable according to the limit with all listed contacts, without the rule for collisions. */
 static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **state) {
     (void)state;
     double height = height_of("fcc") + 1e-7;
@@ -341,8 +341,8 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
             }
 }
 
-/* A sphere is torn off another: both are resolved from the next lists on. Where as many stay bonded
- * and one more, the step remains that of a bonded body. */
+/* A sphere is torn off another: the contacts of both are resolved from the next lists on. If other
+ * particles stay bonded and are more, the step remains that of a bonded body. */
 static void detached_particles_are_resolved_as_unbonded_ones(void **state) {
     (void)state;
     for (int more = 0; more < 2; more++) {
@@ -413,8 +413,9 @@ static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
     }
 }
 
-/* A block without strength in a vice bursts at once, and then rattles in lists that stand for long:
- * the step is that of loose particles at the latest when the last bond has broken. */
+/* A block without strength in a vice breaks immediately, and its fragments then rattle in lists
+ * that remain valid for long: the step is that of loose particles at the latest when the last bond
+ * has broken. */
 static void bodies_that_break_between_lists_are_resolved_at_once(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -437,7 +438,7 @@ static void bodies_that_break_between_lists_are_resolved_at_once(void **state) {
     world_end(w);
 }
 
-/* A periodic fcc lattice of spheres that rattle or stand apart. */
+/* A periodic fcc lattice of spheres that rattle or are far apart. */
 static gn_world *rattling(double spacing, double restitution, double background) {
     double edge = 3.0 * 2e-3 * spacing * sqrt(2.0);
     return world_of(

@@ -105,7 +105,7 @@ static void a_node_may_move_half_a_radius_in_a_step(void **state) {
 }
 
 /* At the automatic step a free grain flies a part of its radius in a step, and touches for one or
- * two of these: from any direction, the step is that of the contact when it begins. */
+ * two steps: from any direction, the step is that of the contact when it begins. */
 static void a_flight_ends_with_the_step_of_the_contact(void **state) {
     (void)state;
     for (int k = 0; k < 40; k++) {

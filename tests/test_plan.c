@@ -96,7 +96,7 @@ static void biases_of_one_sense_add_up(void **state) {
     c.cause[2].bias = -0.01;
     assert_near(gn_causes_total(&c), hypot(0.05, 0.04), 1e-16);
     assert_near(gn_causes_without_scatter(&c), 0.05, 1e-16);
-    /* Half of one is the uncertainty of its law. */
+    /* The uncertainty of its law is half of one cause. */
     c.cause[1].bias = 0.015;
     assert_near(gn_causes_without_scatter(&c), hypot(0.035, sqrt(0.03 * 0.03 - 0.015 * 0.015)),
                 1e-16);

@@ -268,7 +268,7 @@ def a_peak_between_two_rows_has_an_error_of_that(folder):
 
 @fact
 def a_plan_has_rows_enough_for_its_peak(folder):
-    """Ten rows over the whole path, of which the peak takes a part."""
+    """Ten rows over the whole path, a part of which is up to the peak."""
     path = os.path.join(folder, "few.yaml")
     expect(gneiss("plan", rock(folder), "--set", "output.history_rows=10", "--error", "10%", "--write", path), 0)
     said = expect(gneiss("plan", path, "--error", "10%", "--log", "json"), 0)

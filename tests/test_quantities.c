@@ -237,7 +237,7 @@ static void results_have_the_final_quantities_of_bodies(void **state) {
     assert_int_equal(gn_h5_get(file, "bodies/displacement", GN_F64, 2, 3, 0, displacement, &error),
                      GNEISS_OK);
     assert_near(displacement[0][0], 0.0, 0.0);
-    /* Ten steps, each rounds a place of 9 mm by half of 1.7e-18 m. */
+    /* Ten steps, each of which rounds a coordinate of 9 mm by half of 1.7e-18 m. */
     assert_near(displacement[1][0], 1e-6, 9e-18);
     assert_near(displacement[1][1], 0.0, 0.0);
     for (size_t g = 0; g < GN_QUANTITY_GROUPS; g++)

@@ -49,7 +49,7 @@ static gn_readings read_history(const gn_history *h, int dimension, int axis, in
     return r;
 }
 
-/* Before half of the largest stress, which the platen strain does not show; and after it. */
+/* Before half of the largest stress, which is not visible in the platen strain; and after it. */
 static void a_specimen_of_which_too_little_is_left_has_no_average_strain(void **state) {
     (void)state;
     for (int late = 0; late < 2; late++) {
@@ -536,7 +536,7 @@ static void work_that_is_taken_back_still_counts_as_passed(void **state) {
 
 static void energy_from_nowhere_cannot_hide_behind_itself(void **state) {
     (void)state;
-    /* 1 J came in, 10 J are stored and 20 J were dissipated: 29 of 20 that passed. */
+    /* 1 J was supplied, 10 J are stored and 20 J were dissipated: 29 of 20 that passed. */
     gn_energy e = {.work_walls = 1, .elastic_normal = 12, .kinetic = -2, .friction = 20};
     assert_close(gn_energy_scale(&e), 20, 1e-15);
     assert_close(gn_energy_residual(&e), 29.0 / 20, 1e-15);

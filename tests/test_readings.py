@@ -232,7 +232,7 @@ def without_a_test_every_reading_is_absent_for_that(folder):
 
 @fact
 def a_peak_from_few_rows_is_reported_with_its_range(folder):
-    """A brittle block with the same bits, read off many rows and off few."""
+    """A brittle block whose readings are formed from many and from few rows, with the same bits."""
     peaks = {}
     for rows in (300, 6, 3):
         out = os.path.join(folder, str(rows))
@@ -300,8 +300,8 @@ def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
 
 @plain_fact
 def the_modulus_of_a_body_with_a_waist_is_that_of_its_material(folder):
-    """Stress over the waist and closing over the whole length belong to no one length: a third too much was read of discs packed in
-    such a shape. Against a strip of the same width and density."""
+    """Stress of the waist and closing over the whole length do not refer to the same length: readings of discs packed
+    in such a shape were a third too large. Compared with a strip of the same width and density."""
     length, waist = 60e-3, 10e-3
     sides = [(0.0, 1.0), (0.1, 1.0), (0.3, 0.5), (0.7, 0.5), (0.9, 1.0), (1.0, 1.0)]  # of the length; half widths over the waist
     corners = [[sign * w * waist, y * length] for sign, line in ((1, sides), (-1, sides[::-1])) for y, w in line]
@@ -344,7 +344,7 @@ def mirrored(sides):
 
 @fact
 def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(folder):
-    """The area of a body that tapers was taken for that of its narrowest place whatever it was, and the modulus scaled by that."""
+    """The area of every tapered body was taken as that of its narrowest section, and the modulus scaled by it."""
     length = 40e-3
     scene = pressed(mirrored([(0, 10e-3), (length, 5e-3)]), length, 800)
     out, _ = run_scene(folder, {**scene, "time": {"end": 1e-8}}, "--quiet", "--force")
@@ -388,7 +388,7 @@ def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
 
 @plain_fact
 def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
-    """Platens begin away from the specimen: walls or bodies, on one side or both."""
+    """Platens start at a distance from the specimen: walls or bodies, on one side or both."""
     def closing(gap_below, gap_above, kind="wall", **more):
         scene = packed("compression", **more)
         for wall, gap in zip(scene["walls"], (-gap_below, gap_above)):
@@ -404,7 +404,8 @@ def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
         out, _ = run_scene(folder, scene, "--quiet", "--force")
         return history(out), summary(out)["readings"]
 
-    # Grains stand a little proud of the end planes, into platens that touch these: the first of them is the contact otherwise.
+    # Grains protrude slightly beyond the end planes, into platens that touch these planes: without an allowance the
+    # first of them would form the only contact.
     _, flush = closing(0, 0)
     _, there = closing(0.2e-3, 0.2e-3)
     assert abs(there["peak_strain"] / flush["peak_strain"] - 1) < 0.25, (there["peak_strain"], flush["peak_strain"])

@@ -79,8 +79,9 @@ static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     }
 }
 
-/* Two equal spheres that pass each other: `sideways` over the speed at which they near each other.
- * The speed at which they part over that, along the line on which they met. */
+/* Two equal spheres that pass each other; `sideways`: tangential speed relative to the speed of
+ * approach. Returns the speed of separation relative to the speed of approach, along the line of
+ * their first contact. */
 static double oblique(double restitution, double sideways, double depth, double phase,
                       double steps) {
     double r = 1e-3, m = sphere_mass(2500, r), k = 1e6, w0 = sqrt(2.0 * k / m),
@@ -119,8 +120,8 @@ static void restitution_is_kept_beside_sideways_motion(void **state) {
         }
 }
 
-/* A sphere held along x alone is hit along a normal at `angle` to x. Returns the speed of
- * separation along the normal over that of approach. */
+/* A sphere restrained along x only is hit along a normal at `angle` to x. Returns the speed of
+ * separation along the normal relative to that of approach. */
 static double held_along_x(double angle, double restitution) {
     double n[2] = {cos(angle), sin(angle)}, r = 1e-3, m = sphere_mass(2500, r);
     double w0 = sqrt(1e6 / m * (1.0 + n[1] * n[1])), dt = pi / w0 / GN_STEPS_PER_CONTACT;

@@ -248,9 +248,9 @@ static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
 
 /* --- what is in balance --- */
 
-/* Except for the force that the edge of a zone leaves, spacing/(4 width) of a bond's, as the rows
- * beside it have half a spacing to it; at a corner from each side. Such a force moves less than
- * over half of the 8 mm that convert. */
+/* Except for the force at the edge of a zone, spacing/(4 width) of that of a bond, because the rows
+ * beside it are half a spacing away; at a corner from each side. Such a force moves less than over
+ * half of the 8 mm that convert. */
 static void a_lattice_in_uniform_strain_stays(void **state) {
     (void)state;
     const double ghost = sqrt(3.0) * 1e-3 / (4.0 * width);

@@ -71,7 +71,7 @@ static double column(const gn_history *h, const char *name) {
     return value[h->row_count - 1];
 }
 
-/* Three in a row, and the last leaves without any force: one bond is removed, one stays. */
+/* Three in a row, and the last leaves without any force: one bond is removed, the other remains. */
 static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     (void)state;
     gn_world *w = world_of(

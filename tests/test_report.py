@@ -18,7 +18,7 @@ from make_results import KINDS, PACKINGS, WITH_EVENTS, figures_of_quality, make,
 
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
-import report  # noqa: E402  (it stands in another folder)
+import report  # noqa: E402  (it is in another folder)
 import report_beside  # noqa: E402
 import report_curves  # noqa: E402
 import report_envelope  # noqa: E402
@@ -29,8 +29,8 @@ import report_tests  # noqa: E402
 
 
 def run_report(folder):
-    """As from the command line, in this process: loading matplotlib takes longer than the report. Any warning
-    is an error."""
+    """Runs the report as from the command line, but in this process, because loading matplotlib takes longer than the report.
+    Any warning is an error."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings():
         warnings.simplefilter("error")

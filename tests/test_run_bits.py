@@ -75,7 +75,7 @@ def how_often_is_written_does_not_change_the_state(folder):
 
 @fact
 def mixed_precision_agrees_with_double_until_something_breaks(folder):
-    # Without background damping, whose direction at rest is that of rounding, so that it differs from the first step
+    # Without background damping, whose direction at rest depends on rounding, so that it differs from the first step
     # on.
     undamped = ("--set", "damping.background.model=none", "--set", "damping.background.coefficient=0")
     stress = {}

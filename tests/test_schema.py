@@ -48,7 +48,7 @@ SCHEMA = validator("scene")
 
 
 def problems(data, of=SCHEMA):
-    """Paths and messages of what a schema refuses."""
+    """Paths and messages of the refusals by a schema."""
     return [(list(error.absolute_path), error.message[:200]) for error in of.iter_errors(data)]
 
 

@@ -147,7 +147,7 @@ def threads_and_interruptions_leave_the_same_rows_and_snapshots(folder):
 
 @plain_fact
 def rows_are_evenly_apart_when_a_resumed_run_has_no_stop_any_more(folder):
-    """The rows that are close at first are thinned as before, and those that come later are at the same steps."""
+    """The close rows of the beginning are thinned as before, and later rows are at the same steps."""
     arguments = ("--threads", 1, "--set", "time.end=0.3 ms", "--set", "output.history_rows=50", "--set", "output.snapshots=10")
     expect(stop_at_snapshot(folder, 2, signal.SIGINT, *arguments, "--set", "time.stop.peak_drop=0.9999"), 6)
     resume(folder, "--set", "time.stop=none")

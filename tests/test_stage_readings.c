@@ -20,8 +20,8 @@ static void run_end(gn_run *run) {
     free(run);
 }
 
-/* A row for every step: 20 of a stage, 40 of the next, and what is read of that is no more up to
- * the world but to the rows. */
+/* A row for every step: 20 of a stage, 40 of the next; the readings of the second depend on its
+ * rows only. */
 static const char block[] =
     "specimen: {lattice: {kind: cubic, radius: 1 mm, cells: [4, 4, 4]}}\n"
     "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 0.5, friction: 0.3, "

@@ -39,8 +39,8 @@ static double limit_of(const assembly *a, const char *damping) {
     return stable;
 }
 
-/* Largest stored energy over that at the start; stops when it has grown a thousandfold, or when the
- * engine says that a particle flew off. */
+/* Largest stored energy relative to that at the start; stops when it has grown a thousandfold, or
+ * when the engine reports a particle that moves too far. */
 static double growth(const assembly *a, const char *damping, double dt, int64_t steps,
                      double *residual) {
     gn_world *w = shaken(a, damping, dt);
@@ -62,8 +62,9 @@ static double growth(const assembly *a, const char *damping, double dt, int64_t 
     return largest;
 }
 
-/* The sharp limit is Lanczos' to 1e-3; the energy 1/2 m v(-) v(+) + U of a linear system is kept to
- * round-off. Turning normals (velocities of 0.1 mm/s move by 1e-10 m) leave less than 1e-5. */
+/* The sharp limit agrees with Lanczos to 1e-3; the energy 1/2 m v(-) v(+) + U of a linear system is
+ * conserved to round-off. Rotating normals (velocities of 0.1 mm/s move by 1e-10 m) contribute less
+ * than 1e-5. */
 static void holds_below_and_fails_above(const assembly *a) {
     double limit = limit_of(a, ""), residual;
     assert_true(growth(a, "", 0.99 * limit, a->steps, &residual) < 1.0 + 1e-5);

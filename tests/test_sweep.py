@@ -1,4 +1,4 @@
-"""Sweeps: what is run, what is kept, what kills and failures cost, what the summary says. Speaks TAP."""
+"""Sweeps: the runs that are made, the files that are kept, the effect of kills and failures, the summary. Speaks TAP."""
 import contextlib
 import csv
 import random
@@ -382,7 +382,7 @@ def stamps_of_outcomes(out):
 
 @fact
 def a_run_that_went_bad_is_not_tried_again(folder):
-    # A ledger that does not close: the limit is far below what rounding leaves.
+    # A ledger that does not close: the limit is far below rounding.
     keys = {"parameters": {"run.residual_limit": ["1e-30", "10 %"]}}
     table = sweep(folder, keys)
     assert [row["status"] for row in table] == ["failed", "done"] and "ledger" in table[0]["message"], table
@@ -735,7 +735,7 @@ def jobs_says_how_many_runs_there_are_at_a_time(folder):
 
 # --- what cannot be read ----------------------------------------------------------------------------------
 
-BROKEN = [  # (text behind the line `scene: ...`, what the message says)
+BROKEN = [  # (text after the line `scene: ...`, message)
     ("parameters: {materials.block.frictoin: [0.1]}", r":2:14: parameters.materials.block.frictoin: unknown key; did you mean 'friction'"),
     ("parameters: {materials.blok.friction: [0.1]}", r":2:40: parameters.materials.blok.friction: no element 'blok' .*did you mean 'block'"),
     ("parameters:\n  materials.block.friction: [0.1, -1]", r":3:35: parameters.materials.block.friction: materials\[0\].friction: expected a value in \[0, 1e30\], found '-1'"),

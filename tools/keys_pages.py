@@ -11,7 +11,8 @@ PAGES = [("keys.md", "Keys of a scene", ()),
          ("keys-particles.md", "Keys of particles", ("specimen", "sets", "sources", "sinks")),
          ("keys-materials.md", "Keys of materials and contacts", ("materials", "contacts", "law", "bonds")),
          ("keys-walls.md", "Keys of walls, bodies and membrane", ("walls", "bodies", "membrane")),
-         ("keys-elements.md", "Keys of elements, coupling and tests", ("elements", "couple", "test"))]
+         ("keys-elements.md", "Keys of elements and coupling", ("elements", "couple")),
+         ("keys-tests.md", "Keys of tests", ("test",))]
 TEXT = """# {title}
 
 Written by `tools/keys_pages.py build/gneiss` from the table that also drives the reading of scenes. A number may carry a unit, as in `23 mm`;

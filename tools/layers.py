@@ -29,7 +29,8 @@ POINTER_WRITE = re.compile(rf"(?<![\w.>])(\w+)->{WRITTEN}")
 
 
 def uses_of(cell, above):
-    """The names of a cell, with those of `A to B` written out; `above`: the folders of the rows above, in their order."""
+    """Returns the names in a cell, with those of `A to B` written out; `above`: the folders of the rows above, in
+    their order."""
     for use in (use.strip() for use in cell.split(",")):
         first, between, last = use.partition(" to ")
         if between and first in above and last in above:

@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from report_files import DAMAGE, values
 
 BODY, WALL = "#3f5f77", "#5d5b55"
-FOLD = np.cos(np.radians(20))  # edges between facets that are turned by less are not drawn
+FOLD = np.cos(np.radians(20))  # edges between facets at a smaller angle are not drawn
 
 
 def _numbers(text):

@@ -1,4 +1,5 @@
-"""Particles and finite elements that are one body, in one picture: the plane, or a section through the middle of a body in space."""
+"""Draws particles and finite elements that form one body in one picture: the plane, or a section through the middle
+of a body in space."""
 import matplotlib
 
 matplotlib.use("Agg")
@@ -49,7 +50,7 @@ class Section:
         start, radius = np.asarray(results.particle("position"), float) - moved, np.asarray(results.particle("radius"), float).reshape(-1)
         removed = results.particle("removed")
         there = np.isfinite(start).all(axis=1) if removed is None else np.asarray(removed).reshape(-1) == 0
-        there &= ~results.dormant  # the elements that they are in are drawn
+        there &= ~results.dormant  # the elements that contain them are drawn
         order, self.where = [0, 1, 2], ""
         if not mesh.flat:
             both = np.concatenate([mesh.start, start[there]])
@@ -74,7 +75,7 @@ class Section:
 
 
 def quantities(results, mesh):
-    """Title, values of the mesh's elements (None: they have none), values of the particles, unit, colors, symmetric."""
+    """Title, values of the elements of the mesh (None: no values), values of the particles, unit, colors, symmetric."""
     moved = np.linalg.norm(mesh.displacement, axis=1)[mesh.element].mean(axis=1)
     displacement = np.asarray(results.particle("displacement"), float)
     yield "Displacement", moved, np.linalg.norm(displacement, axis=1), "m", plt.cm.viridis, False

@@ -70,7 +70,7 @@ def place_legend(results, axes, loc="best"):
 
 
 def style_for(values):
-    """One or two rows are drawn as points, since their line would be invisible."""
+    """One or two rows are drawn as points, because their line would be invisible."""
     return {"marker": "o", "markersize": 4} if np.isfinite(values).sum() < 3 else {}
 
 

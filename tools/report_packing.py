@@ -23,7 +23,7 @@ STAGES = (("spread", "#dbe7f3"), ("compress", "#fbe3d6"), ("decompress", "#e4efd
 CARDS = (("porosity", "porosity"), ("coordination_1", "contacts per particle at 1 %"),
          ("radius_mean", "mean radius"), ("radius_ratio", "largest / smallest radius"),
          ("anisotropy", "anisotropy of contacts"), ("overlap_max", "largest overlap"))
-# Some texts speak of the figure before; the file has them by name.
+# Some texts refer to the preceding figure; the file orders figures by name.
 ORDER = ("porosity", "porosity_net", "void_ratio", "coordination_01", "coordination_1", "coordination_5", "floating",
          "radius_mean", "radius_volume", "radius_min", "radius_max", "radius_ratio", "radius_ratio_98",
          "radius_variation", "radius_median", "radius_deviation", "radius_skewness", "radius_kurtosis", "fabric_max", "fabric_min", "anisotropy", "distance_mean", "overlap_median",
@@ -395,7 +395,7 @@ def plot_one(packing, plot, projection, path):
 
 
 def plot_overview(packing, view, path):
-    """All at a glance: two rows of pictures, 3 columns, or 4 where there is that much to show."""
+    """Draws the overview: two rows of pictures with 3 columns, or 4 if there are enough pictures."""
     plots = figures_of(packing)
     columns = 4 if len(plots) > 4 else 3
     figure_ = plt.figure(figsize=(5.4 * columns, 9.8), constrained_layout=True)

@@ -29,12 +29,12 @@ pre { background: #f6f8f9; padding: 1rem; overflow-x: auto; font-size: .85rem; }
 
 
 def escape(text):
-    """Control characters have no meaning in a page, and a terminal that shows its text takes them for commands."""
+    """Control characters have no meaning in a page, and a terminal that prints its text would execute them."""
     return html.escape("".join(c if c.isprintable() or c in "\n\t" else "?" for c in str(text)))
 
 
 def is_inside(path):
-    """True if a path stays below the folder that it is relative to."""
+    """True if a path is inside the folder to which it is relative."""
     return not re.match(r"/|\w+:", path) and ".." not in path.split("/")
 
 

@@ -38,7 +38,7 @@ def _group(file, name):
 
 
 def _without_free_overlaps(bonds):
-    """Rows of the bonds alone: state 7 are overlaps of the start that never were bonds."""
+    """Returns the rows of bonds; state 7 marks initial overlaps that never were bonds."""
     state = bonds.get("state")
     if state is None or not np.any(np.asarray(state.value) == 7):
         return bonds
@@ -89,6 +89,7 @@ class Results:
         self.events = _group(file, "events")
         self.bursts = _group(file, "bursts")
         self.fragments = _group(file, "fragments")
+        self.rim = _group(file, "rim")  # of a disc cutter
         self.nodes = _group(file, "nodes")
         self.elements = _group(file, "elements")
         self.bodies = _group(file, "bodies")

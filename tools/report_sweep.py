@@ -250,7 +250,7 @@ def draw_pictures(sweep, folder):
 # --- curves of the runs --------------------------------------------------------------------------------
 
 def curve_of(path):
-    """(strain, stress) of a run; None: it has no test, or its results cannot be read, which is said."""
+    """Returns (strain, stress) of a run; None, with a message, if it has no test or its results cannot be read."""
     try:
         with opened(path, "a results file", "`gneiss sweep` computes the run again") as file:
             history = file["history"]

@@ -12,13 +12,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from report_curves import BLUE, GREY, INK, RED, abscissa, new_axes, plot_force_over, save, style_for
+from report_cutting import CURVES as CUTTING_CURVES
 from report_files import opened, remove, values as values_of, write
 from report_pictures import Specimen, Surface, cut, color_bar, draw_circles, panels, scale_bar
 from report_results import quantity, scale_of
 
 
 def cards_of(results):
-    """[(reading, title)]: what results of this test show first."""
+    """[(reading, title)]: the readings that a report on this test shows first."""
     tested = [tuple(line.split(": ", 1)) for line in results.attribute("test_figures").splitlines()]
     return (*tested, ("returned_energy", "energy returned by the zone"))
 
@@ -68,7 +69,7 @@ def plot_opening(results, path):
 
 
 def plot_centre(results, path):
-    """The stress about the middle of a disc, over the one that theory has there."""
+    """Ratio of the stress around the middle of a disc to the theoretical one."""
     stress = results.in_last_stage("stress")
     parts = [(n, results.in_last_stage("centre_stress_" + n)) for n in ("xx", "yy")]
     if stress is None or any(v is None for _, v in parts):
@@ -104,7 +105,7 @@ def plot_shear(results, path):
 
 
 def plot_breaking(results, path):
-    """Bonds that break per row, as the rate of acoustic events is shown, where no list of events was kept."""
+    """Plots the number of bonds broken per row, like the rate of acoustic events, if there is no list of events."""
     x, label = abscissa(results)
     tension, shear = results.column("broken_tension"), results.column("broken_shear")
     if x is None or tension is None or shear is None or results.rows < 3 or "time" in results.events:
@@ -199,6 +200,7 @@ CURVES = {
     "breaking": plot_breaking,
     "rose": plot_rose,
     "fragments": plot_fragments,
+    **CUTTING_CURVES,
 }
 STATES = ("rose", "fragments")  # of the end, whatever the history holds
 
@@ -292,7 +294,8 @@ UNITS = {  # by the last word of a key, of what parameters are read from
     "density": "kg/m3", "contact_modulus": "Pa", "normal_stiffness": "N/m", "young": "Pa", "tensile_strength": "Pa", "shear_strength": "Pa",
     "bond_tension_limit": "N", "bond_shear_limit": "N", "fracture_energy": "J/m2", "shear_fracture_energy": "J/m2", "yield_stress_1": "Pa",
     "yield_stress_2": "Pa", "yield_stress_3": "Pa", "pressure": "Pa", "ramp": "s", "length": "m", "area": "m2", "diameter": "m",
-    "thickness": "m", "span": "m", "load_span": "m", "height": "m", "notch": "m",
+    "thickness": "m", "span": "m", "load_span": "m", "height": "m", "notch": "m", "depth": "m", "spacing": "m", "run_in": "m",
+    "peak_window": "m", "compressive_strength": "Pa",
 }
 BY_AREA = ("dempack", "polyhedron")
 NOTHING = ("none", "auto", "off", "same", "free", "test", "false", "[]")
@@ -376,7 +379,7 @@ def parameters(results):
 
 
 def write_columns(path, columns):
-    """A column each, with its unit in the head; vectors as x y z."""
+    """A table with a column each, and its unit in the header; vectors are shown as x y z."""
     table, heads = [], []
     for name, column in columns.items():
         values = np.asarray(column.value, float)

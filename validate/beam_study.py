@@ -18,7 +18,7 @@ FOLDER = study.RUNS / "beams"
 SEEDS = (1, 2, 3)
 RADII = (0.5e-3, 0.25e-3)
 COUNT = {RADII[0]: 3, RADII[1]: 2}  # Packings; one with the smaller particles takes some minutes.
-# Measured, of the concrete (37 GPa, 3.9 MPa, 143.2 N/m, 2346 kg/m3) and of the beam, m.
+# Measured properties of the concrete (37 GPa, 3.9 MPa, 143.2 N/m, 2346 kg/m3) and of the beam, m.
 MODULUS, POISSON, TENSILE, FRACTURE, DENSITY = 37e9, 0.2, 3.9e6, 143.2, 2346.0
 LENGTH, DEPTH, BREADTH, SPAN, NOTCH, SLOT, GAUGE = 0.175, 0.05, 0.05, 0.125, 0.025, 0.002, 0.020
 # Assumed, not measured: strength in shear over that in tension of a contact, energy in shear over that in tension, friction of bonds, by which compressed bonds carry more shear.
@@ -77,7 +77,7 @@ def strip(radius, seed, contact, opened=None):
 
 
 def elastic(run):
-    """Modulus (Pa) and contraction in the plane, by the mean strain, from 5 to 30 % of the peak; strength (Pa)."""
+    """Modulus (Pa) and Poisson's ratio in the plane, from the mean strain, from 5 to 30 % of the peak; strength (Pa)."""
     stress, along, across = (run.results(f"history/{name}") for name in ("stress", "strain_yy", "strain_xx"))
     peak = int(np.argmax(stress))
     part = (np.arange(len(stress)) < peak) & (stress > 0.05 * stress[peak]) & (stress < 0.3 * stress[peak])

@@ -85,7 +85,7 @@ def targets_text(one, wanted):
 
 
 def material_of(one, wanted, folder):
-    """The calibration's own material, with the speeds and times that follow from such readings."""
+    """The material of the calibration, with the speeds and times that follow from these readings."""
     path = one.folder / "rough.yaml"
     path.write_text(targets_text(one, wanted))
     request = targets.read(str(path))

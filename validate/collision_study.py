@@ -209,7 +209,8 @@ def dropped(restitution, steps):
 
 
 def work_of_spring(restitution, dt, phase):
-    """The work of the spring's forces over the collision by leap-frog alone, over the work of gravity; over a loop it should be 0."""
+    """Work of the forces of the spring over the collision by leap-frog, relative to the work of gravity; over a
+    closed path it should be 0."""
     beta, r = damping_fraction(restitution), DROP["radius"]
     k = 4 / 3 * DROP["young"] / (2 * (1 - DROP["poisson"]**2)) * np.sqrt(r)
     m, x, v, spring, work, t, before = DENSITY * 4 / 3 * np.pi * r**3, DROP["height"], 0.0, 0.0, 0.0, 0.0, 0.0

@@ -238,7 +238,7 @@ def bounded(copies):
 
 
 def judged(name, values, near):
-    """The range over steps beside that of as many steps that are nearly equal."""
+    """Range over different steps, and range over the same number of nearly equal steps."""
     mean = np.mean(values)
     return (f"{name} steps have a range of {words.percent(np.ptp(values) / mean)}, where as many that are nearly the same have "
             f"{words.percent(RANGES[len(values)] * fits.scatter(near))}")

@@ -180,7 +180,7 @@ def start_of_uniform_strain(pressure, fill):
 
 
 def richart(pressure):
-    """Axial stress at failure less the pressure, MPa: f_c + 4.1 P (Richart et al. 1928), of low pressures."""
+    """Axial stress at failure minus the pressure, MPa: f_c + 4.1 P (Richart et al. 1928), valid for low pressures."""
     return CYLINDER_STRENGTH + 3.1 * pressure
 
 

@@ -83,7 +83,7 @@ def head(unit):
 
 
 def lines(found, unit="kN"):
-    """A line of the table for each of (name, run), beside the first, which is of particles alone."""
+    """A line of the table for each of (name, run), compared with the first, which has particles only."""
     alone = found[0][1]
     scale, digits = (1e3, 0) if unit == "kN" else (1.0, 2)
     top, seconds, broke = np.max(curve(alone)[1]), alone.summary["seconds"]["cpu"], coupling_study.crack(alone)
@@ -136,7 +136,7 @@ FAST = {"time.end": "8 ms", "damping.background.coefficient": "2000 1/s"}
 
 
 def fast(name, **more):
-    """Particles alone and one of the adaptive runs, with the load five times as fast."""
+    """Particles only and one of the adaptive runs, with five times the loading speed."""
     alone = study.run(f"coupling/beam-particles-{name}", "scenes/bending-particles.yaml", {"sets.load.motion.vy": MOTION, **FAST, **more})
     found = [("particles alone", alone)]
     for limit in LIMITS[:1 if more else 3]:
@@ -163,7 +163,8 @@ def fine_pairs():
 
 
 def fine_table(pairs):
-    """Each adaptive run beside particles alone of the same packing and the same fraction of the limit of the step."""
+    """Compares each adaptive run with particles only, for the same packing and the same fraction of the limit of the
+    step."""
     rows = [line for name, alone, adaptive in pairs
             for line in lines([(f"particles alone{name}", alone), (f"adaptive, {LIMITS[0]}, {WIDTHS[0]}{name}", adaptive)])]
     return study.table(head("kN"), rows)

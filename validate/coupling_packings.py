@@ -106,7 +106,7 @@ def profile(result, kind):
 
 
 def before_zone(result, kind, modulus, end, forward=False, area=HEIGHT):
-    """Energy of the waves along -x (or x) at places before `end`, J."""
+    """Energy of the waves along -x (or x) at positions before `end`, J."""
     x, u, v = profile(result, kind)
     speed, strain = np.sqrt(modulus / DENSITY), np.diff(u) / np.diff(x)
     wave = 0.5 * (0.5 * (v[1:] + v[:-1]) + (-speed if forward else speed) * strain)
@@ -186,7 +186,7 @@ def packing_table():
 
 
 def mesh_alone(wave, side, height, even):
-    """The energy that runs back in a bar of elements alone, by the same reading, in %."""
+    """Reflected energy in a bar of elements only, measured in the same way, in %."""
     name = f"bar-mesh-{round(1e3 * wave)}-{side * 1e3:g}{'-even' if even else ''}"
     result = wave_run(name, True, False, None, None, (0.0, LENGTH), MODULUS, wave, side, height=height, even=even)
     return 100 * before_zone(result, "nodes", MODULUS, 0.26, area=height**2) / stored(result)

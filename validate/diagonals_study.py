@@ -74,7 +74,7 @@ def solved(matrix, given):
 
 
 def spin(x, u):
-    """Mean turn of a section about the x axis."""
+    """Mean rotation of a section about the x axis."""
     return np.sum(u[:, 2] * x[:, 1] - u[:, 1] * x[:, 2]) / np.sum(x[:, 1:] ** 2)
 
 
@@ -87,8 +87,8 @@ class Bar:
         self.low, self.high = (np.flatnonzero(np.abs(self.x[:, 0] - end) < 1e-9) for end in (0, LENGTH))
 
     def bent(self):
-        """Ends are planes turned by a curvature about z, then y, and free to contract: the exact state is pure bending. Stiffnesses along the stiffest and
-        softest direction of the section, and the largest twist over the curvature."""
+        """The ends are planes rotated by a curvature about z, then y, and free to contract: the exact state is pure
+        bending. Returns the stiffnesses along the stiffest and softest directions of the section, and the largest twist relative to the curvature."""
         x, low, high = self.x, self.low, self.high
         corner, beside = (low[np.argmin(np.hypot(x[low, 1] - y, x[low, 2] + 0.5))] for y in (-0.5, 0.5))
         moments, twist = np.zeros((2, 2)), 0.0

@@ -28,7 +28,7 @@ ALSO = {"cook": "top right", "block": "centre"}
 
 
 def relax(case, material, form, cells):
-    """The program's result, kept in runs/studies, and where its fields are."""
+    """The result of the program, stored in runs/studies, and the path of its fields."""
     folder = study.RUNS / "fem-static"
     name = f"{case}-{material}-{form}-{cells}"
     result, fields = folder / f"{name}.json", folder / f"{name}.txt"
@@ -52,7 +52,8 @@ def read_fields(path, dimension):
 
 
 def roughness(path, dimension):
-    """Root of the mean square jump of the pressure between elements that share a side, over that of the pressure."""
+    """Root of the mean square jump of the pressure between elements with a common side, relative to that of the
+    pressure."""
     _, element, pressure = read_fields(path, dimension)
     sides = np.vstack([np.delete(element, k, axis=1) for k in range(dimension + 1)])
     owner = np.tile(np.arange(len(element)), dimension + 1)

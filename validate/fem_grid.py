@@ -4,7 +4,7 @@ import numpy as np
 
 
 def chess(cells):
-    """Cells of a grid [m, dimension] and whether the sum of their places is odd."""
+    """Cells of a grid [m, dimension] and whether the sum of their indices is odd."""
     cell = np.stack(np.meshgrid(*[np.arange(c) for c in cells], indexing="ij"), axis=-1).reshape(-1, len(cells))
     return cell, cell.sum(axis=1) % 2 == 1
 

@@ -178,7 +178,8 @@ def janssen():
 # --- heap ----------------------------------------------------------------------------------------------
 
 def heap(friction, rolling, young=2e6, seed=1):
-    """Angle of a heap left by a tube that was lifted, degrees: by a line through its flank, and by the cone that has its middle."""
+    """Angle of a heap left by a tube that was lifted, degrees: by a line through its flank, and by the cone with the
+    same centre."""
     wide, count = 16 * D, 800
     grain = {**GRAIN, "friction": friction, "rolling_friction": rolling, "young": young}
     done = run(f"heap-{friction}-{rolling}-{young:.0e}-{seed}", {

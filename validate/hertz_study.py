@@ -253,7 +253,7 @@ def experiment():
 
 
 def spinning():
-    """6: on a plane, 7: its like with the opposite and with the same spin, 8: on a large sphere."""
+    """6: on a plane; 7: two equal spheres with opposite and with equal spins; 8: on a large sphere."""
     lines = ["| case | w0, rad/s | | v_t', m/s | closed form | w0 - w', rad/s | closed form |", "| --- |" + " --- |" * 6]
     large = {**ALLOY, "r": 0.5, "young": STIFF * ALLOY["young"], "density": STIFF * ALLOY["density"]}
     dt, dt7 = closed(ALLOY, 0.2, False)[2] / 400, closed(ALLOY, 0.4, True)[2] / 400

@@ -232,7 +232,7 @@ def one(folder, scene_file, settings, reading):
 
 
 def motions(keys, slower):
-    """Everything that moves, slower, and the end as much later."""
+    """Reduces all prescribed velocities by a factor, and extends the end by the same factor."""
     changed = {"time.end": keys["time"]["end"] * slower}
     for group in ("walls", "sets"):
         for part in keys.get(group, []):

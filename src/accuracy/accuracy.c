@@ -165,7 +165,7 @@ static double of_many(const gn_test_groups *groups, const char *reading) {
     return isfinite(ratio) ? fmax(1.0, ratio) : 1.0;
 }
 
-/* In planar cases scatter is a law of 1/particles. */
+/* In planar cases the scatter is a power law of 1/particles. */
 static double packing_group(const gn_test_groups *groups, const char *reading,
                             const char **effect) {
     *effect = "particles";

@@ -423,8 +423,9 @@ static gneiss_status plan_ahead(const gn_options *options, const char *file, int
     return look(&plan, true, packings, error);
 }
 
-/* Does what `gneiss plan --error --write` and `gneiss run` of its scene do. Overrides are in that
- * scene; the number of threads also concerns how runs are made side by side. */
+/* Does the same as `gneiss plan --error --write` followed by `gneiss run` of its scene. The written
+ * scene contains the overrides; the number of threads also decides how many runs are made at the
+ * same time. */
 static gneiss_status command_run_planned(const gn_options *options, gneiss_error *error) {
     char folder[GN_PATH_SIZE], file[GN_PATH_SIZE], seeds[16];
     int packings = 1;

@@ -188,7 +188,7 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
 
 /* --- the scene --- */
 
-/* Overrides of the command line go into the new scene too, before the proposed settings. */
+/* Overrides of the command line are written to the new scene too, before the proposed settings. */
 static gneiss_status all_settings(const gn_options *options, const gn_plan *plan,
                                   const gn_world *world, gn_settings *settings,
                                   gneiss_error *error) {

@@ -13,8 +13,8 @@
 
 static const char python[] = "/usr/bin/python3";
 
-/* A script: the variable that gives another place, its place below share/gneiss of an installation,
- * and in the source tree. */
+/* A script: the variable that overrides its path, its path below share/gneiss of an installation,
+ * and its path in the source tree. */
 typedef struct script {
     const char *variable, *installed, *source;
 } script;

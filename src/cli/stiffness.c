@@ -109,7 +109,7 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
         drop_stages(*scene);
     }
     (*scene)->allow_gmsh = options->allow_gmsh;
-    gn_options packing = *options; /* nothing but the object goes to standard output */
+    gn_options packing = *options; /* standard output gets only the JSON object */
     packing.quiet = packing.quiet || options->json;
     packing.json = false;
     GN_TRY(gn_pack_ahead(&packing, *scene, error));

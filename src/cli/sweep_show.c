@@ -69,8 +69,8 @@ static void watch(void *context, const gn_sweep_progress *progress) {
         display->shown = false;
     }
     if (options->quiet) return;
-    /* Each event gets a line where lines stay; on a terminal, and while waiting, the time is
-     * updated. */
+    /* Prints a line for each event if the output is no terminal; on a terminal, and while waiting,
+     * updates the time. */
     bool due = gn_now() >= display->next;
     if (options->json ? !progress->what && !due : terminal ? !due && !ended : !ended) return;
     display->next = gn_now() + (options->json ? 5.0 : 0.5);

@@ -70,7 +70,7 @@ bool gn_conversion_ended_at_box(const gn_ending *outcome);
 bool gn_conversion_lacked_mass(const gn_ending *outcome);
 /* Tells whether it reports elements with nodes of a motion that only records. */
 bool gn_conversion_reached_watched(const gn_ending *outcome);
-/* Writes a warning about recording motions that keep elements from converting; "" if there are
+/* Writes a warning about recording motions that prevent elements from converting; "" if there are
  * none. Returns `text`. */
 const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *solids, char *text,
                                   size_t size);

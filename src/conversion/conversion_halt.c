@@ -106,7 +106,7 @@ static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t
     return said;
 }
 
-/* The model keeps all of its elements, and the run ends. */
+/* The model keeps all elements, and the run ends. */
 void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
     const gn_convertible *model = conversion->model;
     const gn_fem_solid *b = gn_coupled_solid(model->solids);

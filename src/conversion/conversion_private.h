@@ -24,8 +24,8 @@ typedef struct gn_conversion {
     int32_t *place; /* [elements of the mesh] index before the conversion; -1: converted earlier */
     double *part;   /* [particles][2] weights before, 0 if it was dormant */
     double *node_part;  /* [nodes][2] parts and distances before (couple/front.h) */
-    uint8_t *freed;     /* [particles] moves by itself from now on */
-    uint8_t *touched;   /* [elements before] converts, or gets another weight */
+    uint8_t *freed;     /* [particles] true if it moves on its own from this conversion on */
+    uint8_t *touched;   /* [elements before] true if it converts or its weight changes */
     int32_t *some;      /* [elements before] scratch */
     uint8_t *active;    /* [prepared bonds] acts from now on */
     size_t acting;      /* how many do */

@@ -145,7 +145,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
 }
 
-/* After everything has converted no difference is left to compare. */
+/* If everything has converted, there is no difference to compare. */
 static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
                                      gn_conversions *converted, gneiss_error *error) {
@@ -441,9 +441,9 @@ gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *de
     uint8_t *kind = gn_alloc(b->elements.soa.count + 1);
     int32_t *place = gn_fem_places(b, &count);
     *figures = (gn_conversion_figures){.side = shortest_side(ctx, solids)};
-    gneiss_status status =
-        kind && place ? gn_conversion_kinds(ctx, solids, kind, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
+    gneiss_status status = kind && place
+                               ? gn_conversion_kinds(ctx, solids, kind, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check elements");
     if (status == GNEISS_OK) {
         const double elements = measure_elements(b, kind, figures);
         boxed q = {.ctx = ctx,

@@ -29,7 +29,7 @@ typedef struct gn_corrections {
     double turned[3]; /* kg m2/s: vector sum of the changes of angular momentum about the centre of
                          mass */
     double most;      /* the largest magnitude of `turned` */
-    double scale;     /* the largest that the body had, or m v r of it (gn_tally_turns) */
+    double scale;     /* largest m v of the body, or m v r (gn_tally_turns) */
     double centre[3]; /* m: vector sum of the displacements of the centre of mass */
     double inertia;   /* sum of the relative changes of the polar moment about it */
 } gn_corrections;

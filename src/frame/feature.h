@@ -1,9 +1,8 @@
-/* A feature is a part of a model that only some scenes use. It hooks functions into places of the
- * step, which names none of them; a scene that does not use it pays nothing for it.
- *
+/* A feature is a part of a model that only some scenes use. It registers functions (hooks) for
+ * places of the step, so that the step does not name it; a scene that does not use it has no cost.
  * The seam between force and motion: blocks of particles and nodes that a feature holds
  * (GN_HOOK_LISTS) wait until all forces of the instant are known; it adds to their loads
- * (GN_HOOK_ACT), and they move. All other blocks move as soon as their forces are done. */
+ * (GN_HOOK_ACT), and they move. All other blocks move as soon as their forces are complete. */
 #ifndef GN_FRAME_FEATURE_H
 #define GN_FRAME_FEATURE_H
 

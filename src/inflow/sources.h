@@ -12,8 +12,8 @@
  * it. */
 bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem);
 
-/* Inserts the particles that are due where there is room. At the start (`first`) all of them must
- * find room. */
+/* Inserts the particles that are due as far as they find room. At the start (`first`) all of them
+ * must find room. */
 gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                              gn_ledger *ledger, bool first, gneiss_error *error);
 

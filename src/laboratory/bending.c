@@ -29,7 +29,7 @@ typedef struct places {
 
 typedef struct visit {
     places *into;
-    bool sides; /* the middle is known */
+    bool sides; /* true if the middle is known */
     double middle;
 } visit;
 
@@ -107,7 +107,7 @@ static places places_of(const gn_step_context *ctx, const gn_dem *dem, const gn_
 
 typedef struct report {
     char *text;
-    size_t size, used, before; /* the place precedes the message */
+    size_t size, used, before; /* the message begins with the place */
 } report;
 
 /* Compares a number of the test with its range in the scene. */

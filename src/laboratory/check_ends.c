@@ -170,8 +170,8 @@ static bool beside(const gn_step_context *ctx, int way, const reach *r) {
 /* Bits of a face: the lower one, the upper one. */
 enum { LOWER_FACE = 1, UPPER_FACE = 2 };
 
-/* Faces across a direction at which a part of an end is: in the outer third, and as far out as the
- * outermost particles there, or beyond all of them. */
+/* Returns the faces across a direction at which a part of an end is: in the outer third, and at
+ * least as far out as the outermost particles there. */
 static int face_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                    const gn_solids *solids, int way, const char *name) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0,

@@ -58,8 +58,8 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
 gneiss_status gn_ends_check(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids,
                             gneiss_error *error);
-/* Returns GNEISS_ERROR_INPUT if the specimen of an oedometer test has nothing at one of its sides
- * nearer than a tenth of its width. Call after all parts are made. */
+/* Returns GNEISS_ERROR_INPUT if at one of its sides no body is nearer to the specimen of an
+ * oedometer test than a tenth of its width. Call after all parts are made. */
 gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids,
                              gneiss_error *error);

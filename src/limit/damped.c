@@ -3,12 +3,12 @@
 #include "base/memory.h"
 #include "limit/springs.h"
 
-/* Returns a number uniformly distributed in [-1, 1), from the place alone. */
+/* Returns a number uniformly distributed in [-1, 1) that depends on the index only. */
 static double noise(size_t place) {
     return (double)((int64_t)gn_hash_place(place) >> 11) * 0x1p-52;
 }
 
-/* The operator at one tau. */
+/* The operator for one tau. */
 typedef struct instant {
     const gn_damped *system;
     double viscosity;

@@ -38,7 +38,7 @@ typedef struct gn_patch {
     double area[3];  /* m2, outward */
     double rest[9];  /* m3, sum of areas times arms from the middle */
     double size;     /* m2; 0: a face, whose size is the magnitude of its area */
-    int32_t owner;   /* id of the particle that carries it; -1: none is left */
+    int32_t owner;   /* id of the particle that carries it; -1: no particle is left */
     int32_t body;    /* its body among those of the skin at the last update */
 } gn_patch;
 
@@ -66,7 +66,7 @@ gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem
                                          const gn_solids *solids, gneiss_error *error);
 
 /* Marks [particles] those that contacts support against a push in any direction, detached ones
- * excepted; without bonds, or if there is none, all of these. */
+ * excepted. Without bonds, or if no particle is supported, marks all but the detached ones. */
 gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_dem *dem, bool *held,
                                          gneiss_error *error);
 
@@ -85,7 +85,7 @@ gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, gn_mem
 /* Tells whether the membrane covers a surface with this area vector. */
 bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]);
 
-/* Returns the particle that carries a patch; -1: none is left. */
+/* Returns the particle that carries a patch; -1: no particle is left. */
 int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 
 /* Updates the areas of the skin from its patches, each deformed with its surroundings, and balances

@@ -209,9 +209,10 @@ static void begin_span(gn_near *near, int steps) {
     near->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
 }
 
-/* A search costs about half of what the kernel takes for as many pairs; the longer its result is to
- * be valid, the more of its pairs do not touch. The number of steps with the least total cost is
- * found by varying it up and down; the cost is counted in pairs, not in seconds. */
+/* A search costs about half as much as the kernel for the same number of pairs; the longer its
+ * result is to be valid, the more of the found pairs do not touch. The number of steps with the
+ * least total cost is found by varying it up and down; the cost is counted in pairs, not in
+ * seconds. */
 static void tune_steps(gn_near *near) {
     enum { MOST = 64 };
     static const double look = 0.5; /* relative cost of the search for a pair, the kernel being 1 */
@@ -233,7 +234,7 @@ void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_arg
     if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
     if (!n->on) return;
     if (memcmp(&n->uniform, &pairs->uniform, sizeof n->uniform) != 0) {
-        if (!n->again) gn_near_repack(ctx, dem); /* else nothing is packed yet */
+        if (!n->again) gn_near_repack(ctx, dem); /* otherwise no pair is packed yet */
         find_columns(n, pairs->contacts, &pairs->uniform);
     }
     const gn_near_span *s = &n->span;
@@ -323,7 +324,7 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
         (int32_t)(n->whole ? take_all(block) : kernels->find(&args, block->act));
 }
 
-/* Packs their ends and places. */
+/* Packs the ends and the indices of pairs. */
 static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_contact_args *pairs,
                       const block_of_pairs *block) {
     const gn_near_kernels *kernels = ctx->kernels->near;

@@ -59,7 +59,7 @@ typedef struct gn_near {
     bool unsettled; /* columns of the list that the kernel writes are outdated */
     bool whole;     /* in this sweep: all pairs are worked on */
     bool look;      /* in this sweep: the active pairs are found again, */
-    bool move;      /* and columns that stay packed move to their new places */
+    bool move;      /* and columns that stay packed move to their new positions */
     bool again;     /* in the next sweep: the pairs of `act` are packed from the list, */
     bool take;      /* in this one */
     gn_near_past past;

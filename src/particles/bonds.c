@@ -331,7 +331,7 @@ static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem, gneiss_
 
 /* --- in a later stage --- */
 
-/* m: by how much the distance of the ends grew in the last step. */
+/* m: increase of the distance of the ends in the last step. */
 static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                         int32_t i, int32_t j, const double d[3], double length) {
     const double *a = dem->particles.vel + 4 * (int64_t)i, *b = dem->particles.vel + 4 * (int64_t)j;

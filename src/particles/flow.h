@@ -23,7 +23,7 @@ typedef struct gn_source_state {
     double full;          /* number of checks at which there was no room for it */
 } gn_source_state;
 typedef struct gn_sink_state {
-    double number, mass;       /* particles that left; kg */
+    double number, mass;       /* number of particles that left; kg */
     double momentum[3];        /* N s */
     double energy;             /* J, kinetic */
     double row_mass, row_time; /* at the last row of the history: no state */
@@ -45,7 +45,7 @@ typedef struct gn_flow {
     double largest; /* m: largest radius when the lists were made; with sinks */
 } gn_flow;
 
-/* A particle that comes in. */
+/* A particle that enters. */
 typedef struct gn_arrival {
     double sphere[4], velocity[3]; /* m, m/s */
     size_t source;

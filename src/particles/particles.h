@@ -92,7 +92,7 @@ struct gn_dem {
     gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
     uint8_t *still; /* [motion_blocks] it has no active particle, with couple.convert; else NULL */
     int32_t *index_of_id; /* [ids] -1: removed together with its row */
-    int64_t ids, made;    /* ids given so far; those of the specimen, which come first */
+    int64_t ids, made;    /* number of ids given so far; those of the specimen come first */
     gn_derived derived;
     gn_prescription prescribed;
     int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */

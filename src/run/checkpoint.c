@@ -194,7 +194,7 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     if (w->outcome.halt[0]) GN_TRY(gn_h5_attribute_text(file, "/", "halt", w->outcome.halt, error));
     GN_TRY(gn_scene_results(w, file, error));
     GN_TRY(put_stages(w, file, error));
-    gn_strain_gauge gauge = w->gauge.weights; /* list_gauge returns writable places */
+    gn_strain_gauge gauge = w->gauge.weights; /* list_gauge returns pointers that are not const */
     int32_t *belongs = w->gauge.belongs;
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
     list_gauge(&gauge, &belongs, w->gauge.count, arrays);

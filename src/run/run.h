@@ -49,7 +49,7 @@ typedef struct gn_run {
     int64_t history_halvings; /* present halvings of the interval (run/spacing.h) */
     int64_t history_begin;    /* first row that the thinning may remove */
     gn_samples samples;
-    int64_t snapshot_interval; /* steps, 0: none */
+    int64_t snapshot_interval; /* number of steps, 0: none */
     int64_t snapshot_next;     /* step of the next snapshots */
     double snapshot_span;      /* s, in which the scene's number of snapshots is requested */
     gn_kept kept;
@@ -120,7 +120,8 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
  * written; errors as with gn_run_advance. */
 gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error);
 
-/* As gn_run_steps; *interrupt != 0 stops it between steps, and *steps is what is left. */
+/* Does the same as gn_run_steps, but stops between steps if *interrupt != 0; *steps is then the
+ * number of steps left. */
 gneiss_status gn_run_some_steps(gn_run *run, int64_t *steps, const volatile sig_atomic_t *interrupt,
                                 gneiss_error *error);
 

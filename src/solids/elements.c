@@ -273,7 +273,7 @@ static gneiss_status make_drives(const gn_step_context *ctx, gn_element_model *q
 
 /* --- create, free --- */
 
-/* Appends an empty solid to those of the world. */
+/* Appends an empty solid to the solids of the world. */
 static gn_element_model *append(gn_solids *solids) {
     gn_element_model **all = gn_alloc_array(solids->count + 1, sizeof *all);
     gn_element_model *q = gn_alloc_array(1, sizeof *q);
@@ -618,7 +618,7 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
     GN_TRY(gn_fem_bound_update(&q->solid, &q->limit, error));
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
-    q->stiffening = 0.0; /* the next check finds what is due */
+    q->stiffening = 0.0; /* the next check finds which bodies are due */
     return GNEISS_OK;
 }
 

@@ -95,9 +95,9 @@ typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_no
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
 double gn_elements_stable(
     const gn_solids *solids); /* Returns the smallest limit, s; INFINITY: there are no solids. */
-/* Writes warnings: places where elements of one part touch without being joined (a sentence for
- * double nodes and one for hanging nodes, in meshes from files), and particles that may press more
- * facets than there is room for; "": none. Returns `text`. */
+/* Writes warnings: points where elements of one part touch without being joined (one sentence for
+ * double nodes and one for hanging nodes, in meshes from files), and particles that may touch more
+ * facets than their list can hold; "": none. Returns `text`. */
 const char *gn_elements_doubts(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids, char *text,
                                size_t size);
@@ -120,7 +120,7 @@ void gn_elements_stress(const gn_solids *solids, double stress[9]);
 void gn_elements_balance(const gn_solids *solids, gn_balance *balance);
 /* Extends a box to all nodes at the start, m. */
 void gn_elements_extent(const gn_solids *solids, double lower[3], double upper[3]);
-/* Returns the sides of the smallest box around all of them, m. */
+/* Returns the sides of the smallest box around all elements, m. */
 void gn_elements_sides(const gn_solids *solids, double side[3]);
 double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *solids);
 

@@ -26,7 +26,7 @@ class Case:
     others: str = ""  # the result of other codes, where it is known
     ends: int = 0     # exit code of a run
     more: str = ""    # tests that run variants of it
-    long: float = 0.0  # length of its long form over that of its short form; 0: it has none
+    long: float = 0.0  # Length of its long form relative to that of its short form; 0: no long form.
     long_check: Callable | None = None  # check of the long form; None: the same
 
 
@@ -78,7 +78,7 @@ def wall(name, point, normal, stiffness=1e6, **changes):
 
 
 def stl(folder, name, triangles):
-    """A surface as text; the normals are left to the reader."""
+    """A surface as text; the reader computes the normals."""
     lines = ["solid s"]
     for corners in triangles:
         lines += ["facet normal 0 0 0", "outer loop"]
@@ -140,8 +140,8 @@ def present_sets():
 
 
 def half_way(one, scene):
-    """The row of the history in the middle of a run, whether it came to its end or was stopped at a time that it names; 0: it
-    has none. (Of a run up to that row the rows are as far apart as those of the whole.)"""
+    """Returns the index of the row in the middle of a run, whether it reached its end or stopped at a time stated in
+    its message; 0: there is none. (A run up to that row has rows at the same spacing as the whole run.)"""
     found = re.search(r"step \d+, t = (\S+) s", one.message)
     last = one.summary["time"] if one.code == 0 else float(found.group(1)) if found else 0.0
     return int(0.5 * last / scene["time"]["end"] * scene["output"]["history_rows"])
@@ -194,12 +194,12 @@ def total(one):
 
 
 def swing(values):
-    """The largest departure from the first value, over it."""
+    """The largest deviation from the first value, relative to it."""
     return float(np.abs(values / values[0] - 1).max())
 
 
 def keeps_energy(limit):
-    """Kinetic and elastic energy keep their initial sum."""
+    """The sum of kinetic and elastic energy keeps its initial value."""
     def check(one):
         off = swing(total(one))
         assert off < limit, f"energy changes by {off:.2g} of itself, expected below {limit}"

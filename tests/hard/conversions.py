@@ -43,8 +43,8 @@ def between(one):
 
 
 def have_met(one):
-    """The material between the notches carries little load and converts because no zone fits there; beside a single
-    notch a part of it stays."""
+    """The material between the notches carries little load and converts because no zone fits there; with a single
+    notch a part of it remains."""
     alone = one.again(drawn(one.folder, (8,)), "alone")
     assert between(one) == 0 and between(alone) > 0, (between(one), between(alone))
     return keeps_ledger(1e-3)(one) + f"; none left between, {between(alone)} with one notch"
@@ -91,8 +91,8 @@ def edges(folder):
 
 
 def bears_as_before(one):
-    """The lower edges of the middle have converted; the bar carries the load of the elements alone, which with four
-    over the height are some percent too stiff."""
+    """The lower edges of the middle have converted; the bar carries the load of the elements only, which with four
+    over the height are some per cent too stiff."""
     at = centres(one)
     low = (at[:, 1] < 1e-3) & (abs(at[:, 0] - 0.02) < 1e-3)
     assert not low.any(), at[low]

@@ -1,4 +1,4 @@
-"""Scenes that ask for a smaller step than what touches at their start: the automatic one has to know."""
+"""Scenes in which contacts at the start require a smaller step: the automatic step has to take them into account."""
 from hard.case import *  # noqa: F403
 
 
@@ -21,7 +21,7 @@ LAYERS = {"cubic": 4, "fcc": 9 / math.sqrt(2), "hcp": 9 * math.sqrt(2 / 3)}
 
 
 def closing(kind):
-    """A lattice that nothing touches, between walls that close at 0.1 m/s."""
+    """A lattice without contacts, between walls that close at 0.1 m/s."""
     def scene(folder):
         height = 2e-3 * 1.0001 * LAYERS[kind] + 2e-3 + 2e-7
         return spheres(lattice(kind, [5, 5, 5], spacing=1.0001), 5e-4, {"normal_stiffness": 1e5},
@@ -99,7 +99,7 @@ def dies_down(one):
 
 
 def light_plate(folder):
-    """A free plate, lighter than one of the spheres, on a bed of 49 that a strong gravity presses."""
+    """A free plate, lighter than one of the spheres, on a bed of 49 under strong gravity."""
     k, g = 1e5, 1000.0
     rows = [[2.1e-3 * a, 2.1e-3 * b, 1e-3, 1e-3] for a in range(7) for b in range(7)]
     return spheres(rows, 0.004, {"normal_stiffness": k}, gravity=[0, 0, -g], walls=[wall("floor", [0, 0, 0], [0, 0, 1], k)],

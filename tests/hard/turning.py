@@ -1,4 +1,4 @@
-"""Bodies that turn: nothing but the kinematics of contacts and the splitting of a free rotation keeps their energy."""
+"""Rotating bodies: only the kinematics of contacts and the splitting of a free rotation conserve their energy."""
 from hard.case import *  # noqa: F403
 
 RING, SPIN = 24, 500.0  # spheres; rad/s
@@ -110,8 +110,8 @@ def euler(spin, inertia, end, steps):
 
 
 def flips(one):
-    """It has the spin that Euler's equations say, seen from the body, after several flips; the error of the second order
-    in the step is that of the phase."""
+    """It has the spin given by Euler's equations in the frame of the body, after several flips; the error, of second
+    order in the step, is an error of phase."""
     rows, (x, y, z) = one.history, SIDES
     inertia = np.array([y * y + z * z, z * z + x * x, x * x + y * y]) * 2000 * x * y * z / 12
     exact = euler(TOP, inertia, one.summary["time"], 4000)
@@ -130,13 +130,13 @@ def keeps_turning(one):
 
 
 def turned_back(q, v):
-    """A vector of space as a body sees it that was turned by the quaternion w x y z."""
+    """Converts a vector of space to the frame of a body rotated by the quaternion w x y z."""
     w, u = q[0], -np.array(q[1:])
     return v + 2 * np.cross(u, np.cross(u, v) + w * v)
 
 
 def spinning_top(folder):
-    """A sphere pressed on a floor, pushed aside, that spins: its tangential spring turns with half its spin."""
+    """A spinning sphere pressed on a floor and pushed sideways: its tangential spring rotates with half its spin."""
     return spheres([[0, 0, 0.99e-3, 1e-3]], 0.02,
                    walls=[wall("floor", [0, 0, 0], [0, 0, 1], kratio=2, friction=100)],
                    sets=[{**launched("top", [0], [0.01, 0, 0], [0, 0, 2000]), "force": [0, 0, -10]}])

@@ -31,7 +31,7 @@ def falls_out(constraint):
 
 
 def fell_out(one):
-    """All particles of the zone have left; the rest has the speed of its fall."""
+    """All particles of the zone have left; the remaining body has the speed of its fall."""
     words = " ".join(warning["text"] for warning in one.summary["warnings"])
     assert "42 particles left coupling zones" in words, words
     speed = one.field("nodes/velocity")[:, 0].mean()

@@ -69,7 +69,8 @@ def power_of_strain(study, kind, c):
 
 
 def scatter_over_law(study, kind, c):
-    """The scatter over many packings over that of the study's law, which five of every number made; loaded at four times the speed."""
+    """Ratio of the scatter over many packings to the scatter law of the study, which is based on five packings of
+    every number; loaded at four times the speed."""
     count, seeds = (100, 2) if study.quick else (500, 24)
     scene = c.scene({**c.shape(), "particles": count})
     rows = study.axis(kind, {**scene, **timed(scene)}, Axis("base, many packings", [0.9], machinery.key("time.safety"), [0.9], seeds=seeds))
@@ -79,7 +80,8 @@ def scatter_over_law(study, kind, c):
 
 
 def run_over_lattice(study, kind, scene_file):
-    """Seconds of a run over those predicted from a lattice, measured in turns, as other programs may use the machine."""
+    """Ratio of the time of a run to the time predicted from a lattice, measured alternately, because other programs
+    may use the machine."""
     ratios = []
     for _ in range(AGAIN):
         reported, out = plan(study, scene_file, 1), study.path(kind, "base-timed")

@@ -70,7 +70,7 @@ def strength(row):
 
 
 def saved(truth, rows):
-    """The cost of the beam of particles over that of the cheapest coupled ones of an error."""
+    """Ratio of the cost of the beam of particles to that of the cheapest coupled beam with the same error."""
     whole, text = truth.seconds, []
     for limit in (0.05, 0.02, 0.01):
         near = [row for same in rows.values() for row in same if abs(strength(row) / strength(truth) - 1) <= limit]

@@ -135,7 +135,7 @@ def across(count, rows_of_file):
     return DIAMETER / (2 * rows_of_file[:, 3].mean()) * (count / len(rows_of_file)) ** (1 / 3)
 
 
-MUCH = 0.4  # damping from which strength hardly notices it
+MUCH = 0.4  # damping above which it hardly affects strength
 
 
 def m_base(rows, reading):
@@ -169,7 +169,8 @@ class Measured:
         return closing / (self.wave * self.base["peak_strain"])
 
     def at_rest(self, reading):
-        """The reading of ever slower loading, its change from there to every speed of the axis, and the order (0: it is reached)."""
+        """The limit of the reading for slow loading, its change from there to every speed of the axis, and the order
+        (0: converged)."""
         rows = sorted(self.found["velocity"], key=lambda row: row.value)
         values = column(rows, reading)
         still, order = fits.halved(values, self.noise[reading])
