@@ -15,11 +15,12 @@ packages_build=(
 )
 packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone
 packages_python=(python3-cffi python3-numpy) # of the Python module; it uses what there is of the next list
-packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy)
+packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy python3-pip python3-setuptools python3-wheel)
 # A locale with a decimal comma is made from the first.
 packages_test=(locales python3-jsonschema "${packages_calibrate[@]}" "${packages_python[@]}" "${packages_python_more[@]}")
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
+packages_package=(debhelper dh-python lintian mmdebstrap) # only for `package`; the last one for its --try
 packages_bench=(libbenchmark-dev)
 packages_effects=(valgrind) # only for bench --effects
 packages_validate=(yade python3-scipy) # the second for some of validate/*_study.py
@@ -31,7 +32,7 @@ usage: ./do COMMAND [...]
 
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test; --checked: on the build of `check gcc`
-  check [steps]                format layers links words gcc clang cppcheck tidy sanitizers python (all of them); on request
+  check [steps]                format layers links words release gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
                                and aarch64: kernels and bits on another processor, under qemu-user
   bench [--peers] [--large] [--sweep]
@@ -42,8 +43,10 @@ usage: ./do COMMAND [...]
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
   accuracy [--quick] [--only CASE] [--out DIR]
-                               what accuracy costs in time; writes docs/accuracy.md
-  install WHAT                 the packages of build, calibrate, python, test, check, aarch64, bench, validate, effects or peers
+                               what accuracy costs in time; writes docs/evidence/accuracy.md
+  package [--try]              Debian packages of the last commit in build-package, and what lintian says of them; --try: installs
+                               them in a bare Debian 12 and runs a scene and its report there
+  install WHAT                 the packages of build, calibrate, python, test, check, aarch64, package, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
@@ -295,6 +298,32 @@ command_install() {
     done
 }
 
+command_package() {
+    local out=$root/build-package version commit
+    need "${packages_build[@]}" "${packages_package[@]}"
+    check_release || die "package: the versions differ"
+    version=$(sed -n "s/^  version: '\(.*\)',$/\1/p" "$root/meson.build")
+    rm -rf "$out/gneiss-$version"
+    mkdir -p "$out/gneiss-$version"
+    git -C "$root" archive HEAD | tar -x -C "$out/gneiss-$version"
+    commit=$(git -C "$root" describe --always --abbrev=8 --exclude='*')
+    sed -i "s/@commit@/$commit/" "$out/gneiss-$version/src/cli/commit.c.in"
+    mv "$out/gneiss-$version/packaging/debian" "$out/gneiss-$version/debian"
+    (cd "$out/gneiss-$version" && dpkg-buildpackage --build=binary --no-sign) || die "package: the build failed"
+    lintian --fail-on error,warning "$out"/gneiss_"$version"_*.changes || die "package: lintian found errors or warnings"
+    [[ ${1:-} != --try ]] || try_packages "$out"
+}
+
+# Installs the packages in a bare Debian 12 and says how many seconds it takes from there to a report.
+try_packages() { # FOLDER
+    local packages=("$1"/gneiss_*.deb "$1"/libgneiss*.deb) package copies=()
+    for package in "${packages[@]}" "$1"/python3-gneiss_*.deb; do
+        [[ ! -f $package || $package == *dbgsym* ]] || copies+=(--customize-hook="copy-in $package /tmp")
+    done
+    mmdebstrap --variant=apt "${copies[@]}" --customize-hook="copy-in $root/packaging/try.sh /tmp" \
+        --customize-hook='chroot "$1" sh /tmp/try.sh' bookworm /dev/null
+}
+
 command_keys() {
     prepare
     build build gneiss
@@ -302,7 +331,7 @@ command_keys() {
 }
 
 command_clean() {
-    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
+    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-package "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
         "$root"/build-aarch64-root
 }
 
@@ -323,6 +352,10 @@ check_layers() { # includes against the table of docs/design.md
 
 check_links() { # pages against what they lead to
     "$python" "$root/tools/links.py"
+}
+
+check_release() { # the version in all files that name it
+    "$python" "$root/tools/release.py"
 }
 
 check_words() { # comments and pages against the rules of language
@@ -464,7 +497,7 @@ command_check() {
     need "${packages_build[@]}" "${packages_check[@]}"
     git -C "$root" rev-parse --is-inside-work-tree >/dev/null 2>&1 ||
         die "check: $root is not a git work tree; the list of files comes from git"
-    local steps=(format layers links words gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
+    local steps=(format layers links words release gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
     (($#)) && steps=("$@")
     for step in "${steps[@]}"; do
         declare -F "check_$step" >/dev/null || die "check: no such step: $step"
@@ -492,7 +525,7 @@ main() {
     local command=${1:-help}
     (($#)) && shift
     case $command in
-    run | test | check | bench | validate | accuracy | install | keys | clean) "command_$command" "$@" ;;
+    run | test | check | bench | validate | accuracy | package | install | keys | clean) "command_$command" "$@" ;;
     help | -h | --help) usage ;;
     *)
         usage >&2

@@ -140,7 +140,7 @@ PRIORITY = ("nice", "-n", "-10") if os.geteuid() == 0 else ()
 
 
 def seconds(cases, steps=3000, turns=TURNS):
-    """Counts per step of each (program, name, changes): the least of runs in turns."""
+    """Counts per step of each (program, name, changes): the smallest of alternating runs."""
     least = [float("inf")] * len(cases)
     for _ in range(turns):
         for k, (program, name, changes) in enumerate(cases):
@@ -279,7 +279,8 @@ def free_table(full):
 
 
 def each_table():
-    """One effect at a time: a build with it alone, in a scene without it, beside the build without effects."""
+    """Measures one effect at a time: a build with that effect only, run on a scene without it, is compared with the
+    build without effects."""
     rows, changes = [], {"lattice": SMALL}
     bare = build("free0", EFFECTS)
     only = sys.argv[sys.argv.index("--each") + 1:]

@@ -71,7 +71,7 @@ def pour(program, out):
 
 
 def data_file(bed, path):
-    """The bed as LAMMPS and LIGGGHTS read it."""
+    """The input of LAMMPS and LIGGGHTS for the bed."""
     import h5py
 
     with h5py.File(os.path.join(bed, "results.h5"), "r") as file:

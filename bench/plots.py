@@ -38,7 +38,7 @@ plt.rcParams.update({
 
 
 class Step:
-    """One whole-step bench with the widest instruction set."""
+    """Returns the result of one whole-step bench with the widest instruction set."""
 
     def __init__(self, name, entry):
         self.model = name.split("/")[1]
@@ -65,7 +65,7 @@ def read(path):
 
 
 def made_with(results):
-    """Version, instruction set, processor, day and load: a figure without them says little."""
+    """Version, instruction set, processor, date and load, which a figure needs to be comparable."""
     c = results["context"]
     return (f"gneiss {c['gneiss']}, {c['isa']}, {c['num_cpus']} x {c['cpu']}, {c['date'][:10]}, "
             f"load {c['load_at_start'].split()[0]}")
@@ -177,7 +177,7 @@ def peers_panel(axes, table):
          [f"{s:.3g}  (x {row['times'][reference]:.1f})" for s, row in zip(speed, table["rows"])],
          [[s - a for s, a in zip(speed, low)], [b - s for s, b in zip(speed, high)]])
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))  # a scalar one says 0 for 0.1
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))  # The scalar variant would print 0 instead of 0.1.
     axes.set_xlabel(f"million {item}-steps per second (x: times {reference})")
     axes.set_title(f"{table['scene']}, {grouped(table['rows'][0]['items'])} {item}s")
 

@@ -28,7 +28,7 @@ SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 MIN_TIME = 0.5  # seconds per gneiss measurement
 TO_FAILURE = "to failure"  # key of results that are wall seconds of a whole test
 
-# Code: its program, its Debian package.
+# Code: program, Debian package.
 CODES = {"LAMMPS": ("lmp", "lammps"), "LIGGGHTS": ("liggghts", "liggghts"), "YADE": ("yade", "yade"),
          "ESyS-Particle": ("esysparticle", "esys-particle"), "CalculiX": ("ccx", "calculix-ccx")}
 WITHOUT_MPI = {"YADE", "CalculiX"}
@@ -45,7 +45,8 @@ class Failed(Exception):
 
 
 def call(command, extra=None, timeout=900):
-    """Returns the output of the command, which runs in a folder of its own. Waiting OpenMP threads of every code spin briefly."""
+    """Runs the command in a folder of its own and returns its output. Waiting OpenMP threads of all codes spin
+    briefly."""
     environment = {"GOMP_SPINCOUNT": "20000", **os.environ, **(extra or {})}
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -60,7 +61,7 @@ def call(command, extra=None, timeout=900):
 
 def mpirun(processes):
     root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
-    # Open MPI looks for ssh even when it starts nothing on other machines.
+    # Open MPI requires ssh even if it starts no process on another machine.
     return ["mpirun", *root, "--mca", "plm_rsh_agent", "/bin/false", "--oversubscribe", "--bind-to", "none", "-np",
             str(processes)]
 
@@ -89,7 +90,7 @@ def gneiss_models(bench, scene):
 
 
 def gneiss_steps(bench, model, precision, unit):
-    """Steps alone with the widest instruction set, on 2 threads and on 1, through the bench harness."""
+    """Times steps of gneiss with the widest instruction set, on 2 threads and on 1, by the bench harness."""
     text = call([bench, "--large", f"--benchmark_min_time={MIN_TIME}", "--benchmark_format=json",
                  f"--benchmark_filter=^{kind_of_bench(unit)}/{model}/threads:[12]/"])
     results = json.loads(text[text.index("{"):text.rindex("}") + 1])
@@ -154,7 +155,7 @@ def granular(code, script, cells, ranks, steps):
 
 
 def scripted(label, command, items, steps, **settings):
-    """A Python script inside or in front of the other code, which leaves its result in a file."""
+    """Runs a Python script inside or in front of the other code; the script leaves its result in a file."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "result.json")
         call(command, {"STEPS": str(steps), "RESULT": path, **settings})
@@ -198,7 +199,7 @@ def peers_of(scene, steps):
     if scene == "fcc-500k":
         return [("LAMMPS", lambda: granular("LAMMPS", lammps, 50, 2, max(steps // 6, 20)))]
     if scene in ELEMENTS:
-        few = max(steps // 5, 20)  # a step of CalculiX takes hundreds of those of gneiss
+        few = max(steps // 5, 20)  # A step of CalculiX takes as long as hundreds of steps of gneiss.
         return [("CalculiX", lambda: elements(scene, 2, few)), ("CalculiX", lambda: elements(scene, 1, few))]
     return [("YADE", lambda: bonded("YADE -j2", ["yade", "-n", "-x", "-j2", yade], steps)),
             ("YADE", lambda: bonded("YADE -j1", ["yade", "-n", "-x", "-j1", yade], steps)),
@@ -206,7 +207,7 @@ def peers_of(scene, steps):
 
 
 def measurements(scene, build, steps, missing):
-    """(code, measurement) in the order of a turn; each measurement gives rows {label: result}."""
+    """(code, measurement) in the order of a turn; each measurement returns rows {label: result}."""
     bench, program = os.path.join(build, "bench", "bench_step"), os.path.join(build, "gneiss")
     unit = SCENES[scene][0]
     own = [("gneiss", lambda m=model, p=precision: gneiss_steps(bench, m, p, unit))

@@ -17,7 +17,7 @@ def bare(name):
 
 
 def medians(results):
-    """Name without google-benchmark's endings -> entry; plain runs when nothing was repeated."""
+    """Maps names without the suffixes of google-benchmark to entries; plain runs if nothing was repeated."""
     entries = {}
     for entry in results["benchmarks"]:
         if entry.get("error_occurred"):
@@ -48,7 +48,7 @@ def conditions(results):
 
 
 def common_cells(results, entries, name, rate):
-    """Rows of a whole step: milliseconds, speed-up over one thread, scatter of the repetitions."""
+    """Rows of a whole step: milliseconds, speed-up relative to one thread, scatter of the repetitions."""
     e = entries[name]
     single = entries.get(name.replace(f"threads:{e['threads']:.0f}", "threads:1"))
     ratio = f"{e[rate] / single[rate]:.2f}" if single and e["threads"] > 1 else ""
@@ -73,7 +73,7 @@ def step_table(results, entries):
 
 
 def copies_table(entries):
-    """Speed-up of two threads that share nothing, as a bound of that of two that share a world."""
+    """Speed-up of two threads without shared data, an upper bound of the speed-up of two threads of one world."""
     lines = ["| one model on two threads, two models at once | 1 thread, ms/step | 2 threads | speed-up | two models, 1 thread "
              "each: half a step of either | speed-up that the machine allows | reached |", "| --- |" + " ---: |" * 6]
     for name, e in entries.items():
@@ -177,7 +177,7 @@ GOOGLE_KEYS = {"name", "run_name", "run_type", "repetitions", "repetition_index"
 
 
 def write_csv(results, entries, target):
-    """One row per bench; counters that a bench does not have stay empty. Every row says where it was made."""
+    """One row per bench, with the place of the measurement; counters that a bench does not have stay empty."""
     context = results["context"]
     stamp = [context[k] for k in ("date", "gneiss", "cpu", "num_cpus", "load_at_start")]
     counters = sorted({key for e in entries.values() for key in e if key not in GOOGLE_KEYS})

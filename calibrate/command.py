@@ -17,6 +17,7 @@ from calibrate.simulate import Laboratory, kept_runs
 SURE_RATIO = 4.5      # compressive over tensile strength that brittle bonds reach in any packing of spheres
 SCATTER = 0.08        # of one packing's ratio of strengths
 FRESH = 3             # packings of the check
+ERRORS = {1: "internal error", 2: "input error", 3: "file error", 4: "out of memory", 5: "unstable run", 6: "interrupted"}  # by exit code
 OF_A_RUN = ("results.h5", "summary.json")
 
 
@@ -191,7 +192,7 @@ def reasons(search, result, name):
         return [f"{name}: no envelope that rises ever more slowly meets the wanted strengths within their tolerances: found {shown(mean, target)}, "
                 f"wanted {shown(target.value, target)}"]
     parameters, law = result.evaluation.parameters, laws.label(search.material.law)
-    chi = parameters["chi"]
+    chi = parameters.get("chi", 1.0)
     low, high = strength.BOUNDS["chi"]
     if name in ("tensile_strength", "brazilian_strength", "compressive_strength") and wanted_ratio(search.targets) and "chi" in search.free and not low * 1.02 < chi < high / 1.02:
         ratio = (result.evaluation.mean("compressive_strength") or mean) / (result.evaluation.mean("tensile_strength") or result.evaluation.mean("brazilian_strength") or mean)
@@ -229,7 +230,8 @@ def examine(request, result, progress):
     search, evaluation, seeds = result.search, result.evaluation, request.seeds
     result.slopes = search.slopes
     try:
-        result.slopes = uncertainty.measured_slopes(search, evaluation, seeds[:strength.SCOUTS])
+        if not search.by_key:  # else the search has measured them
+            result.slopes = uncertainty.measured_slopes(search, evaluation, seeds[:strength.SCOUTS])
         fresh = [max(seeds) + 1 + k for k in range(min(FRESH, len(seeds)))]
         progress(f"check on {len(fresh)} fresh packings")
         result.fresh = result.material.evaluate(evaluation.parameters, fresh)
@@ -301,13 +303,13 @@ def main(arguments):
     try:
         work(options)
     except Problem as problem:
-        print(f"gneiss: {problem}", file=sys.stderr)
+        print(f"gneiss: {ERRORS[problem.code]}: {problem}", file=sys.stderr)
         return problem.code
     except OutOfBudget as end:
-        print(f"gneiss: budget of {end}: used up before the targets were evaluated", file=sys.stderr)
+        print(f"gneiss: input error: budget of {end}: used up before the targets were evaluated", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("gneiss: interrupted; the same command continues", file=sys.stderr)
+        print("gneiss: interrupted: the same command continues", file=sys.stderr)
         return 6
     except OSError as error:
         print(f"gneiss: file error: {error}", file=sys.stderr)

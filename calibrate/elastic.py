@@ -16,7 +16,7 @@ MOST = 6             # evaluations of Poisson's ratio
 
 def constants(material, parameters, seeds):
     """[(E in Pa, nu)] of the packings with these stiffnesses, by equilibria of the compression test without breaking bonds."""
-    strong = {**parameters, "tension": UNBREAKABLE, "chi": 1.0}
+    strong = {**parameters, "tension": UNBREAKABLE, "chi": 1.0} if "tension" in parameters or "modulus" in parameters else parameters
     scenes = [material.bench().build(COMPRESSION, strong, 0.003 * material.modulus, seed) for seed in seeds]
     strength = material.targets.get("compressive_strength")
     strain = float(f"{ELASTIC * strength.value / material.modulus:.3g}") if strength else STRAIN
@@ -42,8 +42,14 @@ def bounded(ratio):
 
 
 def fit(material, seeds, progress):
-    """Parameters `modulus` and `ratio` with the wanted E and mean nu, by secants of nu over ln rho and by proportion of E."""
+    """Parameters `modulus` and `ratio` with the wanted E and mean nu, by secants of nu over ln rho and by proportion of E; of keys of the
+    material their start, and the modulus of the packings with that."""
     targets = material.targets
+    if material.request.parameters:
+        start = {name: value for name, (_, _, value) in material.request.parameters.items()}
+        if "young_modulus" not in targets:
+            material.modulus = math.exp(np.mean([math.log(young) for young, _ in constants(material, start, seeds)]))
+        return start
     wanted_e = targets["young_modulus"].value if "young_modulus" in targets else None
     wanted_nu = targets["poisson_ratio"].value if "poisson_ratio" in targets else None
     parameters = laws.start(material.scene, material.modulus, wanted_nu, material.size.radius)
@@ -76,10 +82,9 @@ def given_stiffness(material):
     values, found = material.scene["materials"][0], {}
     if material.law is not None:
         return found
-    key = {"uniform": "normal_stiffness"}.get(laws.stiffness_of(material.scene), "contact_modulus")
-    key = "young" if laws.stiffness_of(material.scene) in laws.BY_AREA else key
+    key, unit = laws.modulus_key(material.scene)
     if "young_modulus" not in material.targets and key in values:
-        found["modulus"] = laws.units.number(values[key], "N/m" if key == "normal_stiffness" else "Pa")
+        found["modulus"] = laws.units.number(values[key], unit)
     if "poisson_ratio" not in material.targets:
         of = {name: laws.units.number(values[name], "1") for name in ("kratio", "alpha", "beta", "poisson") if name in values}
         if key == "young":

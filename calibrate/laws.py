@@ -65,9 +65,11 @@ def dimension_of(scene):
 
 
 def material_values(scene, parameters):
-    """Keys of the material for the parameters: `modulus` (Pa; N/m with the uniform law), `ratio` (k_t/k_n), `tension` (Pa, N with the
+    """Keys of the material for the parameters. These are keys themselves, or `modulus` (Pa; N/m with the uniform law), `ratio` (k_t/k_n), `tension` (Pa, N with the
     uniform law), `chi` (shear over tensile strength of a contact), `bond_friction` (below 0: bonds have none, and friction is lower than FRICTION by
     its part 1/LOWERING)."""
+    if "tension" not in parameters:
+        return dict(parameters)
     kind, shear = stiffness_of(scene), parameters["tension"] * parameters["chi"]
     friction = parameters.get("bond_friction", 0.0)
     values = {"bond_friction": friction} if friction > 0.0 else {"friction": round(FRICTION + friction / LOWERING, 9)} if friction < 0.0 else {}
@@ -81,12 +83,17 @@ def material_values(scene, parameters):
     return {"contact_modulus": parameters["modulus"], "kratio": 1.0 / parameters["ratio"], **strengths}
 
 
-def contact_stiffness(scene, parameters, radius):
-    """Normal stiffness of a contact of two particles of the mean radius (N/m)."""
-    kind, modulus = stiffness_of(scene), parameters["modulus"]
-    if kind == "uniform":
-        return modulus
-    if dimension_of(scene) == 2:
+def modulus_key(scene):
+    """(key of the material that is proportional to the stiffness of contacts, its unit)."""
+    kind = stiffness_of(scene)
+    return ("normal_stiffness", "N/m") if kind == "uniform" else ("young" if kind in BY_AREA else "contact_modulus", "Pa")
+
+
+def contact_stiffness(scene, radius):
+    """Normal stiffness of a contact of two particles of the mean radius (N/m) of the scene's material."""
+    kind, (key, unit) = stiffness_of(scene), modulus_key(scene)
+    modulus = units.number(scene["materials"][0][key], unit)
+    if kind == "uniform" or dimension_of(scene) == 2:
         return modulus
     return modulus * (0.5 * math.pi if kind in BY_AREA else 2.0) * radius
 

@@ -1,4 +1,5 @@
-"""A material with one law: evaluates parameters by tests of given packings. Parameters are dicts as in laws.material_values."""
+"""A material with one law: evaluates parameters by tests of given packings. Parameters are dicts as in laws.material_values: those of the
+laws, or keys of the material where the request names them."""
 import math
 from dataclasses import dataclass, field
 
@@ -9,16 +10,21 @@ from calibrate.specimens import Bench, size_of
 
 LONGER = 2.5       # a test without a peak is repeated with an expected strength that is larger by this factor
 REPEATS = 3
-LINEAR = {"poisson_ratio", "bond_friction"}  # compared by difference; all others by the logarithm of their ratio
+LINEAR = {"poisson_ratio", "bond_friction"}
+
+
+def is_linear(name):
+    """True for what is compared by difference; all others are by the logarithm of their ratio. Points of curves are shares of its peak."""
+    return name in LINEAR or name.startswith("curve")
 
 
 def scaled(name, value):
     """Coordinate in which outputs and parameters are nearly linear in each other."""
-    return value if name in LINEAR else math.log(value)
+    return value if is_linear(name) else math.log(value)
 
 
 def unscaled(name, coordinate):
-    return float(coordinate) if name in LINEAR else math.exp(coordinate)
+    return float(coordinate) if is_linear(name) else math.exp(coordinate)
 
 
 @dataclass
@@ -61,6 +67,9 @@ class Material:
         value = {name: target.value for name, target in self.targets.items()}
         tension = value.get("tensile_strength", value.get("brazilian_strength"))
         compression = value.get("compressive_strength", 8.0 * tension if tension else 0.003 * self.modulus)
+        for target in self.targets.values():
+            if target.point and readings.of_curve(target) == test:
+                return target.point.largest
         if test.kind == "triaxial":
             return compression + 3.0 * test.confinement
         return compression if test.kind == "compression" else tension or 0.1 * compression
@@ -69,7 +78,7 @@ class Material:
         if test not in self.expected:
             return self.first_guess(test)
         tension, strength = self.expected[test]
-        return strength * (parameters["tension"] / tension)
+        return strength * (parameters.get("tension", 1.0) / tension)
 
     def _measure(self, tests, parameters, seeds, expectation):
         """{(test, seed): Outcome}; tests without a peak are repeated with a longer duration."""
@@ -98,7 +107,7 @@ class Material:
         for test in tests:
             strengths = [readings.strength_of(test, found[test, seed]) for seed in seeds]
             if None not in strengths:
-                self.expected[test] = (parameters["tension"], float(np.mean(strengths)))
+                self.expected[test] = (parameters.get("tension", 1.0), float(np.mean(strengths)))
         by_seed = {seed: {test: found[test, seed] for test in tests} for seed in seeds}
         return Evaluation(dict(parameters),
                           {seed: {name: readings.value_of(name, targets, by_seed[seed], self.flat) for name in names} for seed in seeds},

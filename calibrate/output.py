@@ -7,11 +7,10 @@ import numpy as np
 import yaml
 
 from calibrate import laws, report, strength, uncertainty
+from calibrate.targets import FREE
 from calibrate.readings import main_test, strength_of
 from calibrate.simulate import write_whole
 
-UNITS = {"contact_modulus": "Pa", "young": "Pa", "normal_stiffness": "N/m", "tensile_strength": "Pa", "shear_strength": "Pa",
-         "bond_tension_limit": "N", "bond_shear_limit": "N"}
 PHYSICAL = {"poisson_ratio": (0.0, 0.5), "friction_angle": (0.0, 90.0)}  # ranges of readings; of all others: above 0
 FILES = ("calibration.json", "calibrated.yaml", "report.html")
 # Scene key: parameters whose scaled coordinates add up to that of the key, with their signs.
@@ -33,10 +32,11 @@ def finite(value):
 def parameters_of(result):
     """{scene key: value, unit, 95 % interval or None, free}."""
     free, count = result.search.free, len(result.evaluation.values)
-    bounds = {"bond_friction": (0.0, strength.limits_of(result.material)["bond_friction"][1]), "friction": (0.0, laws.FRICTION)}
+    limits = strength.limits_of(result.material)
+    bounds = limits if result.search.by_key else {"bond_friction": (0.0, limits["bond_friction"][1]), "friction": (0.0, laws.FRICTION)}
     found = {}
     for key, value in laws.material_values(result.material.scene, result.evaluation.parameters).items():
-        origin = ORIGINS.get(key)
+        origin = {key: 1} if key in free else ORIGINS.get(key)
         gradient = np.array([(origin or {}).get(name, 0) for name in free], float)
         is_free = bool(np.any(gradient))
         interval = None
@@ -45,7 +45,7 @@ def parameters_of(result):
             variance = uncertainty.variance_of(result.covariance, gradient)
             if variance != 0.0:  # 0: at a bound
                 interval = uncertainty.within(uncertainty.interval_of(name, value, variance, count), *bounds.get(key, (-math.inf, math.inf)))
-        found[key] = {"value": value, "unit": UNITS.get(key, ""), "interval": interval, "free": is_free}
+        found[key] = {"value": value, "unit": FREE[key][0] if FREE[key][0] != "1" else "", "interval": interval, "free": is_free}
     return found
 
 

@@ -4,6 +4,7 @@ import math
 import numpy as np
 from scipy.optimize import nnls
 
+from calibrate import curves
 from calibrate.specimens import Test
 
 ENVELOPE = (0.1, 0.2, 0.4)  # confinements of an envelope over the compressive strength, beside the test without confinement
@@ -35,11 +36,19 @@ def envelope_tests(targets):
     return [COMPRESSION] + [confined(pressure) for pressure in given]
 
 
+def of_curve(target):
+    """The test of a curve, which goes on to the end of it."""
+    point = target.point
+    return Test("triaxial" if point.confinement else "compression", point.confinement, point.last)
+
+
 def tests_of(name, targets):
-    """The tests that the value of a target takes."""
+    """The tests that are needed for the value of a target."""
     if name in OF_ENVELOPE:
         return envelope_tests(targets)
     target = targets[name]
+    if target.point:
+        return [of_curve(target)]
     return [confined(target.confinement)] if target.confinement else [_PLAIN[name][0]]
 
 
@@ -78,7 +87,9 @@ def hoek_brown_mi(confinement, strength):
 
 
 def strength_of(test, outcome):
-    """The strength that sets the speed of a test; None if the run has no peak."""
+    """The strength that sets the speed of a test; None if the run has no peak. Tests up to a given strain need none."""
+    if test.strain:
+        return outcome.reading("largest_stress")
     return outcome.reading("indirect_tensile_strength" if test.kind == "brazilian" else "peak_stress")
 
 
@@ -95,6 +106,10 @@ def value_of(name, targets, outcomes, flat=False):
     """Value of a target from {test: Outcome} of one packing; None if it is absent."""
     if name in OF_ENVELOPE:
         return _envelope(name, targets, outcomes)
+    if targets[name].point:
+        outcome, point = outcomes[of_curve(targets[name])], targets[name].point
+        stress = None if outcome.message else curves.stress_at(outcome.folder, point.strain)
+        return None if stress is None else stress / point.largest
     if targets[name].confinement:
         return outcomes[confined(targets[name].confinement)].reading("axial_strength")
     test, reading = _place(name, flat)
@@ -104,7 +119,7 @@ def value_of(name, targets, outcomes, flat=False):
 
 def error_of(name, targets, outcomes, flat=False):
     """Possible error of a value by its run's budget (speed, step, rows, round-off), without packings; 0 if the run has none."""
-    if name in OF_ENVELOPE or targets[name].confinement:
+    if name in OF_ENVELOPE or targets[name].confinement or targets[name].point:
         return 0.0
     test, reading = _place(name, flat)
     return outcomes[test].errors.get(reading, 0.0)

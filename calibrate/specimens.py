@@ -9,6 +9,7 @@ SPEED = 0.01         # closing speed over wave speed and strain at the peak: 1 t
 PLATEN = 5.0         # stiffness of platens over that of a contact
 START = 0.05         # fraction of the expected duration in which ends come to their speed
 DROP = 0.3           # of the stress from its peak, which ends a test
+BEYOND = 1.02        # strain at which a test of a curve ends over that of the curve
 DURATION = 4.0       # duration over the expected one
 STRAIN = {"compression": 1.3, "tension": 1.1, "brazilian": 9.0, "triaxial": 1.6}  # at the peak, over strength over modulus
 SEAT = 0.1           # depth of platens in discs, in mean radii: laid on, they would close gaps as wide as the strains of the test
@@ -19,13 +20,14 @@ FLAT = math.cos(math.radians(5.0))  # Brazilian disc: flats of 10 degrees
 
 @dataclass(frozen=True, order=True)
 class Test:
-    """One laboratory test: its kind, and the confinement of a triaxial one in Pa."""
+    """One laboratory test: its kind, the confinement of a triaxial one in Pa, and the strain at which it ends (0: at a drop of the stress)."""
     kind: str
     confinement: float = 0.0
+    strain: float = 0.0
 
     @property
     def name(self):
-        return self.kind if not self.confinement else f"{self.kind}_{self.confinement / 1e6:.4g}MPa"
+        return self.kind + (f"_{self.confinement / 1e6:.4g}MPa" if self.confinement else "") + (f"_{100.0 * self.strain:.3g}%" if self.strain else "")
 
 
 @dataclass(frozen=True)
@@ -126,13 +128,13 @@ class Bench:
             size = self.disc(scene, size)
         length = size.width if test.kind == "brazilian" else size.height
         speed = SPEED * self.wave_speed() * strain
-        stiffness = PLATEN * laws.contact_stiffness(scene, parameters, size.radius)
+        stiffness = PLATEN * laws.contact_stiffness(scene, size.radius)
         getattr(self, test.kind)(scene, test, size, (length * strain, speed), stiffness)
-        before = 0.0
+        before, end = 0.0, {"strain": BEYOND * test.strain} if test.strain else {"peak_drop": DROP}
         if "stages" in scene:
             before = scene["stages"][0]["end"]["time"]
-            scene["stages"][-1]["end"] = {"peak_drop": DROP}
-        scene["time"] = {"end": before + DURATION * length * strain / speed, **({} if before else {"stop": {"peak_drop": DROP}})}
+            scene["stages"][-1]["end"] = end
+        scene["time"] = {"end": before + DURATION * length * max(strain, test.strain) / speed, **({} if before else {"stop": end})}
         return scene
 
     def _test(self, scene, kind, size):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from calibrate import elastic, laws, readings
+from calibrate import elastic, laws, readings, uncertainty
 from calibrate.material import scaled, unscaled
 
 PARAMETERS = ("modulus", "ratio", "tension", "chi", "bond_friction")
@@ -18,6 +18,7 @@ ACCEPTED, OUTNUMBERED = 1.0 / 3.0, 0.75  # of a tolerance, with enough parameter
 NEAR = 0.05               # with the scouts; then all packings join
 PATIENCE, GAIN = 3, 0.9   # steps without a sum of squares below this part of the least one end a search
 LARGEST_STEP = 1.2        # of a logarithm, or of bond_friction
+LARGEST_OF_KEYS = 0.5     # Limit for keys of the material, whose slopes follow from differences of this size only.
 PRIORITY = 10.0           # of elastic constants and strengths in compression over all others
 NOISE, SMOOTH_NOISE = 0.03, 0.003  # of the logarithm of a strength, because of single breaks; of elastic constants
 REACH = 0.7               # distance in scaled coordinates over which an evaluation loses weight
@@ -35,7 +36,8 @@ def free_parameters(targets):
     """The parameters that the targets determine, in the order of PARAMETERS."""
     tensile = "tensile_strength" in targets or "brazilian_strength" in targets
     pressures = sum(1 for target in targets.values() if target.confinement)
-    compressive = pressures + ("compressive_strength" in targets)
+    pressures += len({target.point.confinement for target in targets.values() if target.point and target.point.confinement})
+    compressive = pressures + ("compressive_strength" in targets or any(target.point and not target.point.confinement for target in targets.values()))
     confined = any(name in targets for name in FRICTIONAL) or pressures > 0
     free = {"modulus": "young_modulus" in targets, "ratio": "poisson_ratio" in targets, "tension": tensile or compressive,
             "chi": compressive and tensile or compressive >= LINE, "bond_friction": confined}
@@ -44,6 +46,8 @@ def free_parameters(targets):
 
 def limits_of(material):
     """{parameter: (lowest, highest)} of a material."""
+    if material.request.parameters:
+        return {name: (low, high) for name, (low, high, _) in material.request.parameters.items()}
     low, high = BOUNDS["bond_friction"]
     given = "friction" in material.request.scene["materials"][0] or material.law is None
     return {**BOUNDS, "bond_friction": (0.0 if given else low, material.law.most_friction if material.law else high)}
@@ -60,7 +64,9 @@ def prior_slopes(names, free, dimension, ratio, law):
     angle, compression = law.friction_slopes
     table = {("young_modulus", "modulus"): 1.0, ("young_modulus", "ratio"): young, ("poisson_ratio", "ratio"): poisson}
     for name in names:
-        confined = name.startswith("triaxial")
+        confined, curve = name.startswith("triaxial"), name.startswith("curve")
+        if curve:  # between a modulus and a strength
+            table.update({(name, "modulus"): 0.5, (name, "tension"): 0.5, (name, "chi"): 0.5 * law.slope, (name, "bond_friction"): 0.5 * angle})
         if confined or name in STRENGTHS:
             table[name, "tension"] = 1.0
         if confined or name == "compressive_strength":
@@ -72,7 +78,7 @@ def prior_slopes(names, free, dimension, ratio, law):
 
 def is_confined(name):
     """True if the value of a target takes tests under pressure."""
-    return name in FRICTIONAL or name.startswith("triaxial")
+    return name in FRICTIONAL or name.startswith("triaxial") or name.startswith("curve") and "MPa" in name
 
 
 class Search:
@@ -81,10 +87,14 @@ class Search:
     def __init__(self, material, parameters, progress, targets=None):
         self.material, self.progress = material, progress
         self.targets = targets or material.targets
-        self.names, self.free = list(self.targets), free_parameters(self.targets)
+        self.by_key = bool(material.request.parameters)  # parameters are keys of the material, without usual slopes
+        self.names, self.free = list(self.targets), list(material.request.parameters) or free_parameters(self.targets)
         self.parameters = dict(parameters)
-        self.slopes = prior_slopes(self.names, self.free, laws.dimension_of(material.scene), parameters["ratio"],
-                                   material.law or laws.LAWS[0])
+        if self.by_key:
+            self.slopes = np.ones((len(self.names), len(self.free)))
+        else:
+            self.slopes = prior_slopes(self.names, self.free, laws.dimension_of(material.scene), parameters["ratio"],
+                                       material.law or laws.LAWS[0])
         self.prior = self.slopes.copy()
         self.limits, self.off = limits_of(material), readings.off_envelopes(self.targets)
         self.steps = []
@@ -148,7 +158,8 @@ class Search:
         known = np.isfinite(residual)
         weight = self.weights()
         position, (low, high) = self.position(evaluation.parameters), self.bounds()
-        low, high = np.maximum(low, position - LARGEST_STEP), np.minimum(high, position + LARGEST_STEP)
+        largest = LARGEST_OF_KEYS if self.by_key else LARGEST_STEP
+        low, high = np.maximum(low, position - largest), np.minimum(high, position + largest)
         matrix = (self.slopes * weight[:, None])[known]
         aim = -(residual * weight)[known]
         steady = 1e-3  # among equal solutions the shortest step
@@ -239,11 +250,15 @@ class Search:
         return min(costs[-PATIENCE:]) > (absent, GAIN * least)
 
     def approach(self, seeds):
-        """Brings a few packings near the targets, once; first near those without pressure, whose tests are shorter."""
+        """Brings a few packings near the targets, once; first near those without pressure, whose tests are shorter. Keys of the material have
+        the slopes of finite differences at their start."""
         plain = {name: target for name, target in self.targets.items() if not is_confined(name)}
-        if self.steps or len(plain) == len(self.targets):
+        if self.steps or len(plain) == len(self.targets) and not self.by_key:
             return
-        if plain:
+        if self.by_key:
+            self.slopes = self.prior = uncertainty.measured_slopes(self, self.advance(seeds[:SCOUTS]), seeds[:SCOUTS])
+            self.parameters = self.step(self.steps[-1])
+        elif plain:
             first = Search(self.material, self.parameters, self.progress, plain)
             first.scout(seeds)
             self.parameters = first.parameters
@@ -295,6 +310,8 @@ class Search:
 
 def start(material, parameters):
     """Adds strengths to elastic parameters: the tensile one from the targets by that of packed spheres, and chi in the middle."""
+    if material.request.parameters:
+        return parameters
     values = {name: target.value for name, target in material.targets.items()}
     tension = values.get("tensile_strength", values.get("brazilian_strength", values.get("compressive_strength", 0.003 * material.modulus) / 6.0))
     if laws.stiffness_of(material.scene) == "uniform":

@@ -4,9 +4,10 @@ import os
 import re
 from dataclasses import dataclass, field
 
+import numpy as np
 import yaml
 
-from calibrate import units
+from calibrate import curves, units
 from calibrate.laws import NAMES as LAWS
 from calibrate.problem import Problem
 from calibrate.specimens import particles_of
@@ -23,16 +24,34 @@ READINGS = {
     "m_i": ("1", 0.1, 200.0, 0.1),
 }
 ABSOLUTE = {"poisson_ratio", "friction_angle"}  # their tolerances are differences in the unit of the reading
-KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "targets", "seeds", "budget")
+KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "parameters", "targets", "seeds", "budget")
 SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
 SOURCES = ("file", "from", "lattice", "disc", "polygon", "surface", "mesh")  # of a specimen that is not a shape to be packed, and of other shapes
 LENGTHS = {"cylinder": ("diameter", "height"), "box": ("size",), "rectangle": ("width", "height")}
 MATERIAL = {"density": ("kg/m3", 1.0, 1e5), "contact_modulus": ("Pa", 1.0, 1e15), "young": ("Pa", 1.0, 1e15), "normal_stiffness": ("N/m", 1e-3, 1e15),
             "kratio": ("1", 0.0, 1e6), "alpha": ("1", 1e-6, 1e6), "beta": ("1", 0.0, 1e6), "poisson": ("1", -0.99, 0.5), "bond_friction": ("1", 0.0, 100.0)}
+# Keys of the material that `parameters` can name: unit, lowest and highest value.
+FREE = {**{key: MATERIAL[key] for key in MATERIAL if key not in ("density", "poisson")}, "friction": ("1", 0.0, 10.0), "poisson": ("1", 0.0, 0.5),
+        **{key: ("Pa", 1.0, 1e12) for key in ("tensile_strength", "shear_strength", "yield_stress_1", "yield_stress_2", "yield_stress_3")},
+        **{key: ("N", 1e-6, 1e12) for key in ("bond_tension_limit", "bond_shear_limit")},
+        **{key: ("1", 1.0, 1e6) for key in ("yield_ratio_1", "yield_ratio_2", "yield_ratio_3")},
+        **{key: ("J/m2", 1e-6, 1e9) for key in ("fracture_energy", "shear_fracture_energy")},
+        **{key: ("1", 1e-9, 1e6) for key in ("fracture_strain", "shear_fracture_strain", "fracture_ratio")}}
+LINEAR = ("bond_friction",)  # may be 0: all others are searched in their logarithms
 STIFFNESSES = ("uniform", "arithmetic", "harmonic", "mean_radius", "mean_arithmetic", "mean_harmonic", "dempack", "polyhedron")
+CURVE = 0.1   # tolerance of the points of a curve over its largest stress
 MOST_SEEDS = 1000
 FEWEST = 50   # particles of a specimen
 DEEPEST = 32  # of sections within sections, as in a scene
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of a measured curve: its strain, and of the whole curve the confinement, the last strain and the largest stress (Pa)."""
+    confinement: float
+    strain: float
+    last: float
+    largest: float
 
 
 @dataclass(frozen=True)
@@ -41,11 +60,12 @@ class Target:
     name: str
     value: float
     tolerance: float
-    confinement: float = 0.0
+    confinement: float = 0.0  # of a strength under pressure
+    point: Point = None       # of a curve; value and tolerance are shares of its largest stress
 
     @property
     def unit(self):
-        return READINGS["compressive_strength" if self.name.startswith("triaxial") else self.name][0]
+        return "1" if self.point else READINGS["compressive_strength" if self.confinement else self.name][0]
 
     def error(self, found):
         """Difference of a found value, in tolerances."""
@@ -64,6 +84,7 @@ class Request:
     most_runs: float = math.inf
     most_seconds: float = math.inf
     shape: str = ""
+    parameters: dict = field(default_factory=dict)  # {key of the material: (lowest, highest, value of the scene)}; empty: those of the law
     notes: list = field(default_factory=list)
 
 
@@ -202,6 +223,43 @@ def _triaxial(file, node):
     return found
 
 
+def _curve(file, node):
+    """Points of a measured curve: a file, or a section {file, confinement, tolerance}."""
+    keys = {"file": node} if isinstance(node, yaml.ScalarNode) else file.section(node, "targets.curve")
+    for key in keys:
+        if key not in ("file", "confinement", "tolerance"):
+            file.fail(keys[key], f"targets.curve.{key}: expected file, confinement or tolerance, found '{key}'")
+    if "file" not in keys:
+        file.fail(node, "targets.curve.file: expected a file of strains and stresses, found none")
+    confinement = file.number(keys["confinement"], "targets.curve.confinement", "Pa", 0.0, 1e12) if "confinement" in keys else 0.0
+    name = file.text(keys["file"], "targets.curve.file")
+    try:
+        strains, stresses = curves.read(os.path.join(os.path.dirname(os.path.abspath(file.path)), name))
+    except OSError as error:
+        file.fail(keys["file"], f"targets.curve.file: {name} cannot be read: {error.strerror}", 3)
+    except ValueError as error:
+        file.fail(keys["file"], f"targets.curve.file: {name}: {error}")
+    most = float(np.max(stresses))
+    if not most > 0.0:
+        file.fail(keys["file"], f"targets.curve.file: {name}: expected stresses above 0 in compression, found at most {most:g} Pa")
+    tolerance = file.number(keys["tolerance"], "targets.curve.tolerance", "1", 1e-4, 1.0) if "tolerance" in keys else CURVE
+    found, label = [], f"curve_{confinement / 1e6:g}MPa" if confinement else "curve"
+    for strain in np.linspace(0.0, strains[-1], curves.POINTS + 1)[1:]:
+        if np.interp(strain, strains, stresses) <= 0.0:
+            file.fail(keys["file"], f"targets.curve.file: {name}: expected stresses above 0, found none at a strain of {strain:.3g}")
+        found.append(Target(f"{label}_{100.0 * strain:.3g}%", float(np.interp(strain, strains, stresses)) / most, tolerance,
+                            point=Point(confinement, float(strain), float(strains[-1]), most)))
+    return found
+
+
+def _curves(file, node):
+    """Points of one measured curve, or of several in a list."""
+    return [target for one in (node.value if isinstance(node, yaml.SequenceNode) else [node]) for target in _curve(file, one)]
+
+
+LISTS = {"triaxial": _triaxial, "curve": _curves}  # wanted readings that are several targets
+
+
 def _contradictions(file, places, targets):
     def above(high, low):
         if high in targets and low in targets and targets[low].value >= targets[high].value:
@@ -219,14 +277,14 @@ def read_targets(file, node):
     """{name: Target} of the section `targets`."""
     targets, places = {}, {}
     for name, where, value in file.entries(node, "targets"):
-        if name != "triaxial" and name not in READINGS:
-            file.fail(where, f"targets.{name}: expected one of {', '.join(READINGS)}, triaxial; found '{name}'")
-        for target in _triaxial(file, value) if name == "triaxial" else [_target(file, name, value)]:
+        if name not in LISTS and name not in READINGS:
+            file.fail(where, f"targets.{name}: expected one of {', '.join([*READINGS, *LISTS])}; found '{name}'")
+        for target in LISTS[name](file, value) if name in LISTS else [_target(file, name, value)]:
             if target.name in targets:
-                file.fail(where, f"targets.{name}: expected each confinement once, found {target.confinement:g} Pa again")
+                file.fail(where, f"targets.{name}: expected each confinement once, found {target.point.confinement if target.point else target.confinement:g} Pa again")
             targets[target.name], places[target.name] = target, value
     if not targets:
-        file.fail(node, f"targets: expected at least one of {', '.join(READINGS)}, triaxial; found none")
+        file.fail(node, f"targets: expected at least one of {', '.join([*READINGS, *LISTS])}; found none")
     _contradictions(file, places, targets)
     return targets
 
@@ -372,6 +430,30 @@ def _shape(file, node, dimension):
     return shapes[0]
 
 
+def _parameters(file, node, scene):
+    """{key of the material: (lowest, highest, value of the scene)} of the section `parameters`."""
+    found, values = {}, scene["materials"][0]
+    for key, where, value in file.entries(node, "parameters"):
+        name = f"parameters.{key}"
+        if key not in FREE:
+            file.fail(where, f"{name}: expected one of {', '.join(FREE)}; found '{key}'")
+        if not isinstance(value, yaml.SequenceNode) or len(value.value) != 2:
+            file.fail(value, f"{name}: expected the lowest and the highest value, found {describe(value)}")
+        low, high = (file.number(one, name, *FREE[key]) for one in value.value)
+        if not low < high or low == 0.0 and key not in LINEAR:
+            file.fail(value, f"{name}: expected a lowest value above 0 and below the highest one, found [{low:g}, {high:g}]")
+        try:
+            there = units.number(values.get(key), FREE[key][0])
+        except ValueError:
+            there = math.nan
+        if not low <= there <= high:
+            file.fail(value, f"{name}: expected a range that holds the value of the scene, found {values.get(key, 'none')} there")
+        found[key] = (low, high, there)
+    if not found:
+        file.fail(node, "parameters: expected at least one key of the material, found none")
+    return found
+
+
 def read(path):
     """The Request of a file of targets; Problem with the place of the first mistake."""
     file = File(path)
@@ -398,6 +480,10 @@ def read(path):
         file.fail(found["scene"], "scene: expected a scene with the section bonds, or a law beside it, found neither")
     request = Request(path, file.text(found["title"], "title") if "title" in found else "", scene, law, targets,
                       _seeds(file, found["seeds"]) if "seeds" in found else [1, 2, 3, 4, 5], shape=shape)
+    if "parameters" in found:
+        if law != "scene" or "scene" not in found or "law" in found:
+            file.fail(found["parameters"], "parameters: expected a scene, whose law and material are taken, and no law beside it")
+        request.parameters = _parameters(file, found["parameters"], scene)
     if "budget" in found:
         _budget(file, found["budget"], request)
     return request

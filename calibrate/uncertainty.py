@@ -10,6 +10,7 @@ from calibrate.material import scaled, unscaled
 LEVEL = 0.95
 NORMAL = stats.norm.ppf(0.5 + 0.5 * LEVEL)  # error budgets of runs are errors in 95 of 100
 DIFFERENCE = {"chi": 0.25, "bond_friction": 0.3, "ratio": 0.1}  # steps of finite differences, in scaled coordinates
+OF_A_KEY = 0.25  # of other parameters
 LEAST = 3             # packings of an interval: the quantile of two is 12.7
 SMALLEST_SLOPE = 1e-4  # over the largest: what moves readings less than this is not determined
 
@@ -52,15 +53,18 @@ def measured_slopes(search, evaluation, seeds):
         elif parameter == "ratio":
             _elastic_slopes(search, evaluation, seeds, slopes, column)
         else:
-            names = [name for name in search.names if name not in ("young_modulus", "poisson_ratio")]
+            names = [name for name in search.names if search.by_key or name not in ("young_modulus", "poisson_ratio")]
             names = [name for name in names if search.prior[search.names.index(name), column] != 0.0]
-            moved = dict(evaluation.parameters)
-            moved[parameter] = unscaled(parameter, scaled(parameter, moved[parameter]) + DIFFERENCE[parameter])
+            moved, step = dict(evaluation.parameters), DIFFERENCE.get(parameter, OF_A_KEY)
+            here = scaled(parameter, moved[parameter])
+            if here + step > scaled(parameter, search.limits[parameter][1]):
+                step = -step
+            moved[parameter] = unscaled(parameter, here + step)
             there = material.evaluate(moved, seeds, names)
             for name in names:
                 pair = there.mean(name), evaluation.mean(name, seeds)
                 if None not in pair:
-                    slopes[search.names.index(name), column] = (scaled(name, pair[0]) - scaled(name, pair[1])) / DIFFERENCE[parameter]
+                    slopes[search.names.index(name), column] = (scaled(name, pair[0]) - scaled(name, pair[1])) / step
     return slopes
 
 

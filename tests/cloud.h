@@ -12,7 +12,7 @@ typedef struct cloud {
     double row[POINTS_MAX][4];
 } cloud;
 
-static cloud points; /* too large for the stack of a test; every test starts it anew */
+static cloud points; /* too large for the stack of a test; every test resets it */
 
 static void cloud_add(double x, double y, double z, double r) {
     assert_true(points.count < POINTS_MAX);
@@ -97,7 +97,7 @@ static inline void cloud_lattice(const lattice *l, double scale, bool closed) {
 
 static const gn_effects all_effects = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_BONDS | GN_FX_SHEAR;
 
-/* Particles of the cloud, in an order unlike that of their ids; unit mass. */
+/* Particles of the cloud, not in the order of their ids; unit mass. */
 static inline gn_particles particles_of_cloud(gn_effects effects, bool shuffle) {
     gn_particles p = {0};
     assert_int_equal(gn_soa_create(&gn_particle_record, &p, points.count, effects, NULL), 0);
@@ -144,7 +144,7 @@ static inline gn_strain_gauge gauge_of(const gn_particles *p, int dimension) {
     return gauge;
 }
 
-/* A gradient with shear and a rotation that is no symmetric part. */
+/* A gradient with shear and a rotation, not symmetric. */
 static const double gradient3[9] = {-0.011, 0.4, 0.03, -0.3, 0.02, 0.07, 0.005, -0.21, 0.013};
 static const double gradient2[9] = {-0.011, 0.4, 0, -0.3, 0.02, 0, 0, 0, 0};
 

@@ -13,7 +13,7 @@
 typedef struct block {
     int cells[3]; /* of elements */
     bool space;
-    const char *convert; /* further keys of it */
+    const char *convert; /* further keys of the scene */
     const char *box;     /* NULL: all */
     const char *elements, *rest;
     const char *couple, *time; /* further keys of these */
@@ -92,7 +92,7 @@ static inline void set_elements(gn_world *w, field *at, const void *of) {
     gn_fem_to_single(&w->solids.elements[0]->solid);
 }
 
-/* Converts the elements of which all nodes start between two corners. */
+/* Converts the elements all nodes of which start between two corners. */
 static inline gneiss_status convert_box(gn_world *w, const double low[3], const double high[3],
                                         gneiss_error *error) {
     const gn_fem_solid *b = &w->solids.elements[0]->solid;
@@ -128,7 +128,7 @@ static inline bool is_tied(const gn_world *w, size_t p) {
     return gn_coupled_has(w->zones.coupled, w->dem.particles.id[p]);
 }
 
-/* Those of zones with slaved spins have no inertia. */
+/* Particles of zones with slaved spins have no inertia of their own. */
 static inline bool spins_freely(const gn_world *w, size_t p) {
     const gn_coupled *q = w->zones.coupled;
     return !q->turn || !is_tied(w, p);

@@ -5,8 +5,8 @@
 
 #include "fem_helpers.h"
 
-/* The cut of the cells: like the colours of a chess-board, all along the diagonal from the lower
- * left to the upper right, or all along the other one. */
+/* The diagonals of the cells: alternating as on a chess-board, all from the lower left to the upper
+ * right, or all in the other direction. */
 typedef enum cook_cut { COOK_CHESS, COOK_RISING, COOK_FALLING } cook_cut;
 
 /* Corners (0, 0), (48, 44), (48, 60), (0, 44). */
@@ -17,8 +17,8 @@ typedef struct cook {
     int cells; /* along each side */
 } cook;
 
-/* Part of the load of 100 N per metre of thickness that is applied: strains stay in the range where
- * all laws are the linear one, results are those of the whole load. */
+/* Part of the load of 100 N per metre of thickness that is applied, so small that all laws are
+ * linear; results are scaled to the whole load. */
 static const double cook_scale = 1e-4;
 
 static inline gn_mesh cook_mesh(const cook *c) {
@@ -98,8 +98,8 @@ static inline double *cook_pressure(const gn_fem_solid *body) {
     return grid;
 }
 
-/* Root mean square, over inner nodes, of the highest frequency that the grid has, the part that
- * changes sign from node to node along both directions, over that of the pressure itself. */
+/* Root mean square, over inner nodes, of the highest frequency of the grid, which changes sign from
+ * node to node along both directions, relative to that of the pressure. */
 static inline double cook_checkerboard(const double *p, int cells) {
     const int row = cells + 1;
     double high = 0.0, all = 0.0;

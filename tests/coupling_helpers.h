@@ -113,12 +113,12 @@ static inline void stir(const double *x, const void *of, double u[3], double v[3
     v[2] = *space * 2e-3 * sin(500.0 * x[0] + 800.0 * x[1]);
 }
 
-/* Waves in all directions, as far as the mesh and the lattice have them. */
+/* Waves in all directions, with all wavelengths of the mesh and the lattice. */
 static inline gn_world *stirred(const strip *s) {
     const double space = s->space ? 1.0 : 0.0;
     gn_world *w = strip_of(s);
     set_fields(w, stir, &space);
-    run_steps(w, 1); /* particles of the zone take the velocity of the nodes */
+    run_steps(w, 1); /* particles of the zone have the velocity of the nodes */
     return w;
 }
 

@@ -19,7 +19,7 @@ static inline double uniform(uint64_t seed, uint64_t index, double lower, double
     return lower + (upper - lower) * 0.5 * (gn_random_symmetric(seed, index) + 1);
 }
 
-/* One plane: normal to 1e-12, depth to 1e-12 m. */
+/* Checks that there is one plane: normal to 1e-12, depth to 1e-12 m. */
 static inline void assert_plane(const gn_domain_plane *p, double nx, double ny, double nz,
                                 double depth) {
     double n[3] = {nx, ny, nz};

@@ -1,6 +1,6 @@
 /* fem_study FORM CUT CELLS: Cook's membrane, nearly incompressible, at rest; for
- * validate/fem_study.py. Prints the deflection of the corner, the part of the pressure that is
- * checkerboard, steps and the time step, then a row per node of the grid: x, y, pressure. */
+ * validate/fem_study.py. Prints the deflection of the corner, the checkerboard part of the
+ * pressure, steps and the time step, then a row per node of the grid: x, y, pressure. */
 #include "cook.h"
 
 int main(int count, char **argument) {

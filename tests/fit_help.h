@@ -33,7 +33,7 @@ static inline double weight_of_size(const sample *s, double length) {
     return s->fit->dimension == 3 ? length : 1;
 }
 
-/* Residual of a pair and its gap over r_i + r_j. */
+/* Residual of a pair and its gap relative to r_i + r_j. */
 static inline double pair_gap(const sample *s, const double *a, const double *b, double *relative) {
     double reach = a[3] + b[3], gap = distance(a, b) - (1 - s->law.overlap) * reach;
     *relative = gap / reach;

@@ -123,7 +123,7 @@ static char *read_file(const char *file) {
     return text;
 }
 
-/* Puts `insert` in place of `cut` bytes at `at`. */
+/* Replaces `cut` bytes at `at` by `insert`. */
 static void splice(char *text, size_t at, size_t cut, const char *insert, size_t length) {
     size_t size = strlen(text);
     if (at > size) at = size;
@@ -158,7 +158,7 @@ static void mutate(char *text, uint64_t *state) {
         break;
     case 3:
     case 4:
-    case 5: /* most tokens in the place of a whole word */
+    case 5: /* largest number of tokens that replace a word */
         length = word_at(text, &at);
         splice(text, at, length, token, strlen(token));
         break;
@@ -262,7 +262,7 @@ static void mutated_scenes_are_refused_or_sound(void **state) {
         }
         free(text);
     }
-    /* A fuzzer whose every text dies in the YAML parser would show nothing. */
+    /* A fuzzer all texts of which fail in the YAML parser would test nothing else. */
     assert_true(accepted > ROUNDS / 20);
     free(copy);
     gn_units_free(units);

@@ -139,7 +139,7 @@ WITH_EVENTS = ("cylinder", "disc")
 
 
 def put_events(writer):
-    """Breaks late in the run; of those that soften too, whose bonds are in the state that the report draws."""
+    """Bonds break late in the run; some soften before, so that the report draws their state."""
     time = np.asarray(writer.file["history/time"])
     state = np.asarray(writer.file["bonds/state"])
     state[:40][state[:40] == 0] = 4
@@ -246,7 +246,7 @@ def figures_of_quality():
 
 
 def measure(position, radius, pairs, gap, dimension):
-    """Some figures as they are, the others made up: small, different from each other."""
+    """Some figures are real, the others invented: small and all different."""
     figures = {name: 0.011 + 0.001 * k for k, name in enumerate(figures_of_quality())}
     figures.update(porosity=0.3236, anisotropy=0.0149, radius_mean=radius.mean(), radius_min=radius.min(),
                    radius_max=radius.max(), radius_ratio=radius.max() / radius.min(), radius_volume=radius.mean(),

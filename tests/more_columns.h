@@ -1,5 +1,6 @@
-/* Columns that only test_more_columns.c knows: contacts as a law to come might have them. The build
- * includes this before all else in that test and in whatever holds contacts by value. */
+/* Columns that exist in test_more_columns.c only, as a future law might add them to contacts. The
+ * build includes this file before all others in that test and in every source that stores contacts
+ * by value. */
 #ifndef GN_TESTS_MORE_COLUMNS_H
 #define GN_TESTS_MORE_COLUMNS_H
 

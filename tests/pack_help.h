@@ -7,7 +7,7 @@
 #include "pack/quality.h"
 #include "pack/shape.h"
 
-/* A scene of that specimen; files are looked for in `folder`. */
+/* A scene of that specimen; its files are in `folder`. */
 __attribute__((format(printf, 3, 4))) static inline gn_scene
 scene_in(const char *folder, int dimension, const char *specimen, ...) {
     char shape[2048], text[4096];

@@ -1,6 +1,6 @@
-/* A program in two parts. Long runs over code that its other tests run as well take minutes under a
- * sanitizer: called with an argument it runs these alone, without one the others alone, and
- * meson.build makes a test of each. */
+/* A program in two parts. Long runs over code that its other tests cover as well take minutes under
+ * a sanitizer: called with an argument the program runs only these, without one only the others,
+ * and meson.build makes a test of each. */
 #ifndef GN_TESTS_PARTS_H
 #define GN_TESTS_PARTS_H
 

@@ -23,8 +23,8 @@ import report_digest  # noqa: E402 (`seal` makes what a test changed in a file l
 PROGRAM = os.path.abspath(sys.argv[1])
 SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "scenes")
 UCS, LATTICE = os.path.join(SCENES, "ucs-small.yaml"), os.path.join(SCENES, "lattice-small.yaml")
-# Without the leak checker of a sanitizer: its tracer dies itself now and then when a program with threads has ended,
-# and changes the exit code. `gneiss` below runs with it and looks.
+# Without the leak checker of a sanitizer: its tracer occasionally fails after a program with threads has ended, and
+# changes the exit code. `gneiss` below runs with the leak checker.
 LEAK_OPTIONS = os.environ.get("ASAN_OPTIONS", "")
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "ASAN_OPTIONS": LEAK_OPTIONS + ":detect_leaks=0"}
 ENVIRONMENT.pop("GNEISS_ISA", None)
@@ -63,6 +63,11 @@ def gneiss(*arguments, environment=None, **options):
     raise AssertionError("the leak checker dies where it is switched off")
 
 
+def logged(printed, level="result"):
+    """The contents of the objects of one level, of the text that --log json printed."""
+    return [line[level] for line in map(json.loads, printed.splitlines()) if line["level"] == level]
+
+
 def isas():
     """Names of the instruction sets and whether this machine has them."""
     line = re.search(r"instruction sets +(.*)", gneiss("info").stdout).group(1)
@@ -78,8 +83,8 @@ def expect(done, code, *patterns):
 
 
 def on_terminal(columns, *arguments, interrupt=False):
-    """The text that a call writes to a standard error that is a terminal of so many columns, and its exit code. It can be
-    interrupted at its first words."""
+    """Returns what a call writes to a terminal of this number of columns as standard error, and its exit code. The
+    call can be interrupted at its first output."""
     main_end, end = pty.openpty()
     fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     process = subprocess.Popen(command(*arguments), stdout=subprocess.DEVNULL, stderr=end, env=ENVIRONMENT)
@@ -117,7 +122,7 @@ def state_hash(folder):
 
 
 def text(attribute):
-    """Fixed-length strings come as bytes when they are plain ASCII."""
+    """Fixed-length strings are bytes if they are plain ASCII."""
     return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
 
 

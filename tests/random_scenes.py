@@ -20,8 +20,8 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
-# Without the leak checker, where there is one: its tracer dies itself now and then when a program with threads has
-# ended, and other tests look for leaks.
+# Without the leak checker, if there is one: its tracer occasionally fails after a program with threads has ended, and
+# other tests search for leaks.
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive",
                "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
 KINDS = ("lattice", "gas", "periodic", "sizes", "bodies", "elements", "bonds")
@@ -46,7 +46,7 @@ class Draw(random.Random):
 
 
 def rounded(value):
-    """Seven digits, so that a scene can be read."""
+    """Rounds to seven digits, so that a scene is readable."""
     if isinstance(value, float):
         return float(f"{value:.7g}")
     if isinstance(value, dict):
@@ -63,7 +63,7 @@ def free_place(rows, x, r, allowed=1.0):
 
 
 def scattered(d, dim, radii, fill):
-    """In a box, apart from each other; the box has its lower corner at 0."""
+    """In a box, separate from each other; the lower corner of the box is at 0."""
     volume = sum((math.pi if dim == 2 else 4 / 3 * math.pi) * r**dim for r in radii)
     side = max((volume / fill) ** (1 / dim), 2.5 * max(radii))
     rows = []
@@ -77,7 +77,7 @@ def scattered(d, dim, radii, fill):
 
 
 def grown(d, dim, radii, gap):
-    """Each one beside another, at a gap of up to `gap`; where that is negative they overlap."""
+    """Places each particle beside another, at a gap of up to `gap`; if that is negative they overlap."""
     rows, allowed = [], 1 + min(0.0, gap / min(radii))
     for r in sorted(radii, reverse=True):
         for _ in range(50):
@@ -104,7 +104,7 @@ def lattice_section(d, dim, r):
     return {"kind": kind, "radius": r, "cells": cells, "spacing": spacing, "jitter": jitter}
 
 
-# Edges of a cell and the last places in it, over the distance of nearest neighbours.
+# Edges of a cell and its last positions, relative to the distance of nearest neighbours.
 CELL = {"square": (1, 1), "hexagonal": (1, math.sqrt(3)), "cubic": (1, 1, 1), "fcc": (math.sqrt(2),) * 3,
         "hcp": (1, math.sqrt(3), math.sqrt(8 / 3))}
 LAST = {"square": (0, 0), "hexagonal": (0.5, math.sqrt(3) / 2), "cubic": (0, 0, 0), "fcc": (math.sqrt(0.5),) * 3,
@@ -116,7 +116,7 @@ def lattice_cells(part):
 
 
 def lattice_box(part):
-    """Corners of the box around the particles: a scene does not say them, and walls have to know."""
+    """Corners of the box around the particles, which walls need and a scene does not state."""
     edge, r, shift = 2 * part["radius"] * part["spacing"], part["radius"], part["jitter"] * part["radius"]
     cells = zip(CELL[part["kind"]], LAST[part["kind"]], part["cells"])
     return [-shift] * len(part["cells"]), [2 * r + edge * (c * (n - 1) + last) + shift for c, last, n in cells]
@@ -125,7 +125,7 @@ def lattice_box(part):
 # --- one scene --------------------------------------------------------------------------------------------
 
 class Maker:
-    """Draws one scene. Time and length scales come first; everything else is measured by them."""
+    """Draws one scene. Time and length scales are drawn first; all other quantities are relative to them."""
 
     def __init__(self, seed):
         self.d = d = Draw(f"gneiss {seed}")
@@ -153,7 +153,7 @@ class Maker:
         self.bond_laws(Draw(f"gneiss laws of bonds {seed}"))
         self.outputs(Draw(f"gneiss outputs {seed}"))
 
-    # Small and large ones in one scene, or all of nearly one size.
+    # Small and large ones in one scene, or all of almost one size.
     def particles(self):
         d, dim = self.d, self.dim
         ratio = d.log(1.5, 100) if self.kind == "sizes" else d.choice((1.0, 1.0, d.log(1.0, 5.0)))
@@ -234,7 +234,7 @@ class Maker:
         self.scene.setdefault("sets", []).append({"name": "other", "select": self.some(), "material": "b"})
 
     def by_area(self, d):
-        """A law by area in place of the drawn one, drawn bonds, contacts of their own: with a separate generator, so
+        """Replaces the drawn law by a law by area, and draws bonds and contacts for it: with a separate generator, so
         that the other scenes keep their values."""
         materials, law = self.scene["materials"], self.scene["law"]
         if not self.uniform and d.chance(0.3):
@@ -252,12 +252,12 @@ class Maker:
             self.scene["contacts"] = [{"between": materials[-1]["name"], "friction": d.uniform(0, 1)}]
         for m in materials:
             if not (m.get("kratio") or m.get("beta")):
-                m["friction"] = 0  # that no spring could carry, and that is refused
+                m["friction"] = 0  # a load that no spring could carry, which is refused
                 for contact in self.scene.get("contacts", []):
                     contact["friction"] = 0
 
     def outputs(self, d):
-        """Output on request, with draws of their own."""
+        """Output on request, drawn separately."""
         if d.chance(0.3):
             self.scene["output"]["contacts"] = "on"
         if self.bonded and d.chance(0.2):
@@ -291,7 +291,8 @@ class Maker:
                 law.update(kink_stress=d.uniform(0.05, 0.9), initial_energy=d.uniform(0.05, 0.95))
 
     def softening_of(self, m, softening, d):
-        """Over 0.01 to 50 times the elastic stretch, of a bond of the largest particles; some too short to soften at all."""
+        """0.01 to 50 times the elastic stretch of a bond of the largest particles; some are too short to soften at
+        all."""
         width, wide = 2 * self.r, 1 + d.log(0.01, 50)
         if self.uniform:
             strength, strain = m["bond_tension_limit"] / width ** (self.dim - 1), m["bond_tension_limit"] / self.k / width
@@ -371,7 +372,7 @@ class Maker:
             each = self.short / 12
         self.end = steps * each
         self.scene["time"] = {"end": self.end}
-        # No overlap beyond a tenth of the smallest radius: speed times the time a contact lasts.
+        # Limits the overlap to a tenth of the smallest radius: speed times the duration of a contact.
         self.speed = d.log(1e-3, 0.1) * self.rmin / min(self.long, self.end)
         self.soft, self.stiff, self.least, self.most = soft, stiff, least, most
         if self.background == "viscous":
@@ -382,7 +383,7 @@ class Maker:
         if d.chance(0.6) or self.kind in ("gas", "periodic"):
             self.scene["initial"] = {"random_velocity": self.speed}
         if d.chance(0.3):
-            # The lowest particle carries all: its overlap stays small.
+            # The lowest particle carries the whole weight: its overlap must be small.
             height = (self.upper[-1] - self.lower[-1]) / self.rmin
             sag = d.log(1e-4, 2e-2) * self.rmin
             self.scene["gravity"] = [0.0] * (self.dim - 1) + [-sag * self.soft / (self.most * height)]
@@ -526,7 +527,7 @@ class Maker:
             body["initial_spin"] = self.vector(speed / edge) if dim == 3 else speed / edge
         return body
 
-    # A block of elements below the particles; its sound is as fast as its cells ask for.
+    # A block of elements below the particles; its wave speed is limited by the size of its cells.
     def elements(self):
         d, dim = self.d, self.dim
         cells = [d.randint(2, 4) for _ in range(dim)]
@@ -642,7 +643,7 @@ def write(seed, folder):
 
 WELL, WARNED, STOPPED, BAD = "ended well", "warned", "stopped with its cause", "went bad"
 Outcome = collections.namedtuple("Outcome", "seed kind how text residual steps seconds")
-# Causes that are the scene's: none of these is the doing of a step.
+# Errors due to the scene and not to the step.
 NAMED = ("left the domain",)
 
 
@@ -678,7 +679,8 @@ def run(program, seed, limit=60):
 
 
 def run_all(run_seed, seeds, jobs=2, note=lambda outcome: None):
-    """The results of run_seed(seed) for every seed, some of them side by side; `note` gets each in turn."""
+    """The results of run_seed(seed) for every seed, several of them run at the same time; `note` is called with each
+    in turn."""
     with ThreadPoolExecutor(jobs) as pool:
         outcomes = []
         for outcome in pool.map(run_seed, seeds):
@@ -688,7 +690,7 @@ def run_all(run_seed, seeds, jobs=2, note=lambda outcome: None):
 
 
 def table(outcomes):
-    """Rows: kind, scenes, of each ending, the largest residual of those that ended and its seed."""
+    """Rows: kind, number of scenes, number of each kind of end, the largest residual of completed runs and its seed."""
     rows = []
     for kind in (*KINDS, "all"):
         some = [o for o in outcomes if kind in (o.kind, "all")]

@@ -24,20 +24,21 @@ KINDS = ("zones", "conversion")
 # Seeds that fail, {seed: reason}: still open.
 OPEN = {6449: "what wakes on a wall opens and closes there undamped, half of 90 steps: 1.5e-3, 9e-5 and 1e-6 with 0.9, 0.45 and 0.2 of the limit, 1e-9 without "
               "the wall"}
-# Largest residual over all energy: where nothing breaks, converts or slides; with conversions; with breakage, undamped in most scenes (as of
-# particles alone, random_scenes.py).
+# Largest residual relative to the total energy: without breakage, conversion and sliding; with conversions; with
+# breakage, undamped in most scenes (the same as for particles alone, random_scenes.py).
 SMOOTH, CONVERTS, BREAKS = 1e-5, 1e-3, 1e-1
 # A step resolves rotation and stretch to second order, (w dt/2)^2 <= 0.81 of the shortest waves: of these, which
 # short pulses and sudden loads excite, the ledger misses no more than the strain, also with elements alone.
 OF_STRAIN = 1.0
-MOMENTUM_MOST = {"double": 1e-12, "mixed": 1e-6}  # of the sum of sizes; forces in single precision are not in balance to the bit
+MOMENTUM_MOST = {"double": 1e-12, "mixed": 1e-6}  # relative to the sum of magnitudes; forces in single precision do not balance to the bit
 
-# A cause that is the scene's.
+# An error due to the scene itself.
 NAMED = "expected a zone that is wide enough for its mass to be kept"
 
 
 class Maker:
-    """Draws one scene: lengths are measured by the distance of particles, times by the wave, stresses by the load."""
+    """Draws one scene: lengths are relative to the spacing of particles, times to the period of a wave, stresses to
+    the load."""
 
     def __init__(self, seed):
         self.d = d = Draw(f"gneiss zones {seed}")
@@ -68,7 +69,7 @@ class Maker:
             self.walls()
 
     def walls(self):
-        """Below, and above; elements do not feel them."""
+        """Walls below and above; elements are not in contact with them."""
         d, up = self.d, [0.0] * self.dim
         for side in (1.0, -1.0) if d.chance(0.5) else (1.0,):
             up[1] = side
@@ -105,7 +106,7 @@ class Maker:
         self.packed = False
 
     def material(self):
-        """With the modulus of the elements along the axes of a lattice, or some tenths beside it."""
+        """With the modulus of the elements along the axes of a lattice, or some tenths off it."""
         d, solid = self.d, math.pi / 4 if self.dim == 2 else math.pi / 6
         modulus = self.young * d.choice((1.0, 1.0, d.uniform(0.8, 1.25)))
         m = {"name": "m", "friction": d.choice((0.0, d.uniform(0, 1)))}
@@ -220,7 +221,7 @@ class Maker:
         if d.chance(0.3) and 0.35 * self.size[0] > width + 3 * h:
             box[0][0], box[1][0] = 0.15 * self.size[0], 0.85 * self.size[0]
         part = {"box": {"min": box[0], "max": box[1]}, "width": width, "every": d.randint(1, 60), "most": d.log(0.01, 1)}
-        # Waves of both ends meet in the middle, where they are twice as large as by themselves.
+        # Waves from both ends superpose in the middle, where their amplitude doubles.
         limit = self.young * self.strain * (d.uniform(1.1, 1.8) if how in ("both", "drawn") else d.log(0.05, 0.7))
         if d.chance(0.7):
             part["stress"] = limit
@@ -258,7 +259,8 @@ class Maker:
         self.alone = True
 
     def bend(self, _, h):
-        """At three lines of nodes, one in the middle of the upper side; a bar that is bent has strains of its height over its length."""
+        """At three lines of nodes, one in the middle of the upper side; in bending, strains scale with the height of
+        the bar over its length."""
         def line(x, y):
             low, high = [-self.s] * self.dim, [size + self.s for size in self.size]
             low[0], high[0], low[1], high[1] = x - 0.1 * h, x + 0.1 * h, y - 0.1 * h, y + 0.1 * h
@@ -296,7 +298,7 @@ def warned(summary):
 
 
 def drift(program, path):
-    """Momentum at the end less that at the start, over the sum of sizes."""
+    """Momentum at the end minus that at the start, over the sum of magnitudes."""
     done = subprocess.run([program, path], capture_output=True, text=True, timeout=120, check=False, env=ENVIRONMENT)
     return float(done.stdout) if done.returncode == 0 else math.inf
 

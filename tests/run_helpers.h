@@ -1,4 +1,4 @@
-/* Runs from scene texts, and whether threads and resumption leave the same bits. */
+/* Runs from scene texts, and comparison of bits over threads and resumption. */
 #ifndef GN_TESTS_RUN_HELPERS_H
 #define GN_TESTS_RUN_HELPERS_H
 
@@ -45,9 +45,10 @@ static inline gn_run *resumed_of(const gn_run *run) {
     return resumed;
 }
 
-/* Takes two runs of one scene, say on one and on two threads, `before` steps on, and a third from a
- * checkpoint of the first; then all of them `after` steps and a measured one, which must leave the
- * same bits. Frees the runs; the ledger of that step, which is to close to `residual`. */
+/* Advances two runs of one scene, for example on one and on two threads, by `before` steps, and
+ * starts a third from a checkpoint of the first; then advances all of them by `after` steps and a
+ * measured one, which must give the same bits. Frees the runs; returns the ledger of the measured
+ * step, whose residual must be below `residual`. */
 static inline gn_energy end_alike(gn_run *one, gn_run *two, int64_t before, int64_t after,
                                   double residual) {
     gn_run *all[] = {one, two, NULL};

@@ -27,7 +27,7 @@ def snapshots(folder):
 
 
 def stop_at_snapshot(folder, count, number, *arguments):
-    """Sends a signal when `count` snapshots are there; the finished process."""
+    """Sends a signal when there are `count` snapshots; returns the finished process."""
     process = start(folder, *arguments)
     assert wait_until(process, lambda: snapshots(folder) >= count), process.stderr.read()
     process.send_signal(number)

@@ -6,8 +6,8 @@
 #include "kernels/softening.h"
 #include "run_helpers.h"
 
-/* Two spheres of 1 mm along x. A step moves them along x or across, so that what is done is exact
- * but for rounding. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, C = 12 N, area (2 mm)^2. */
+/* Two spheres of 1 mm along x. A step moves them along x or across, so that the motion is exact to
+ * rounding. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, C = 12 N, area (2 mm)^2. */
 typedef struct bond {
     gn_scene scene;
     gn_material material;
@@ -74,7 +74,7 @@ static void end(bond *t) {
     free(t);
 }
 
-/* To the stretch `u`, or across by y and z. */
+/* Moves to the stretch `u`, or across by y and z. */
 static void move(bond *t, double u, double y, double z) {
     double to = 2.0 * radius + u, before[3];
     double path[3] = {to - t->p.pos[4], y, z};
@@ -92,7 +92,7 @@ static void move(bond *t, double u, double y, double z) {
     t->lost += t->sums.damage + t->sums.bond_breaking + t->sums.plasticity + t->sums.friction;
 }
 
-/* Rounding of positions (2 mm: 4e-19 m) over all that is done with the stretch. */
+/* Rounding of positions (2 mm: 4e-19 m) over all stretches. */
 static const double force_rounding = 2e-11; /* N */
 /* Rounding of sums of some 1e-5 J (under pressure: 1e-3 J). */
 static const double energy_rounding = 1e-18;

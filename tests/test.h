@@ -14,11 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* cmocka 1.1 writes a skipped test as `not ok`, which meson shows as a failure: what a test needs
- * it makes itself. */
+/* cmocka 1.1 writes a skipped test as `not ok`, which meson shows as a failure: a test therefore
+ * makes everything that it needs. */
 #undef skip
 
-/* |a - b| <= tolerance * max(|a|, |b|); prints both when not. */
+/* |a - b| <= tolerance * max(|a|, |b|); prints both on failure. */
 #define assert_close(a, b, tolerance)                                                              \
     do {                                                                                           \
         double gn_a = (a), gn_b = (b);                                                             \

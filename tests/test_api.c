@@ -36,7 +36,7 @@ static const char block[] =
     "neighbours: {skin: 0.5 mm}\n"
     "run: {threads: 1}\n";
 
-/* Two loose spheres without contact: whatever can be absent is. */
+/* Two loose spheres without contact: all optional records are absent. */
 static const char loose[] = "specimen:\n"
                             "  particles: [[0, 0, 0, 1 mm], [5 mm, 0, 0, 2 mm]]\n"
                             "materials:\n"
@@ -424,8 +424,8 @@ static void contact_views_lead_to_particles(void **state) {
     gneiss_world_free(w);
 }
 
-/* Tangential force, stored by component, is perpendicular to the normal and at most what breaks a
- * bond: only the right strides give that. */
+/* The tangential force, stored by component, is perpendicular to the normal and at most the
+ * strength of a bond: only the right strides satisfy both. */
 static void column_views_stride_by_component(void **state) {
     (void)state;
     gneiss_world *w = world_of(block, "walls.top.motion.vz=-0.3", NULL);
@@ -451,7 +451,7 @@ static void column_views_stride_by_component(void **state) {
         across += sqrt(t2);
     }
     assert_true(across > 0.0);
-    /* Positions are a step ahead of forces: 0.3 m/s x 2 us turns a normal of 2 mm by 3e-4. */
+    /* Positions are a step ahead of forces: 0.3 m/s x 2 us rotates a normal of 2 mm by 3e-4. */
     assert_true(along < 1e-3 * across);
     gneiss_world_free(w);
 }
@@ -748,7 +748,7 @@ static void the_history_has_a_row_every_interval(void **state) {
     must(gneiss_world_history(w, "step", &steps, &error), &error);
     assert_string_equal(time.unit, "s");
     assert_int_equal(time.count, counts_of(w).history_rows);
-    assert_true(time.count >= 20 && time.count <= 25); /* 20 wanted, whole steps between */
+    assert_true(time.count >= 20 && time.count <= 25); /* 20 requested, whole steps between them */
     double interval = gneiss_view_value(&steps, 1, 0);
     for (size_t k = 0; k < time.count; k++)
         assert_true(gneiss_view_value(&steps, k, 0) == interval * (double)k);
@@ -761,7 +761,7 @@ static void the_history_has_a_row_every_interval(void **state) {
     gneiss_world_free(w);
 }
 
-/* Two bonded spheres drawn apart: E = k_n L/A and strength R_n/A exactly, but for the interval
+/* Two bonded spheres pulled apart: E = k_n L/A and strength R_n/A exactly, up to the interval
  * between rows: 0.1 m/s x 1.5 ms/1000 x 1 MN/m = 0.15 N of 100 N, and as much again for a step. */
 static void readings_are_those_of_the_closed_form(void **state) {
     (void)state;
@@ -880,7 +880,7 @@ static void ask(const gneiss_world *w, unsigned pick) {
     static const size_t indices[] = {0, 1, 7, 12, 99, (size_t)INT32_MAX + 1, SIZE_MAX};
     const char *name = names[pick % 8];
     size_t index = indices[pick / 8 % 7];
-    gneiss_record record = (gneiss_record)((int)(pick / 64 % 9) - 1); /* -1 and 6, 7 are none */
+    gneiss_record record = (gneiss_record)((int)(pick / 64 % 9) - 1); /* -1, 6 and 7 are invalid */
     gneiss_view view = {0};
     gneiss_quantity quantity;
     gneiss_progress progress;
@@ -919,7 +919,8 @@ static void misuse(gneiss_world *w, const place *p, unsigned pick) {
         assert_int_equal(gneiss_world_checkpoint(w, NULL), GNEISS_ERROR_INPUT); /* no folder */
         break;
     case 4:
-        assert_int_equal(gneiss_world_finish(w, NULL), GNEISS_OK); /* no folder: nothing to do */
+        assert_int_equal(gneiss_world_finish(w, NULL),
+                         GNEISS_OK); /* no folder: the call does nothing */
         break;
     case 5:
         assert_int_equal(gneiss_world_save(w, p->path, NULL), GNEISS_ERROR_IO); /* a folder */
@@ -1162,7 +1163,7 @@ static void a_folder_that_cannot_be_made_is_a_file_error(void **state) {
     assert_null(w);
     must(gneiss_world_create(scene, NULL, &w, &error), &error);
     assert_int_equal(gneiss_world_save(w, "/dev/null/x.h5", &error), GNEISS_ERROR_IO);
-    step(w, 1); /* nothing the worse for it */
+    step(w, 1); /* the error has no further effect */
     gneiss_world_free(w);
     gneiss_scene_free(scene);
 }

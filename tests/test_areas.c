@@ -19,7 +19,7 @@ static const char *const matter =
     "materials: [{name: m, density: 2500, young: 20e9, poisson: 0.2, alpha: 1.2, beta: 0.8, "
     "friction: 0.5, tensile_strength: 5e6, shear_strength: 9e6}]\n";
 
-/* A specimen, bonded, by a law; `more`: further sections. */
+/* A bonded specimen with a law; `more`: further sections. */
 static gn_world *made(int dimension, const char *specimen, const char *law, const char *more) {
     return world_of("dimension: %d\nspecimen: %s\n%slaw: %s\nbonds: {}\n%stime: {end: 1}\n"
                     "run: {threads: 1}\n",
@@ -32,7 +32,7 @@ static gn_area_check check_of(const gn_world *w) {
     return check;
 }
 
-/* Lattices of radius 1 mm in a box that goes on with them. */
+/* Lattices of radius 1 mm in a periodic box that continues them. */
 static const struct lattice {
     int dimension;
     const char *specimen, *box;
@@ -72,7 +72,7 @@ static void polyhedra_fill_lattices(void **state) {
     }
 }
 
-/* At the skin of a block the missing faces are those that the lattice would have. */
+/* At the surface of a block the missing faces equal those of the lattice. */
 static void sections_at_a_skin_are_those_inside(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k += 2) { /* square, cubic: their skins are faces of the cells */
@@ -84,7 +84,7 @@ static void sections_at_a_skin_are_those_inside(void **state) {
         double most = 0.0, side[2][3] = {{12e-3, 10e-3, 1.0}, {12e-3, 10e-3, 10e-3}};
         const double *s = side[lattices[k].dimension - 2];
         most = (double)lattices[k].dimension * s[0] * s[1] * s[2];
-        /* Volumes of the cells; that of the world is a hull of points on the spheres. */
+        /* Volumes of the cells; the volume of the world is a hull of points on the spheres. */
         gn_area_check check = check_of(w);
         double all = (check.filled + check.free) * lattices[k].dimension * w->ctx.volume;
         assert_close(all, most, 1e-6);
@@ -168,7 +168,7 @@ static void a_flat_skin_misses_the_faces_that_the_lattice_had(void **state) {
     assert_near(p.whole, 6.0, 1e-12);
 }
 
-/* Points spread evenly over the sphere, and without those in a cone. */
+/* Points distributed evenly over the sphere, except those in a cone. */
 static void many_neighbours_are_counted_as_few(void **state) {
     (void)state;
     enum { MANY = 400 };
@@ -199,7 +199,7 @@ static void one_and_two_neighbours_are_those_of_a_column(void **state) {
 
 static const double r1 = 1e-3, r2 = 2e-3, distance = 3.05e-3;
 
-/* The second is driven as `motion` says, with the spin `spin`, rad/s. */
+/* The second is driven by `motion`, with the spin `spin`, rad/s. */
 static gn_world *driven_with(const char *sections, int dimension, const char *law,
                              const char *motion, double spin, double step) {
     bool space = dimension == 3;
@@ -225,7 +225,7 @@ static gn_world *couple(int dimension, const char *law, const char *motion, doub
     return driven(dimension, law, motion, 0.0, step);
 }
 
-/* Dempack's section, and the mean of those of two square columns. */
+/* Dempack's section, and the mean section for two square columns. */
 static double pair_section(int dimension, bool polyhedron, double gamma) {
     double r = 2.0 * r1 * r2 / (r1 + r2);
     if (polyhedron)
@@ -264,13 +264,13 @@ static void a_bar_breaks_at_its_strain(void **state) {
         while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.time < 2.0 * time)
             run_steps(w, 1);
         assert_int_equal(w->dem.bonds.contacts.cause[0], way ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
-        /* The turn of the normal tilts the path by at most half of the strain, squared. */
+        /* The rotation of the normal tilts the path by at most half of the strain, squared. */
         assert_near(w->dem.bonds.contacts.broken_time[0], time, 2.0 * dt + strain * strain * time);
         world_end(w);
     }
 }
 
-/* The second sphere turns in its place: the contact, half a gap off its surface, slides by its arm
+/* The second sphere rotates in place: the contact, half a gap off its surface, slides by its arm
  * times the angle. */
 static void a_bar_breaks_when_one_end_turns(void **state) {
     (void)state;
@@ -301,8 +301,8 @@ static void plates_and_columns_have_square_sections(void **state) {
     }
 }
 
-/* Pressed to ten times the tensile strength it holds, and breaks when it is sheared as without;
- * with friction of the bond at tau + mu_1 times the pressure. */
+/* Compressed to ten times the tensile strength it holds, and breaks in shear at the same force as
+ * without compression; with friction of the bond at tau + mu_1 times the pressure. */
 static void a_pressed_bar_breaks_in_shear_by_its_strength_under_pressure(void **state) {
     (void)state;
     const double dt = 1e-9, shear = young / 2.4, friction[] = {0.0, 0.4};
@@ -341,7 +341,7 @@ static void pairs_that_meet_later_have_dempacks_section(void **state) {
     }
 }
 
-/* Contacts at the start do not make a body. */
+/* Unbonded contacts at the start do not form a body. */
 static void without_bonds_gamma_is_one(void **state) {
     (void)state;
     gn_world *w =
@@ -411,8 +411,8 @@ static void the_hexagonal_lattice_is_that_of_tavarez_and_plesha(void **state) {
 }
 
 /* Uniform contraction of a packing: the same stress alpha E times the strain in every bond, and a
- * bulk modulus alpha E/d times the part of the body that the sections fill. Measured as a run does
- * it: moved by hand, then one step. */
+ * bulk modulus alpha E/d times the part of the body that the sections fill. Measured as in a run:
+ * particles are displaced, then one step is taken. */
 static void a_contracted_packing_has_one_stress_in_every_bond(void **state) {
     (void)state;
     const char *shapes[] = {"{rectangle: {width: 0.02, height: 0.04}, particles: 300}",

@@ -2,7 +2,8 @@
 interruptions, a closed energy ledger, output files. Speaks TAP."""
 from program import *  # noqa: F403
 
-# Everything beside it: two materials, a pair of their own, scatter, dashpots, background damping, walls, friction, gravity.
+# All other options: two materials, values for a pair, scatter, dashpots, background damping, walls, friction,
+# gravity.
 ROCK = {"name": "rock", "density": 2500, "young": 20e9, "poisson": 0.2, "alpha": 1.2, "friction": 0.5,
         "tensile_strength": 3e6, "shear_strength": 9e6, "strength_scatter": {"distribution": "weibull", "modulus": 4},
         "stiffness_scatter": {"distribution": "normal", "deviation": 0.2}}
@@ -58,7 +59,7 @@ def a_resumed_run_has_the_bits_of_one_without_a_break(folder):
 
 @fact
 def bonds_that_hold_beyond_their_strength_in_shear_have_a_finite_share_of_it(folder):
-    # Pulled beyond R_t/mu_1 nothing is left of the strength in shear, and the force in tension softens on.
+    # Pulled beyond R_t/mu_1 the shear strength is zero, and the tensile force continues to soften.
     place = os.path.join(folder, "out")
     run(write_scene(folder, {
         "dimension": 2, "specimen": {"particles": [[0, 0, 1e-3], [2e-3, 0, 1e-3], [4e-3, 2e-4, 1e-3]]},
@@ -84,7 +85,8 @@ def single_precision_keeps_bits_and_readings(folder):
     one, two = ran(folder, "one", "--threads", 1, run=mixed), ran(folder, "two", "--threads", 2, run=mixed)
     check_same(one, two)
     breaks(one)
-    # Rounding decides which bond breaks first: compared without breaks, over which rounding (6e-8) grows by the steps' number.
+    # Rounding decides which bond breaks first: compared without breaks, over which rounding (6e-8) grows in
+    # proportion to the steps.
     strong = [{**m, "tensile_strength": 1e12, "shear_strength": 1e12} for m in SCENE["materials"]]
     held = [ran(folder, precision, "--threads", 1, materials=strong, contacts=None, run={**mixed, "precision": precision})
             for precision in ("double", "mixed")]

@@ -31,8 +31,8 @@ CORNER = {"ids": [0, 1, 2]}
 
 @fact
 def detached_particles_do_not_count_as_strain_of_the_rest(folder):
-    """Three discs of a corner, which fly off or leave the model: the rest is not loaded. (The error was 20 % if they
-    fly on and 8 % if they were removed: the strain due to their last position.)"""
+    """Three discs of a corner, which fly off or leave the model: the remaining body is not loaded. (The error was 20
+    % if they flew on and 8 % if they were removed, due to the strain of their last position.)"""
     for name, more in (("flies", {}), ("goes", {"domain": BEYOND})):
         found = strains(run_scene(folder, block(CORNER, **more), name=name))
         assert max(abs(e[-1]) for e in found.values()) < 1e-6, (name, [e[-1] for e in found.values()])
@@ -41,7 +41,7 @@ def detached_particles_do_not_count_as_strain_of_the_rest(folder):
 
 @fact
 def grains_that_were_never_bonded_count_until_they_are_taken_out(folder):
-    """One of the grains, which do not touch, flies off, out of the model if it has an end there."""
+    """One of the grains, which do not touch, flies off, and leaves the model if it has a domain."""
     given = block({"ids": [0]}, bonds={"enabled": "off"}, specimen={"particles": [[2.1e-3 * i, 2.1e-3 * j, 1e-3] for i in range(12) for j in range(8)]})
     assert strains(run_scene(folder, given, name="flies"))["xx"][-1] > 0.05
     found = strains(run_scene(folder, {**given, "domain": BEYOND}, name="goes"))
@@ -50,7 +50,7 @@ def grains_that_were_never_bonded_count_until_they_are_taken_out(folder):
 
 @fact
 def there_is_no_average_strain_once_half_has_left(folder):
-    """Eight of twelve columns are removed from the model: rows are not numbers from then on, and the run goes on."""
+    """Eight of twelve columns are removed from the model: rows are no longer numbered by id, and the run continues."""
     out = run_scene(folder, block({"box": {"min": [-1, -1], "max": [0.0155, 1]}}, domain=BEYOND))
     found, rows = strains(out), history(out)
     gone = np.isnan(found["xx"])
@@ -62,8 +62,8 @@ def there_is_no_average_strain_once_half_has_left(folder):
 
 @fact
 def a_block_that_lies_apart_from_the_start_has_not_come_off(folder):
-    """A sixteenth of the other, at 1 m/s to the right from the start, while a chip of the large one is pulled off to the left: it counts as
-    it does where nothing comes off."""
+    """A sixteenth of the other body, moving to the right at 1 m/s from the start, while a chip of the large one is
+    pulled off to the left: its weight in the mean is the same as without a chip."""
     large = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(12) for j in range(8)]
     small = [[0.03 + 2e-3 * i, 2e-3 * j, 1e-3] for i in range(3) for j in range(2)]
     found = {}

@@ -1,4 +1,4 @@
-/* When forces are in balance, for the end of a run (time.stop.unbalanced) and of a stage. */
+/* Balance of forces as a condition for the end of a run (time.stop.unbalanced) and of a stage. */
 #include "surface_helpers.h"
 
 #include "run/run.h"
@@ -58,7 +58,7 @@ static void free_fall_is_no_balance(void **state) {
         }
 }
 
-/* A grain that touches only a wall or a body comes to rest on it: that is balance for both. */
+/* A grain in contact with only a wall or a body comes to rest on it: both are then in balance. */
 static void a_grain_at_rest_on_a_wall_or_a_body_is_in_balance(void **state) {
     (void)state;
     static const char *const ends[] = {BY_RUN, BY_STAGE};
@@ -99,8 +99,8 @@ static void grains_that_nothing_touches_are_not_in_balance(void **state) {
     free(t);
 }
 
-/* A source that has grains to bring, or begins later, keeps the run and the stage on; one that is
- * full of grains at rest, or would begin after the end, does not. */
+/* A source that still has grains to insert, or begins later, prevents the end of the run and the
+ * stage; one that is blocked by grains at rest, or would begin after the end, does not. */
 static void a_source_with_grains_to_come_keeps_a_run_going(void **state) {
     (void)state;
     static const char *const ends[] = {BY_RUN, BY_STAGE};

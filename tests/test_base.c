@@ -39,8 +39,8 @@ static void every_effect_has_a_name(void **state) {
     for (int k = 0; k < GN_EFFECT_COUNT; k++) assert_true(strlen(gn_effect_text(k)) > 5);
 }
 
-/* Rounds of unit work that cost `alone` by one thread and `together` by all of four; how many were
- * done by one. */
+/* Rounds of unit work that take `alone` on one thread and `together` on all four; returns how many
+ * were done on one. */
 static int rounds_alone(gn_pace *pace, int rounds, double alone, double together, double waiting) {
     int count = 0;
     for (int k = 0; k < rounds; k++) {
@@ -56,7 +56,8 @@ static void threads_that_help_are_used(void **state) {
     (void)state;
     gn_pace pace = gn_pace_start(4, 4, 32, 1024);
     assert_int_equal(rounds_alone(&pace, 10000, 3.0, 1.0, 0.1), 0);
-    pace = gn_pace_start(4, 4, 32, 1024); /* how much they wait is not known: trials, ever rarer */
+    pace = gn_pace_start(4, 4, 32,
+                         1024); /* the waiting time is not known: trials become rarer and rarer */
     assert_in_range(rounds_alone(&pace, 10000, 3.0, 1.0, -1.0), 20, 80);
 }
 

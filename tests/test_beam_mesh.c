@@ -54,7 +54,8 @@ static void its_volume_is_that_of_the_beam_less_the_notch(void **state) {
 }
 
 /* Every facet of the boundary is listed once, with the normal outward: the areas of the groups are
- * those of the faces, all area vectors add up to zero, and with their places to the volume. */
+ * those of the faces, all area vectors add up to zero, and their products with positions to the
+ * volume. */
 static void close_it(bool parallel) {
     gn_structured_beam spec = concrete;
     spec.parallel = parallel;
@@ -242,7 +243,7 @@ static void shares_of_facets_are_their_area_and_those_of_nodes_one(void **state)
     double all = 0.0;
     for (size_t k = 0; k < load[1].count; k++) all += load[1].share[k];
     assert_true(fabs(all - 1.0) < 1e-15);
-    /* Both values at first, then another one: the first has no effect any more. */
+    /* Both values at first, then another one: the first one no longer has any effect. */
     const double first[2][3] = {{1e6, 0.0, 0.0}, {0.0, 5.0, 0.0}}, then[2][3] = {{2e6}, {0.0}};
     gn_fem_set_loads(body, load, first, 2);
     gn_fem_set_loads(body, load, then, 2);

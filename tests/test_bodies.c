@@ -132,7 +132,7 @@ static void prescribed_spin_turns_about_the_reference_point(void **state) {
     world_end(w);
 }
 
-/* A vertex seen from the reference point, turned by the orientation that results.h5 gives. */
+/* A vertex relative to the reference point, rotated by the orientation in results.h5. */
 static void turned_vertex(const gn_rigid *b, const double at_start[3], double out[3]) {
     double q[4], t[3], once[3];
     gn_rigid_orientation(b, q);
@@ -143,7 +143,7 @@ static void turned_vertex(const gn_rigid *b, const double at_start[3], double ou
     for (int a = 0; a < 3; a++) out[a] = at_start[a] + q[0] * t[a] + once[a];
 }
 
-/* Prescribed and free, to several whole turns: a few ulp of each of at most 700 products. */
+/* Prescribed and free, up to several rotations: a few ulp of each of at most 700 products. */
 static void orientation_is_the_turn_from_the_start_at_every_angle(void **state) {
     (void)state;
     const char *const bodies[] = {"motion: {wx: 3, wy: -2, wz: 4}",
@@ -296,7 +296,7 @@ static gn_world *swarm(const char *more) {
         t.s, s.s, more);
 }
 
-/* Forces are equal and opposite and act at one point: a few roundings a step. */
+/* Forces are equal and opposite and act at one point: a few roundings per step. */
 static void particles_and_a_body_keep_momentum(void **state) {
     (void)state;
     gn_world *w = swarm("damping: {contact: {restitution: 0.6}}\ntime: {step: 5e-7, end: 1}\n");
@@ -357,7 +357,7 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
             off, restitution);
         run_steps(w, 10000);
         const gn_rigid *b = &w->boundary.bodies[0];
-        /* Along z at the point that was hit; the body has hardly turned by then. */
+        /* Along z at the contact point; the body has hardly rotated by then. */
         double at = b->velocity[2] - off * b->spin[1];
         assert_near(vel_of(w, 0)[2] - at, restitution, 0.01);
         assert_true(b->velocity[2] < -0.01);
@@ -367,8 +367,8 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
 
 /* --- stability --- */
 
-/* A light plate on a bed of spheres on a wall, pressed by a strong gravity so that all contacts
- * stay closed, in balance but for small random velocities. */
+/* A light plate on a bed of spheres on a wall, under strong gravity so that all contacts stay
+ * closed, in balance except for small random velocities. */
 static gn_world *bed(const char *damping, const char *step) {
     return world_of(
         "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [8, 8, 1], "

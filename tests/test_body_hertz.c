@@ -1,11 +1,12 @@
-/* Rigid bodies on walls and on each other in scenes by Hertz's law: by a stiffness of their own. */
+/* Contacts of rigid bodies with walls and with each other in scenes with Hertz's law, which have a
+ * stiffness of their own. */
 #include "body_helpers.h"
 #include "run_helpers.h"
 
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 
-/* The head of head3, with Hertz's law. */
+/* The scene of head3 with Hertz's law. */
 static const char head[] =
     "dimension: 3\nspecimen: {particles: [[0, 50, 0.05, 0.02]], material: m, group: 0}\n"
     "materials: [{name: m, density: 2500, young: 1e7, poisson: 0.2, friction: 0.5}, {name: s, "
@@ -31,8 +32,8 @@ static double run_to(gn_world *w, double time) {
 
 /* --- the linear law, beside Hertz's --- */
 
-/* Blocks that tumble between three walls, on springs of which walls have half by the linear law;
- * and, without walls, blocks that fly at each other. */
+/* Blocks that tumble between three walls, whose springs have half the stiffness under the linear
+ * law; and blocks that collide without walls. */
 static gn_world *tumbling(bool hertz, bool walls) {
     char sides[400] = "", spring[64];
     const char *wall = hertz ? "" : "stiffness: 4e5, kratio: 2, ";
@@ -174,7 +175,8 @@ static void the_automatic_step_follows_any_stiffness(void **state) {
 
 /* --- grains --- */
 
-/* A block falls on grains in a box of walls, by default settings; `all`: with all else on. */
+/* A block falls on grains in a box of walls, with default settings; `all`: with all other options.
+ * */
 static void on_grains(text *lines, bool all, int threads) {
     static const char *const wall[] = {
         "0, 0, 0], normal: [0, 0, 1", "0, 0, 0], normal: [1, 0, 0", "0, 0, 0], normal: [0, 1, 0",
@@ -233,7 +235,7 @@ static gn_run *grains_run(int threads) {
     return run;
 }
 
-/* Blocks, a bar that presses them, grains that resist rolling, dashpots that never pull. */
+/* Blocks, a bar that compresses them, grains that resist rolling, dashpots without tension. */
 static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
     gn_run *straight = grains_run(3), *stopped = grains_run(1);

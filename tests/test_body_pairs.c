@@ -1,4 +1,4 @@
-/* Convex rigid bodies that meet each other. */
+/* Contacts between convex rigid bodies. */
 #include "body_helpers.h"
 #include "parts.h"
 #include "run_helpers.h"
@@ -97,7 +97,7 @@ typedef struct collision {
     bool met;
 } collision;
 
-/* A box, a prism or a cone flies at another one off the centre, both turning. */
+/* A box, a prism or a cone hits another one off the centre, both rotating. */
 static collision collide(uint64_t seed, double friction, double restitution) {
     uint64_t at = 100 * seed;
     double p[2][3], l[2][3], turn[2][3], more[4], start = 0.0;
@@ -214,8 +214,9 @@ static void a_stack_of_cubes_stays(void **state) {
     }
 }
 
-/* Two blocks of 2 cm with sides in line but for rounding: cubes, of one and of a hundred densities,
- * a quarter of a brick aside, and on a longer one. They come to rest where they are. */
+/* Two blocks of 2 cm with sides aligned up to rounding: cubes, of one density and of a ratio of a
+ * hundred, displaced by a quarter of a brick, and on a longer one. They come to rest in their
+ * places. */
 static void blocks_with_sides_in_line_stay(void **state) {
     (void)state;
     static const double lower[4] = {0.02, 0.02, 0.04, 0.03}, upper[4] = {0.02, 0.02, 0.04, 0.02},
@@ -249,8 +250,8 @@ static void blocks_with_sides_in_line_stay(void **state) {
 
 /* --- friction --- */
 
-/* A cube slides on a fixed slab, and on one that is driven at 1 m/s to where it goes with it; or
- * turns on it about the vertical. */
+/* A cube slides on a fixed slab, and on one driven at 1 m/s until both have the same velocity; or
+ * rotates on it about the vertical. */
 static void a_sliding_cube_stops_by_friction(void **state) {
     (void)state;
     const double size[3] = {0.1, 0.1, 0.05}, slab[3] = {2, 2, 0.1};
@@ -277,7 +278,7 @@ static void a_sliding_cube_stops_by_friction(void **state) {
         if (k == 0) assert_close(w->ledger.reading.friction, 0.5, 0.01);
         if (k == 1) assert_close(b->position[0] + 0.6, path, 2e-3);
         if (k < 2) assert_near(b->velocity[0], -k, 1e-6);
-        /* I = m a^2/6, M = mu m g a 0.3826 for a square that presses alike everywhere. */
+        /* I = m a^2/6, M = mu m g a 0.3826 for a square with uniform pressure. */
         double about = 0.5 * 100.0 * (0.01 / 6.0) / (0.3 * 9.81 * 0.1 * 0.3826);
         if (k == 2) assert_close(2.0 * atan2(q[3], q[0]), about, 0.02);
         assert_near(length3(b->spin), 0.0, k == 2 ? 0.05 : 1e-4);
@@ -470,7 +471,8 @@ static void blocks_come_to_rest_on_each_other(void **state) {
         lowest = fmin(lowest, body(w, k)->position[2]);
     }
     for (int p = 0; p < 36; p++) weight += 10.0 * mass_of(w, p);
-    assert_near(-w->boundary.walls[0].force[2], weight, 0.1 * weight); /* sides hold some of it */
+    assert_near(-w->boundary.walls[0].force[2], weight,
+                0.1 * weight); /* the sides carry a part of it */
     assert_true(worst < 1e-3 && speed < 0.01 && lowest > 0.0);
     world_end(w);
     free(lines);

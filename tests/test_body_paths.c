@@ -22,7 +22,8 @@ static const gn_rigid *body(const gn_world *w) {
     "box: {size: [0.1, 0.06, 0.03]}, stiffness: 5e3, kratio: 2, friction: 0.5, "                   \
     "origin: [0, 0, 9]"
 
-/* m over the smallest radius, of the farthest vertex; rad: the most in any step of the run. */
+/* m, path of the farthest vertex relative to the smallest radius; rad: the largest rotation in any
+ * step of the run. */
 static void farthest(gn_world *w, double *path, double *turn) {
     *path = *turn = 0.0;
     while (w->ctx.time < w->ctx.scene.end) {
@@ -36,8 +37,9 @@ static void farthest(gn_world *w, double *path, double *turn) {
     }
 }
 
-/* Bodies that fall, fly or spin; driven, also suddenly, and back in between; under Hertz's law; hit
- * by a heavy body; small ones, which rotate far before they move far. */
+/* Bodies that fall, fly or spin; driven, also suddenly, and in the reverse direction in between;
+ * under Hertz's law; hit by a heavy body; small ones, which rotate by large angles before they have
+ * moved far. */
 static const char *const moving[] = {
     GRAINS(HELD) "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",
     GRAINS("") "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",
@@ -73,7 +75,8 @@ static void no_vertex_moves_farther_than_a_quarter_of_the_smallest_radius(void *
 
 /* Free fall without neighbours, g t^2/2, is exact to rounding for any steps, also for lowered
  * ones. */
-/* A gate that leaves grains at 20 m/s: its corner passes the one that leans on it in many steps. */
+/* A gate that moves away from grains at 20 m/s: its corner passes the one that leans on it in many
+ * steps. */
 static void a_fast_gate_keeps_the_ledger(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -168,8 +171,8 @@ static void a_body_alone_has_a_step(void **state) {
 
 /* --- turns --- */
 
-/* A box beside two grains of 1 m, which ask for a long step, spins about an axis askew; `step`
- * seconds, 0: automatic. */
+/* A box beside two grains of 1 m, for which a long step would be stable, spins about an oblique
+ * axis; `step` seconds, 0: automatic. */
 static gn_world *spinning(const double size[3], const double spin[3], const char *more,
                           double step) {
     char given[48] = "";

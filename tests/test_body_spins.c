@@ -82,8 +82,8 @@ static void a_door_is_hit(void **state) {
 
 /* --- two axes --- */
 
-/* Turned about x and y while z is held by bearings, which do no work: energy and the two components
- * of the angular momentum stay. */
+/* Rotated about x and y while z is held by bearings, which do no work: energy and the two
+ * components of the angular momentum are conserved. */
 static double lost_energy(double dt) {
     gn_world *w = world_of("%sbodies: [{name: b, box: {size: [1, 2, 3]}, rotation: [0.3, 0.4, "
                            "-0.7], stiffness: 1, free: true, density: 10, initial_spin: [3, -2, "
@@ -113,7 +113,7 @@ static void bearings_do_no_work(void **state) {
 
 /* --- bearings that turn --- */
 
-/* A free body about which nothing but bearings is. */
+/* A free body on which only bearings act. */
 static gn_world *driven(const char *body, double dt) {
     return world_of("%sbodies: [{name: b, stiffness: 1, free: true, %s}]\ntime: {step: %.17g, end: "
                     "99}\n",
@@ -190,9 +190,9 @@ static void the_work_of_bearings_is_in_the_ledger(void **state) {
     }
 }
 
-/* About its own axis: the work of a bearing that spins a wheel up to p and down to p/3 is C p^2/2
- * and C p^2/18, whatever the step; two bearings; one that is turned by a table beside a free axis.
- */
+/* About its own axis: the work of a bearing that accelerates a wheel to p and decelerates it to p/3
+ * is C p^2/2 and C p^2/18, for any step; two bearings; one that is rotated by a table beside a free
+ * axis. */
 static void a_wheel_is_spun_up(void **state) {
     (void)state;
     gn_world *w = driven("mass: 1, box: {size: [1, 1, 1]}, inertia: [2, 2, 3], motion: {wz: [[0, "
@@ -244,7 +244,8 @@ static void a_driven_body_turns_for_long(void **state) {
     }
 }
 
-/* A paddle of which a bearing turns z, and springs of walls and grains all else, among spheres. */
+/* A paddle among spheres. A bearing prescribes its rotation about z; springs of walls and grains
+ * restrain the other components. */
 static const char stirred[] =
     "dimension: 3\nspecimen: {lattice: {kind: hcp, radius: 2e-3, cells: [8, 5, 2], origin: "
     "[2.2e-3, 2.2e-3, 2.2e-3], jitter: 0.02, spacing: 1.03}, group: 0}\n"

@@ -42,7 +42,7 @@ static void parts_do_not_depend_on_how_faces_are_cut(void **state) {
 
 /* --- bounces --- */
 
-/* A cube of 2 kg flies at 1 m/s at a wall on a spring of 1 MN/m: on a face, on a corner below its
+/* A cube of 2 kg hits a wall at 1 m/s on a spring of 1 MN/m: on a face, on a corner below its
  * centre; in the plane on a side. `steps` of an undamped half wave, 0: automatic. */
 static gn_world *bouncing(int dimension, const char *rotation, double restitution,
                           const char *time) {
@@ -90,7 +90,7 @@ static void a_body_rebounds_with_the_restitution(void **state) {
 
 /* --- energy --- */
 
-/* A block that falls askew between a floor and sides, and bounces for ever. */
+/* A tilted block that falls between a floor and sides, and bounces permanently. */
 static gn_world *tumbling(double friction, double dt, const char *more) {
     return world_of(
         "%sgravity: [0, 0, -9.81]\n%s"
@@ -157,7 +157,7 @@ static void a_rocking_block_keeps_its_energy(void **state) {
 
 /* --- friction --- */
 
-/* A box on a floor under a gravity that leans: it goes sideways with `slope` times its weight. */
+/* A box on a floor under inclined gravity: the horizontal component is `slope` times its weight. */
 static gn_world *on_slope(int dimension, double slope, double friction, double height) {
     double turn = atan(slope), gx = 9.81 * sin(turn), gz = -9.81 * cos(turn);
     const char *damping = "damping: {contact: {fraction: 0.3}}\n";
@@ -195,8 +195,7 @@ static void a_box_slides_when_the_slope_is_beyond_friction(void **state) {
         }
 }
 
-/* A box of 0.1 m by 0.2 m falls over beyond a slope of 1/2; put down all at once it rocks a little.
- */
+/* A box of 0.1 m by 0.2 m falls over beyond a slope of 1/2; released suddenly it rocks a little. */
 static void a_box_falls_over_when_its_weight_is_beyond_the_edge(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)
@@ -213,7 +212,7 @@ static void a_box_falls_over_when_its_weight_is_beyond_the_edge(void **state) {
 
 /* --- walls that move --- */
 
-/* A servo presses a box on a floor that shakes below it. */
+/* A servo presses a box against a floor that vibrates. */
 static void a_servo_wall_feels_the_body(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -249,7 +248,8 @@ static void the_work_of_a_moving_wall_is_in_the_ledger(void **state) {
 
 /* --- the automatic step --- */
 
-/* From springs that yield by metres to almost rigid ones, and a body of a thousand vertices. */
+/* From springs with displacements of metres to almost rigid ones, and a body of a thousand
+ * vertices. */
 static void the_automatic_step_follows_any_stiffness(void **state) {
     (void)state;
     for (int power = 3; power <= 12; power += 3) {
@@ -404,7 +404,7 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     const gn_wall_contacts *q = &stopped.world.boundary.body_contacts;
     double held = 0.0;
     for (size_t c = 0; c < q->soa.count; c++) held += fabs(q->shear[c]);
-    assert_true(held > 0.0); /* there is something to carry over */
+    assert_true(held > 0.0); /* there is energy to carry over */
     assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
     assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
     assert_true(gn_world_hash(&stopped.world.ctx, &stopped.world.dem, &stopped.world.boundary,
@@ -425,9 +425,9 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     unlink(saved);
 }
 
-/* A box of 1e-5 or 1e-6 kg rests on 1e6 N/m while all positions refer to a grain 54 m away: the
- * step is so short that the box creeps by less than an ulp in it, and its weight does work that no
- * position shows. The supporting forces are exact. */
+/* A box of 1e-5 or 1e-6 kg rests on 1e6 N/m while all positions are relative to a grain 54 m away:
+ * the step is so short that the box creeps by less than an ulp in it, and its weight does work that
+ * no position shows. The supporting forces are exact. */
 static void a_light_body_rests_far_from_the_grains(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {

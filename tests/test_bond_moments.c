@@ -49,9 +49,9 @@ static int moment_of(const gn_world *w, size_t c, double m[3]) {
 /* --- closed forms --- */
 
 /* A force P across the tip: the contact of bond k, at (k - 1/2) d, carries the shear P and the
- * moment P d (N - k + 1/2); with the turns th_k = sum of moments/k_b the deflection is the sum of
- * P/k_t + d/2 (th_k + th_k-1). Left out is the square of deflection over length, 1e-5 here, and
- * positions of 1e-2 m are rounded to 1e-18, of a deflection of 1e-7. */
+ * moment P d (N - k + 1/2); with the rotations th_k = sum of moments/k_b the deflection is the sum
+ * of P/k_t + d/2 (th_k + th_k-1). The error is the square of deflection over length, 1e-5 here;
+ * positions of 1e-2 m are rounded to 1e-18, for a deflection of 1e-7. */
 static void bends_as_a_cantilever(int dimension, int axis, double force) {
     enum { BONDS = 6 };
     char tip[80];
@@ -94,8 +94,8 @@ static void a_chain_bends_as_a_cantilever_with_shear(void **state) {
     bends_as_a_cantilever(2, 1, -1e-3);
 }
 
-/* The tip is turned by an angle about the axis and held: by as much of it in every bond, whatever
- * the angle. */
+/* The tip is rotated by an angle about the axis and held: every bond has an equal part of it,
+ * whatever the angle. */
 static void a_chain_twists_by_the_same_angle_in_every_bond(void **state) {
     (void)state;
     enum { BONDS = 5 };
@@ -126,8 +126,9 @@ static void a_chain_twists_by_the_same_angle_in_every_bond(void **state) {
 
 static const double limit_n = 20.0, limit_t = 12.0, share = 0.7;
 
-/* Two touching particles, both driven: the first turns against the second about y or z (`bend`,
- * rad/s each, with equal arms no slip), the second is pulled and turned about x. */
+/* Two touching particles, both driven: the first rotates relative to the second about y or z
+ * (`bend`, rad/s each; no slip, as the arms are equal), the second is pulled and rotated about x.
+ * */
 static gn_world *driven_by(const char *law, const char *more, int dimension, double bend,
                            double pull, double twist, double slide) {
     bool space = dimension == 3;
@@ -152,7 +153,8 @@ static gn_world *driven(int dimension, double bend, double pull, double twist, d
     return driven_by("", "", dimension, bend, pull, twist, slide);
 }
 
-/* Steps until the bond breaks; what the ledger has then, and how much was released. */
+/* Returns the number of steps until the bond breaks, the ledger at that time, and the released
+ * energy. */
 static int64_t steps_to_break(gn_world *w, gn_energy *e) {
     measured_step(w);
     while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
@@ -212,7 +214,7 @@ static void a_bond_breaks_by_pull_and_bending_together(void **state) {
     }
 }
 
-/* Pressed by as much as the fibre is bent, it holds; twice that bend breaks it. */
+/* Compressed by as much as the fibre is bent, it holds; twice that bend breaks it. */
 static void pressure_reduces_the_tension_of_bending(void **state) {
     (void)state;
     double bend = 317.3, moment = bend_stiffness(3) * 2.0 * bend * 1e-8;
@@ -252,8 +254,9 @@ static void shear_and_twist_add_up(void **state) {
     assert_near((double)steps_to_break(w, &e), ceil(exact), 1.0 + 2.0 * turn * turn * exact);
 }
 
-/* Bent and twisted, in 2D bent and slid, with shares a and b a step of the strengths of the fibre:
- * it breaks at the first n with n^2 (a^2 + b^2) >= 1, by the larger of the two. */
+/* Bent and twisted, in 2D bent and sheared, with increments a and b per step relative to the
+ * strengths of the fibre: it breaks at the first n with n^2 (a^2 + b^2) >= 1, by the larger of the
+ * two. */
 static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
     (void)state;
     const double ratio[] = {0.4, 0.9, 1.6};
@@ -284,7 +287,7 @@ static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
 }
 
 /* The tension that bending adds at one fibre does not reduce the pressure for friction: under
- * pressure, bending and sliding the bond breaks when its strength is used up, and not before. */
+ * pressure, bending and sliding the bond breaks when its strength is reached, and not before. */
 static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
     (void)state;
     const char *const couplings[] = {", coupling: none", ", coupling: quadratic",
@@ -321,7 +324,7 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
         const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p,
                      *s = w->dem.particles.spin + 4 * p;
         double l[3], middle[3];
-        /* Where it was half a step ago, when it had that velocity. */
+        /* Its position half a step earlier, the time of that velocity. */
         for (int a = 0; a < 3; a++) middle[a] = x[a] - 0.5 * w->ctx.dt_past * v[a];
         cross3(middle, v, l);
         for (int a = 0; a < 3; a++) {
@@ -331,8 +334,8 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
     }
 }
 
-/* A ring of twelve spheres (discs), with random velocities on top of a turn about an oblique axis.
- */
+/* A ring of twelve spheres (discs), with random velocities superposed on a rotation about an
+ * oblique axis. */
 static gn_world *ring(int dimension, double speed, const char *more) {
     text t = {0};
     bool space = dimension == 3;
@@ -366,8 +369,8 @@ static gn_world *ring(int dimension, double speed, const char *more) {
     return world_of("%s", t.s);
 }
 
-/* Sums of 1e5 additions of numbers whose rounding is random: some 1e-16 x sqrt(1e5) of the largest
- * of them, with room. */
+/* Sums of 1e5 additions with random rounding: about 1e-16 x sqrt(1e5) of the largest number, plus a
+ * margin. */
 static void a_bent_ring_keeps_momentum_and_energy(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -390,16 +393,17 @@ static void a_bent_ring_keeps_momentum_and_energy(void **state) {
         }
         print_message("# ring in %dD: %.2g of the energy is bending, residual %.2g\n", dimension,
                       most, gn_energy_residual(&e));
-        /* Without moments it is as much: the normal turns by 2e-3 rad in a step, in which the
-         * tangential force errs by the square of half of that. */
+        /* Without moments the residual is equally large: the normal rotates by 2e-3 rad in a step,
+         * and the relative error of the tangential force is the square of half of that. */
         assert_true(most > 1e-6);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
         world_end(w);
     }
 }
 
-/* A pair that was bent and twisted turns as a whole about an axis, both spins alike: nothing
- * strains it, so its moment turns along and keeps its size, whatever the angle of a step. */
+/* A pair with bending and twist rotates as a whole about an axis, with equal spins: the bond is not
+ * strained further, so its moment rotates with it and keeps its magnitude, whatever the angle of a
+ * step. */
 static void a_moment_turns_with_its_bond(void **state) {
     (void)state;
     const double axes[3][3] = {{1, 0, 0}, {0, 0, 1}, {0.48, 0.6, 0.64}};
@@ -449,8 +453,8 @@ static void a_moment_turns_with_its_bond(void **state) {
             stored = sums.elastic_bending;
             if (step == 0) first = stored;
         }
-        /* The twist is taken to second order: directions err by angle^3/6 per step, sizes by
-         * angle^4/8; the mean of both spins is seen along the middle normal. */
+        /* The twist is included to second order: directions have an error of angle^3/6 per step,
+         * magnitudes of angle^4/8; the mean of both spins is projected on the middle normal. */
         double off = 0.0, allowed = 2.0 * pi * angle * angle / 6.0 * 1.1;
         for (size_t a = 0; a < 3; a++) off += pow(c.moment[a * c.soa.capacity] - start[a], 2.0);
         assert_true(sqrt(off) / length3(start) < allowed);
@@ -495,7 +499,7 @@ static double growth(int dimension, double times, double dt, int64_t steps) {
     return largest;
 }
 
-/* Multipliers at which the moments do not matter, matter and set the step. */
+/* Multipliers with which the moments are negligible, matter, and set the step. */
 static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
     (void)state;
     double before = INFINITY;
@@ -705,7 +709,8 @@ static void moments_in_single_precision_follow_the_double_ones(void **state) {
     }
 }
 
-/* A share of 0 leaves strength to the forces; a thin beam hardly bends: as without moments. */
+/* With a share of 0 the strength depends on forces only; a thin beam hardly bends: as without
+ * moments. */
 static void thin_beams_are_no_beams(void **state) {
     (void)state;
     gn_world *w[2];

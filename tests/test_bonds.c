@@ -1,5 +1,5 @@
-/* Bonds: stiffness and strength by every model, breaking, what remains of a broken bond; energy of
- * bonded pairs, damping, loads and walls. */
+/* Bonds: stiffness and strength by every model, breaking, contacts that remain of broken bonds;
+ * energy of bonded pairs, damping, loads and walls. */
 #include "particles/observe.h"
 #include "world_helpers.h"
 
@@ -138,7 +138,8 @@ static void breaks_exactly(int dimension, const char *v, double stiffness, doubl
         now = cause == GN_BROKEN_SHEAR ? shear_of(&w->dem.bonds.contacts, 0, f) : f[0];
     }
     double increment = stiffness * speed * dt, slide = speed * w->ctx.time / 2e-3;
-    /* The turn of the normal stretches the bond by slide^2/2 and tilts the increment by slide. */
+    /* The rotation of the normal stretches the bond by slide^2/2 and tilts the increment by slide.
+     * */
     double tilt = cause == GN_BROKEN_SHEAR ? 2.0 * slide * slide : 0.0;
     assert_true(last + increment * (1.0 + 1e-9) >= limit * (1.0 - tilt));
     assert_int_equal(w->dem.bonds.contacts.cause[0], cause);
@@ -172,8 +173,8 @@ static void a_bond_does_not_break_in_compression(void **state) {
     world_end(w);
 }
 
-/* Looking gives the force of the present distance and changes nothing; past its strength the bond
- * is still whole, for the world has not taken the step that breaks it. */
+/* Output evaluates the force at the present distance and changes nothing; beyond its strength the
+ * bond is still intact, because the world has not taken the step that breaks it. */
 static void looking_at_the_forces_changes_nothing(void **state) {
     (void)state;
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0.2", "bonds: {}\n", 1e-8);
@@ -224,8 +225,9 @@ static void a_broken_overlapping_bond_keeps_its_zero_gap(void **state) {
         bond_force(w, f);
     }
     assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_SHEAR);
-    assert_close(before, -pair_kn * press, 1e-2); /* pressed, and a little tilted */
-    /* No jump: the normal force goes on with the same zero gap, the shear drops to friction. */
+    assert_close(before, -pair_kn * press, 1e-2); /* compressed and slightly tilted */
+    /* No jump: the normal force continues with the same zero gap, the shear force drops to
+     * friction. */
     double x[3], distance_now, t[3], turn;
     for (int k = 0; k < 400; k++) {
         for (int a = 0; a < 3; a++) x[a] = pos_of(w, 1)[a] - pos_of(w, 0)[a];
@@ -263,7 +265,7 @@ static void a_bond_broken_in_tension_touches_again_at_its_own_length(void **stat
     world_end(w);
 }
 
-/* Two free particles that meet at an angle, spinning; strengths of `limit` N. */
+/* Two free spinning particles that collide at an angle; strengths of `limit` N. */
 static gn_world *meeting_pair(int dimension, const char *bonds) {
     bool space = dimension == 3;
     return world_of(
@@ -302,8 +304,7 @@ static void a_pair_broken_at_once_behaves_as_one_never_bonded(void **state) {
 
 static void work_of_breaking_balances(void **state) {
     (void)state;
-    /* Pulled to breaking: all the work that came in is released, 1/2 R_n^2/k_n and the last
-     * increment. */
+    /* Pulled until it breaks: the whole work is released, 1/2 R_n^2/k_n and the last increment. */
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0", "bonds: {}\n", 1e-8);
     measured_step(w);
     while (w->dem.bonds.contacts.cause[0] == GN_INTACT) run_steps(w, 1);
@@ -315,7 +316,7 @@ static void work_of_breaking_balances(void **state) {
     world_end(w);
 }
 
-/* Sheared to breaking under pressure, then slipping: every part of the work is booked. */
+/* Sheared until it breaks under compression, then slipping: every part of the work is booked. */
 static void work_of_shear_breaking_and_slip_balances(void **state) {
     (void)state;
     gn_world *w = driven_pair(3, 2e-3,
@@ -327,7 +328,8 @@ static void work_of_shear_breaking_and_slip_balances(void **state) {
     gn_energy e = measured_step(w);
     assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_SHEAR);
     assert_true(e.friction > 0.0 && e.bond_breaking > 0.0);
-    /* Normals turn by v dt/d = 2.5e-6 per step, each step's trapezium is off by about that much. */
+    /* Normals rotate by v dt/d = 2.5e-6 per step, and each step's trapezoid has an error of about
+     * that. */
     assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
     world_end(w);
 }

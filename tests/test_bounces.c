@@ -1,5 +1,5 @@
-/* Many bounces without damping: what opens and closes within a step keeps its energy, whatever else
- * acts on the particle, and whatever a held particle weighs. */
+/* Many bounces without damping: contacts that open and close within a step conserve energy,
+ * whatever else acts on the particle, and whatever the mass of a held particle. */
 #include "world_helpers.h"
 
 #include "measure/energy.h"
@@ -24,8 +24,8 @@ static const char *const head =
     "friction: 0, bond_tension_limit: 1e30, bond_shear_limit: 1e30}]\n"
     "law: {stiffness: uniform}\nrun: {threads: 1, residual_limit: 'off'}\n";
 
-/* J, of which nothing is in a spring of a wall or a pair; the weight's work is taken off. Steps
- * until that is so. */
+/* J, kinetic energy while no spring of a wall or a pair stores any; the work of the weight is
+ * subtracted. Returns the number of steps until then. */
 static double energy_in_flight(gn_world *w) {
     for (int k = 0; k < 10000; k++) {
         gn_energy e = measured_step(w);
@@ -52,9 +52,9 @@ static double gain(const char *floor, double weight, int bounces) {
     return end / start - 1.0;
 }
 
-/* The weight opens the contact while it crosses: with the full path of the next step known the
- * works close exactly, at any weight; only rounding is left. Undamped rebounds used to gain 5e-3 of
- * g/(v w) each. */
+/* The weight opens the contact while it crosses: the full path of the next step is known, so that
+ * the works close exactly, for any weight, up to rounding. Without that undamped rebounds gained
+ * 5e-3 of g/(v w) each. */
 static void a_ball_that_bounces_on_a_floor_keeps_its_energy(void **state) {
     (void)state;
     char ball[512], floor[1024];
@@ -86,7 +86,7 @@ static void a_ball_that_bounces_on_a_held_one_keeps_its_energy_nearly(void **sta
     assert_near(gain(scene, 0.1, 50) / 50.0, 0.0, 2e-5);
 }
 
-/* Where the ball is after many bounces between two that are held. */
+/* The position of the ball after many bounces between two held ones. */
 static double place_between(double held_density) {
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {material: m, particles: [[0, 0, 0, 1e-3], [0, 0, -2.02e-3, "
@@ -151,7 +151,7 @@ static void a_bonded_column_between_walls_keeps_its_energy(void **state) {
     assert_in_range(exact, 8, 12);
 }
 
-/* Sum over rows xyz, 1/m of F^2/m, from their change in a step with the kick m/F. */
+/* Returns the sum of F^2/m over rows xyz, 1/m, from their change in a step with the kick m/F. */
 static double load_square(const double *before, const double *after, size_t rows, double kick) {
     double sum = 0.0;
     for (size_t k = 0; k < 4 * rows; k++) {
@@ -250,8 +250,8 @@ static double damped_residual(const char *target, const char *others, const char
     return most;
 }
 
-/* The dashpot's own part of the next step's path is known as well: with a wall the works close
- * exactly, of pairs to the order of the series. Without it 0.6 % was missing at a restitution of
+/* The dashpot's contribution to the next step's path is known as well: at a wall the works close
+ * exactly, for pairs to the order of the series. Without it 0.6 % was missing at a restitution of
  * 0.02. */
 static void the_loss_of_a_damped_crossing_is_in_the_ledger(void **state) {
     (void)state;

@@ -1,5 +1,5 @@
-/* Sides of a periodic box that move: particles ride on it without a seam, the mean stress is held,
- * the ledger closes, and nothing depends on threads or on a break in between. */
+/* Moving sides of a periodic box: particles move with it without a discontinuity, the mean stress
+ * is held, the ledger closes, and nothing depends on threads or on an interruption. */
 #include "boundary/boundary.h"
 #include "drive/servo.h"
 #include "run_helpers.h"
@@ -29,9 +29,9 @@ static double speed_most(const gn_world *w) {
 
 /* --- the convention --- */
 
-/* By symmetry nothing moves beside a uniform strain. Of twelve neighbours at d a sphere has half:
- * 24 contacts in a cell of 2 sqrt(2) d^3, and the mean stress is 24 k (2 r - d) d/(3 a^3). Speeds
- * are rounding of forces over masses, 1e-16 k r/m for a millisecond. */
+/* By symmetry the motion is a uniform strain. Of twelve neighbours at d a sphere has half: 24
+ * contacts in a cell of 2 sqrt(2) d^3, and the mean stress is 24 k (2 r - d) d/(3 a^3). Other
+ * speeds are rounding of forces over masses, 1e-16 k r/m for a millisecond. */
 static void a_lattice_follows_a_uniform_strain_as_a_whole(void **state) {
     (void)state;
     gn_world *w = crystal(0, 0, 0, "x: {rate: -5}, y: {rate: -5}, z: {rate: -5}", "");
@@ -42,14 +42,14 @@ static void a_lattice_follows_a_uniform_strain_as_a_whole(void **state) {
     assert_true(edge < 0.995 * SIDE / 3.0);
     for (int a = 0; a < 3; a++) assert_near(-w->ledger.stress[4 * a], stress, 1e-9 * stress);
     assert_near(speed_most(w), 0.0, 1e-9);
-    /* Trapezoids of a force that grows in proportion are exact but for the turn of lengths in a
-     * step, 1e-5 of itself squared. */
+    /* The trapezoidal rule is exact for a force that grows in proportion, up to the change of
+     * lengths in a step, 1e-5 of itself squared. */
     assert_near(gn_energy_residual(&e), 0.0, 1e-8);
     world_end(w);
 }
 
-/* One crystal is perturbed at the seam of the box and elsewhere. The results differ by
- * rounding, and because the fixed corner is at another particle. */
+/* One crystal is perturbed at the sides of the box and elsewhere. The results differ by rounding,
+ * and because the fixed corner is at another particle. */
 static void there_is_no_seam(void **state) {
     (void)state;
     const char *sides = "x: {rate: -8}, y: {rate: 3}, z: {rate: -2}";
@@ -134,9 +134,9 @@ static void a_servo_is_stable_at_the_limit_of_the_step(void **state) {
                         "time: {end: 1, safety: 1}\n");
 }
 
-/* An fcc lattice without friction answers strains along an axis half as much across it (C12/C11 =
- * 1/2): while z shrinks at E, sides that hold a stress go on growing at E/3. By the share alone
- * they would have E/3 dt D/(rho V) too much for ever. */
+/* In an fcc lattice without friction the lateral stress response to axial strain is half (C12/C11 =
+ * 1/2): while z shrinks at E, sides that are held at a stress continue to grow at E/3. With the
+ * share only, the stress would permanently be too large by E/3 dt D/(rho V). */
 static void a_stress_is_held_while_another_side_moves_on(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {
@@ -169,8 +169,7 @@ static void steps(gn_run *run, int64_t count) {
     if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* Compacts, bonds, is held, and is then sheared along z with everything on that goes beside a box.
- */
+/* Compacts, bonds, is held, and is then sheared along z, with all features that a box allows. */
 static const char *programme(const char *run) {
     static char s[4096];
     snprintf(
@@ -238,7 +237,7 @@ static void stress_held_to_the_end(const char *scene, double wanted) {
     run_end(run);
 }
 
-/* Contacts that stiffen as they are pressed, with dashpots, that roll, under a weight. */
+/* Contacts that stiffen with the overlap, with dashpots and rolling resistance, under gravity. */
 static void grains_of_hertzs_law_are_held(void **state) {
     (void)state;
     stress_held_to_the_end(
@@ -253,7 +252,8 @@ static void grains_of_hertzs_law_are_held(void **state) {
         5e4);
 }
 
-/* Discs with bonds that bend, torn apart along y at 35 ms. What breaks rings on. */
+/* Discs with bonds that resist bending, pulled apart along y at 35 ms. Breaking bonds cause
+ * vibrations. */
 static void bonded_discs_are_held_while_they_are_torn(void **state) {
     (void)state;
     stress_held_to_the_end(
@@ -286,7 +286,7 @@ static void threads_do_not_matter(void **state) {
     assert_true(one == hash_after(programme("threads: 2"), 6000));
 }
 
-/* Its servo follows sums, which are made contact by contact. */
+/* Its servo uses sums that are formed contact by contact. */
 static void instruction_sets_do_not_matter(void **state) {
     (void)state;
     const uint64_t plain = hash_after(programme("threads: 1, isa: scalar"), 6000);
@@ -337,7 +337,7 @@ static void along_an_open_axis_there_are_no_images(void **state) {
     }
 }
 
-/* Grains that rain into a chute without sides pass through them as often as they like. */
+/* Grains that fall into a chute with periodic sides pass through them any number of times. */
 static void a_seam_is_none_where_the_box_is_open_across_it(void **state) {
     (void)state;
     gn_world *w[2];
@@ -362,8 +362,8 @@ static void a_seam_is_none_where_the_box_is_open_across_it(void **state) {
     for (int k = 0; k < 2; k++) world_end(w[k]);
 }
 
-/* Between a led layer and one that is pressed on it, friction, slip through the seam, in double and
- * in single precision; threads, a break in between. */
+/* Between a driven layer and one that is loaded: friction, slip through the periodic sides, in
+ * double and in single precision; threads, an interruption. */
 static void a_layer_that_is_sheared_has_the_same_bits(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++) {

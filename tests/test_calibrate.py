@@ -1,4 +1,5 @@
-"""gneiss calibrate: parameters recovered from readings that known parameters gave, interruptions, budgets, bad targets. Speaks TAP."""
+"""gneiss calibrate: parameters recovered from readings that known parameters gave, interruptions, budgets, bad
+targets. Speaks TAP."""
 import re
 import signal
 import subprocess
@@ -7,7 +8,7 @@ from types import SimpleNamespace
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import output, readings, simulate, targets, uncertainty  # noqa: E402
+from calibrate import output, readings, simulate, specimens, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -88,7 +89,8 @@ def known_parameters_are_recovered_from_their_readings_within_the_stated_interva
         low, high = found["parameters"][key]["interval"]
         middle, wider = (low * high)**0.5, (high / low)**(0.5 * 2.0**0.5)  # the targets scatter as much: they are means of as many packings
         assert middle / wider <= value <= middle * wider, f"{key}: {value} outside of {middle / wider} .. {middle * wider}"
-        # An interval that holds everything would show nothing: scatter of packings of 250 particles is some percent.
+        # An interval that contains every value would prove nothing: the scatter of packings of 250 particles is some
+        # per cent.
         assert high / low < {"kratio": 3.0, "shear_strength": 3.0}.get(key, 1.5), (key, low, high)
 
 
@@ -134,6 +136,72 @@ def the_calibrated_scene_gives_the_readings_that_are_stated(folder):
     with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
         page = file.read()
     assert page.count("data:image/png") == 3 and "compressive_strength" in page and "<script" not in page
+
+
+def base_scene(folder, **material):
+    return write_scene(folder, {"specimen": SPECIMEN, "materials": [{"name": "rock", "density": 2600, "friction": 0.5, **KNOWN, **material}],
+                                "law": {"stiffness": "harmonic"}, "bonds": {"interaction_range": 0.05}}, "base.yaml")
+
+
+def curve_of(folder):
+    """Strains and stresses of a run, read from its history."""
+    with h5py.File(os.path.join(folder, "results.h5")) as file:
+        return file["history/strain"][:], file["history/stress"][:]
+
+
+@fact
+def keys_of_the_material_are_found_from_a_measured_curve(folder):
+    text = "scene: base.yaml\nseeds: [5]\nparameters: {contact_modulus: [5 GPa, 60 GPa], tensile_strength: [2 MPa, 40 MPa]}\ntargets: {curve: {file: curve.csv, tolerance: 8 %}}\n"
+    with open(base_scene(folder)) as file:
+        scene = {"dimension": 3, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}}, **json.load(file)}
+    known = specimens.Bench(scene, 18e9).build(specimens.Test("compression"), {}, 45e6, 5)
+    run(write_scene(folder, known, "known.yaml"), os.path.join(folder, "known"))
+    strain, stress = curve_of(os.path.join(folder, "known"))
+    end = 1.1 * strain[np.argmax(stress)]
+    measured = [(x, np.interp(x, strain, stress)) for x in np.linspace(0, end, 50)]
+    with open(os.path.join(folder, "curve.csv"), "w") as file:
+        file.write("strain [%],stress [MPa]\n" + "".join(f"{100 * x},{y / 1e6}\n" for x, y in measured))
+    base_scene(folder, contact_modulus=20e9, tensile_strength=14e6)
+    out, _ = calibrated(folder, text, "found")
+    whole = calibration(out)
+    assert whole["reached"] and len(whole["found"]) == 8 and list(whole["parameters"]) == ["contact_modulus", "tensile_strength"], whole["notes"]
+    for key, value in (("contact_modulus", KNOWN["contact_modulus"]), ("tensile_strength", KNOWN["tensile_strength"])):
+        assert abs(whole["parameters"][key]["value"] / value - 1) < {"contact_modulus": 0.03, "tensile_strength": 0.06}[key], (key, value, whole["parameters"])
+    run(os.path.join(out, "calibrated.yaml"), os.path.join(folder, "again"))
+    strain, stress = curve_of(os.path.join(folder, "again"))
+    for (name, one), at in zip(whole["found"].items(), np.linspace(0, end, 9)[1:]):
+        assert abs(one["value"] - np.interp(at, strain, stress) / max(y for _, y in measured)) < 1e-6, (name, one, at)
+
+
+@fact
+def wrong_parameters_and_curves_are_refused_with_their_place(folder):
+    base_scene(folder)
+    for name, text in (("falls", "0,0\n2e-3,1\n1e-3,2\n"), ("word", "strain,stress\n0,0\n1e-3,high\n"), ("unit", "strain [kg],stress\n0,0\n1,1\n"),
+                       ("pulled", "0,0\n1e-3,-1e6\n"), ("short", "strain,stress\n"), ("gone to 0", "0,0\n1e-3,1e6\n2e-3,0\n"), ("wide", "0,0,0\n1,1,1\n")):
+        with open(os.path.join(folder, name + ".csv"), "w") as file:
+            file.write(text)
+    for line, message in (("parameters: {hardness: [1, 2]}", r"1:14: parameters\.hardness: expected one of contact_modulus.*found 'hardness'"),
+                          ("parameters: {friction: 0.5}", r"1:24: parameters\.friction: expected the lowest and the highest value, found '0\.5'"),
+                          ("parameters: {friction: [0.6, 1]}", r"1:24: parameters\.friction: expected a range that holds the value of the scene, found 0\.5 there"),
+                          ("parameters: {friction: [0, 1]}", r"1:24: parameters\.friction: expected a lowest value above 0"),
+                          ("parameters: {yield_ratio_1: [1, 9]}", r"1:29: .*holds the value of the scene, found none there"),
+                          ("parameters: {friction: [1 m, 2 m]}", r"1:25: parameters\.friction: 'm' cannot be converted"),
+                          ("parameters: {}", r"1:13: parameters: expected at least one key"),
+                          ("law: linear\nparameters: {friction: [0.1, 1]}", r"2:13: parameters: expected a scene, .* and no law beside it"),
+                          ("curve: gone.csv", r"3:18: targets\.curve\.file: gone\.csv cannot be read: No such file"),
+                          ("curve: {confinement: 1 MPa}", r"3:18: targets\.curve\.file: expected a file of strains and stresses, found none"),
+                          ("curve: {file: falls.csv, stress: 1}", r"3:44: targets\.curve\.stress: expected file, confinement or tolerance"),
+                          ("curve: falls.csv", r"3:18: targets\.curve\.file: falls\.csv: expected at least two rows whose strains rise"),
+                          ("curve: word.csv", r"3:18: .*word\.csv: row 3: expected two numbers, found '1e-3,high'"),
+                          ("curve: unit.csv", r"3:18: .*unit\.csv: 'kg' cannot be converted"),
+                          ("curve: pulled.csv", r"3:18: .*pulled\.csv: expected stresses above 0 in compression"),
+                          ("curve: gone to 0.csv", r"3:18: .*gone to 0\.csv: expected stresses above 0, found none at a strain of 0\.002"),
+                          ("curve: short.csv", r"3:18: .*short\.csv: expected at least two rows .*, found 0 rows"),
+                          ("curve: wide.csv", r"3:18: .*wide\.csv: row 1: expected two numbers")):
+        text = f"{line}\nscene: base.yaml\ntargets: {{compressive_strength: 45 MPa}}\n" if "parameters" in line else f"title: a\nscene: base.yaml\ntargets: {{{line}}}\n"
+        _, done = calibrated(folder, text, "bad", code=3 if "gone.csv" in line else 2)
+        assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+    assert not os.path.exists(os.path.join(folder, "bad"))
 
 
 @plain_fact

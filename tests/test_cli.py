@@ -154,9 +154,9 @@ def keys_are_found_by_a_text_anywhere_in_their_names_and_descriptions(folder):
 
 
 @fact
-def keys_markdown_is_the_document(folder):
-    with open(os.path.join(SCENES, "../../docs/keys.md")) as file:
-        assert expect(gneiss("keys", "--markdown"), 0).stdout == file.read()
+def pages_of_keys_are_up_to_date(folder):
+    done = subprocess.run([os.path.join(SCENES, "../../tools/keys_pages.py"), PROGRAM, "--check"], capture_output=True, text=True, env=ENVIRONMENT)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @fact
@@ -203,7 +203,7 @@ def plan_names_the_memory_that_a_run_takes(folder):
     texts = {name: scene + SHORT for name, scene in kinds.items()}
     texts["contacts"] = GRAINS.replace("1.2", "0.999") + SHORT.replace("snapshots: 1", "snapshots: 1, contacts: true")
     texts["history"] = LOOSE.replace("STEP", "auto").replace("1e-4}", "0.1}") + "output: {history_rows: 8000}\n"
-    program.ENVIRONMENT.pop("MALLOC_PERTURB_", None)  # it writes to all memory that is allocated, also where a run does not
+    program.ENVIRONMENT.pop("MALLOC_PERTURB_", None)  # it writes to all allocated memory, also where a run does not
     for name, text in texts.items():
         file = write_scene(folder, text)
         said = float(re.search(r"in all ([\d.]+) MB", expect(gneiss("plan", file), 0).stdout).group(1))
@@ -552,9 +552,11 @@ def messages_after_a_progress_line_begin_a_new_line(folder):
 def log_json_prints_json_lines_and_the_summary_last(folder):
     done = expect(gneiss("run", LATTICE, "--out", folder, "--log", "json"), 0)
     lines = [json.loads(line) for line in done.stdout.splitlines()]
-    assert lines[-1] == summary(folder)
-    assert lines[-2]["finished"] is True and lines[-2]["step"] == lines[-1]["steps"], lines[-2]
-    assert {"time", "end", "seconds", "eta", "unbalanced", "broken", "energy_residual"} <= lines[-2].keys()
+    assert [line["level"] for line in lines[-3:]] == ["progress", "result", "end"] and lines[-1]["code"] == 0, lines[-3:]
+    result, last = lines[-2]["result"], lines[-3]["progress"]
+    assert result == summary(folder)
+    assert last["finished"] is True and last["step"] == result["steps"], last
+    assert {"time", "end", "seconds", "eta", "unbalanced", "broken", "energy_residual"} <= last.keys()
     assert done.stderr == "", done.stderr
 
 
@@ -694,7 +696,7 @@ def all_errors_of_a_scene_are_shown_in_their_order_with_their_places(folder):
 
 @fact
 def one_slip_is_one_error(folder):
-    # Errors that follow from the wrong word are not reported as well.
+    # Errors that follow from the wrong word are not reported in addition.
     for old, new in (("materials:", "material:"), ("law:", "lwa:"), ("walls:", "wals:"), ("specimen:", "spcimen:"),
                      ("name: granite", "nmae: granite"), ("dimension: 2", "dimension: 4"), ("time:", "tiem:"),
                      ("name: ceiling", "name: ceiling.x"), ("stiffness: uniform", "stiffness: elastic"),
@@ -820,7 +822,8 @@ def the_summary_has_its_keys_and_agrees_with_the_results(folder):
         assert text(file.attrs["state_hash"]) == s["state_hash"]
         stress = file["history/stress"][:]
     assert s["readings"]["peak_stress"] == stress.max() and 1e7 < stress.max() < 1e9
-    # Phases are known from one step in seven, and need not add up to the whole on a machine that others use.
+    # Phases are measured in one step of seven, and their sum need not equal the total on a machine with other
+    # processes.
     assert all(value >= 0 for value in s["seconds"].values()) and s["seconds"]["total"] > 0, s["seconds"]
 
 
@@ -893,7 +896,7 @@ def no_rows_and_no_snapshots_leave_the_first_row_and_the_last_state(folder):
 
 @fact
 def the_ledger_is_looked_at_at_the_end_with_or_without_rows(folder):
-    """As a row of the last step has it; the bits of the state are the same."""
+    """Equals a row of the last step; the bits of the state are equal."""
     whole, none, ledgers = os.path.join(folder, "whole"), os.path.join(folder, "none"), {}
     for out, rows in ((whole, 10**7), (none, 0)):
         run(LATTICE, out, "--set", f"output.history_rows={rows}", "--set", "output.snapshots=0")
@@ -978,7 +981,7 @@ def a_servo_that_misses_its_target_for_a_while_is_warned_of(folder):
 
 @fact
 def errors_caused_by_set_name_the_option(folder):
-    """This holds also for errors that show only once the particles exist."""
+    """This holds also for errors that appear only after particles are created."""
     for given, pattern in (("time.step=1", "input error: --set time.step: expected a step below the end"),
                            ("time.step=1e-4", "input error: --set time.step: expected at most .*stability limit"),
                            ("sets=[{name: foot, select: {ids: [999]}, motion: {vz: 0}}]", "input error: --set sets: set 'foot': select.ids: expected numbers from 0 to 149, found 999"),
@@ -989,7 +992,7 @@ def errors_caused_by_set_name_the_option(folder):
            r"lattice-small.yaml:\d+:\d+: sets: set 'foot': select: expected particles")
     with open(LATTICE, encoding="utf-8") as file:
         scene = write_scene(folder, file.read().replace("foot", "foot" * 12))
-    others = ("--set", f"sets.{'foot' * 12}.select.end.depth=1.5 mm") * 40 + ("--set", "time.end=0.4 ms") * 20  # 3 000 characters before the one to blame
+    others = ("--set", f"sets.{'foot' * 12}.select.end.depth=1.5 mm") * 40 + ("--set", "time.end=0.4 ms") * 20  # 3 000 characters before the wrong one
     expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet", *others, "--set", "time.step=1e-4"), 2,
            "input error: --set time.step: expected at most .*stability limit")
 
@@ -1029,7 +1032,7 @@ def without_the_ledger_there_is_no_energy(folder):
 def snapshots_are_grids_with_their_time(folder):
     out = ucs()
     listed = series(out)
-    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # with those of the peak
+    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # with the snapshot at the peak
     for name, when in listed:
         with h5py.File(os.path.join(out, name)) as file:
             assert file["VTKHDF/FieldData/TimeValue"][0] == when
@@ -1117,8 +1120,9 @@ def orientations_are_written_where_they_are_asked_for(folder):
 
 @fact
 def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
-    """Three balls in a row that come together: nothing touched at the start, and it is over before the step is looked at again. A pair
-    has w^2 = 2 k/m, the row 3 k/m; dashpots are none. Half a contact later it is pressed most."""
+    """Three balls in a row that collide: there is no contact at the start, and the collision ends before the step is
+    checked again. A pair has w^2 = 2 k/m, the row 3 k/m; there are no dashpots. The overlap is largest after half
+    the contact time."""
     k, r, rho, v = 1e5, 1e-3, 2500.0, 0.01
     m = rho * 4 / 3 * math.pi * r**3
     w = math.sqrt(k / m)  # the middle one stays
@@ -1139,7 +1143,7 @@ def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
 
 @fact
 def a_body_that_is_absurdly_light_is_warned_of_before_the_run(folder):
-    """1e-21 kg over grains of 1e-5 kg: steps fall to 1e-14 s when it comes to them, which no plan can know."""
+    """1e-21 kg among grains of 1e-5 kg: steps fall to 1e-14 s when it makes contact, which no plan can predict."""
     scene = write_scene(folder, {
         "dimension": 3, "specimen": {"lattice": {"kind": "cubic", "radius": 1e-3, "cells": [3, 3, 1]}},
         "law": {"stiffness": "uniform"},

@@ -27,7 +27,7 @@ static momentum momentum_of(const gn_world *w) {
     return m;
 }
 
-/* A ring of unlike particles that meet off centre, with spin. */
+/* A ring of unequal particles that collide off centre, with spin. */
 static gn_world *swarm(int dimension, double dt, const char *more) {
     text t = {0};
     enum { COUNT = 7 };
@@ -82,7 +82,7 @@ static void collisions_keep_momentum(int dimension) {
     assert_true(e.friction > 0.005 * kinetic); /* they were in contact */
     assert_true(e.contact_damping > 0.05 * kinetic);
     /* A contact that opens or closes within a step leaves 1/2 k (v dt)^2 unbooked. */
-    double v = 10.0, events = 100.0; /* no more than that */
+    double v = 10.0, events = 100.0; /* upper bounds */
     assert_true(fabs(gn_energy_residual(&e)) * kinetic <=
                 events * 0.5 * 2e6 * pow(v * w->ctx.dt, 2));
     world_end(w);
@@ -135,7 +135,7 @@ static void spheres_rebound_with_the_restitution_coefficient(void **state) {
     }
 }
 
-/* The largest error over where in a step the spheres meet. */
+/* The largest error over all phases of a step at which the spheres touch first. */
 static double worst_rebound(double fine) {
     double worst = 0.0;
     for (int k = 0; k < 10; k++)
@@ -206,9 +206,9 @@ static gn_world *slider(int dimension, double spin0, double *mass) {
         dimension == 3 ? "-9, -9, -9" : "-9, -9", dimension == 3 ? "9, 9, 9" : "9, 9");
 }
 
-/* Once it sticks, the spring that slipping left stretched by mu m g/k_t makes the velocity swing by
- * mu g/w_t about rolling, w_t^2 = (1 + m r^2/I) k_t/m; the arm is shorter than r by the overlap m
- * g/k_n. */
+/* After it sticks, the spring that slipping left stretched by mu m g/k_t makes the velocity
+ * oscillate by mu g/w_t about rolling, w_t^2 = (1 + m r^2/I) k_t/m; the arm is shorter than r by
+ * the overlap m g/k_n. */
 static void slide_then_roll(int dimension) {
     double m, r = 1e-3 * RADIUS_MM, inertia = dimension == 3 ? 0.4 : 0.5;
     double rolling = v0 / (1.0 + inertia);         /* 5/7 v0, 2/3 v0 */
@@ -223,8 +223,7 @@ static void slide_then_roll(int dimension) {
         double t = w->ctx.time - 0.5 * w->ctx.dt, v = vel_of(w, 0)[0];
         double slip = v - sign * spin_of(w, 0)[axis] * r * (1.0 - overlap);
         if (began < 0.0 && slip <= 0.0) began = t;
-        /* The spring takes mu m g/k_t of sliding to stretch: the friction starts that much later.
-         */
+        /* The spring needs mu m g/k_t of sliding to stretch: friction starts that much later. */
         if (began < 0.0)
             worst = fmax(worst, fabs(v - (v0 - mu * g * t)));
         else

@@ -31,14 +31,14 @@ static void an_oscillating_pair_keeps_its_energy(void **state) {
         largest = fmax(largest, fabs(gn_energy_residual(&e)));
         assert_true(e.friction == 0.0 && e.contact_damping == 0.0 && e.background_damping == 0.0);
     }
-    /* Positions of 2 mm round by 4e-19 m, the stretch swings by 5 um. */
+    /* Positions of 2 mm are rounded to 4e-19 m, the stretch oscillates by 5 um. */
     assert_true(largest < 1e-10);
     assert_true(e.elastic_normal > 0.0);
     world_end(w);
 }
 
 /* A mass on a bond to a held one: frequency sqrt(k/m) and the decay exp(-a t/2) of viscous damping.
- * The scheme's own frequency is off by (w dt)^2/24. */
+ * The scheme's own frequency has an error of (w dt)^2/24. */
 static void viscous_damping_lets_an_oscillator_decay_exponentially(void **state) {
     (void)state;
     double omega = sqrt(k0 / m0), fine = 0.02, a = 0.1 * omega, v = 1.0;
@@ -241,7 +241,7 @@ static void a_servo_wall_reaches_and_holds_its_force(void **state) {
     assert_close(w->boundary.walls[1].point[2], 2e-3 - 8e-6 - 4e-6, 1e-7);
     gn_energy e = measured_step(w);
     assert_close(e.elastic_wall, 0.5 * 64.0 / 1e6 + 0.5 * 64.0 / 2e6, 1e-5);
-    /* The two contacts were touched once each, at up to 0.05 m/s. */
+    /* Each of the two contacts closed once, at up to 0.05 m/s. */
     double touch = 4.0 * 0.5 * 2e6 * pow(0.05 * 2e-7, 2);
     assert_true(fabs(gn_energy_residual(&e)) * gn_energy_scale(&e) <=
                 touch + 1e-9 * gn_energy_scale(&e));
@@ -289,8 +289,8 @@ static void the_work_of_a_wall_is_booked(void **state) {
     world_end(w);
 }
 
-/* The tangential spring of a spinning sphere turns with half its spin. Turned before each
- * increment, its two directions would drive each other: the oscillation here grew sixfold. */
+/* The tangential spring of a spinning sphere rotates with half its spin. If it were rotated before
+ * each increment, its two components would drive each other: the oscillation here grew sixfold. */
 static void a_top_on_a_floor_keeps_its_energy(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -1,5 +1,6 @@
-/* Ends of a test that follow a reading: it grows at the prescribed rate where the ends alone would
- * let it run away, and the motion always stays within its prescribed bounds. */
+/* Ends of a test that follow a reading: the reading grows at the prescribed rate where the motion
+ * of the ends alone would be unstable, and the motion always remains within its prescribed bounds.
+ * */
 #include "run_helpers.h"
 
 /* Eleven spheres in a row, drawn apart by the outer ones; the bond between the sixth and seventh is
@@ -44,7 +45,7 @@ static void finish(gn_run *run) {
         if (gn_run_advance(run, 1e3, NULL, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* m/s, while the weak bond goes from 30 to 90 um, well within its softening. */
+/* m/s, while the weak bond opens from 30 to 90 um, well within its softening. */
 static double opening_rate(const gn_run *run) {
     const double *u = gn_history_column(&run->history, "opening"),
                  *t = gn_history_column(&run->history, "time");
@@ -55,8 +56,9 @@ static double opening_rate(const gn_run *run) {
     return (u[b] - u[a]) / (t[b] - t[a]);
 }
 
-/* By itself the bond opens five times as fast as the ends, give or take a row; controlled at its
- * rate, which the response time (2 ms of 12 ms) has not quite reached at the beginning. */
+/* Without control the bond opens five times as fast as the ends, to within a row; with control it
+ * opens at its rate, which it has not quite reached at the beginning because of the response time
+ * (2 ms of 12 ms). */
 static void an_opening_grows_at_its_rate(void **state) {
     (void)state;
     gn_run *free_one = run_of("%s", chain(softens, ratio, "", "threads: 1"));

@@ -34,7 +34,7 @@ static void assert_rigid(const gn_world *w) {
     assert_true(free > 0 && tied > 0);
 }
 
-/* Rounding of places of some cm, over which stiffnesses act. */
+/* Rounding of coordinates of some cm, multiplied by stiffnesses. */
 static void assert_no_force(const gn_world *w) {
     const gn_contacts *lists[] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     const double rounding = 64.0 * 2.2e-16 * 0.04;
@@ -163,7 +163,7 @@ static block unrelaxed(const block *s) {
 static void a_strained_block_becomes_particles_under_its_stress(void **state) {
     (void)state;
     const double gradients[3][9] = {{1e-6, 0, 0, 0, -2e-6, 0, 0, 0, 0},
-                                    {0, 2e-6, 0, 0, 0, 0, 0, 0, 0}, /* shears and turns */
+                                    {0, 2e-6, 0, 0, 0, 0, 0, 0, 0}, /* it shears and rotates */
                                     {1e-6, 3e-6, 0, -1e-6, 2e-6, 0, 0, 0, 0}};
     for (int k = 0; k < 6; k++) {
         const block s = unrelaxed(k / 3 ? &cube : &plate);
@@ -192,8 +192,8 @@ static void a_zone_that_is_passed_carries_all_of_the_stress(void **state) {
 
 /* --- what is kept while it moves --- */
 
-/* Linear momentum to rounding at all times; energy that conversions book, up to what a step's
- * halves do at each. */
+/* Linear momentum is conserved to rounding at all times; energy that conversions book, apart from
+ * half steps of work at each. */
 static void converting_keeps_momentum_and_books_energy(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -342,7 +342,7 @@ static void convert_small(const block *s, field *motion, const double near[3]) {
 }
 
 /* Elements smaller than a particle, which release none, in the middle, at an edge and at a corner;
- * beside driven nodes, which keep their motion. */
+ * beside driven nodes, whose motion does not change. */
 static void small_elements_keep_mass_and_momentum(void **state) {
     (void)state;
     static const double places[3][3] = {{15e-3, 8e-3, 7e-3}, {15e-3, 0, 0}, {0, 0, 0}};
@@ -462,7 +462,7 @@ static void a_remnant_thinner_than_a_zone_converts_too(void **state) {
     world_end(w);
 }
 
-/* A corner, and in the middle of an edge: elements on all other sides. */
+/* A corner, and a place in the middle of an edge with elements on all other sides. */
 static void a_corner_and_an_edge_convert(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {
@@ -548,7 +548,7 @@ static void limits_are_those_of_principal_stress_and_of_coulomb(void **state) {
     assert_near(gn_front_excess(&def, pull, 1.0), 0.5, 1e-12);
     assert_near(gn_front_excess(&def, shear, 1.0), 1.5, 1e-12);
     assert_near(gn_front_excess(&def, press, 1.0), -0.5, 1e-12);
-    /* tan(phi) = 3/4: sin = 0.6, cos = 0.8. Half the difference 4, the mean -5 MPa. */
+    /* tan(phi) = 3/4: sin = 0.6, cos = 0.8. Half the difference is 4 MPa, the mean -5 MPa. */
     def = (gn_convert_def){.has_mohr = true, .cohesion = 1e6, .friction = 0.75};
     assert_near(gn_front_excess(&def, press, 1.0), (4.0 - 5.0 * 0.6) / 0.8, 1e-12);
     assert_near(gn_front_excess(&def, shear, 1.0), 3.0 / 0.8, 1e-12);
@@ -621,8 +621,8 @@ static void driven_elements_do_not_convert(void **state) {
     world_end(w);
 }
 
-/* Nodes of a zone that are driven fast: half a step of what their reactions jump by is booked with
- * the conversion. */
+/* Nodes of a zone that are driven fast: half a step of work by the jump of their reactions is
+ * booked with the conversion. */
 static void jumps_of_reactions_are_booked(void **state) {
     (void)state;
     block s = plate;
@@ -657,7 +657,8 @@ static void assert_means(gn_world *w, const double gradient[9]) {
         for (int c = 0; c < 2; c++)
             assert_near(w->ledger.stress[3 * a + c],
                         0.5 * modulus * (gradient[3 * a + c] + gradient[3 * c + a]),
-                        0.08 * modulus * 3e-6); /* outermost particles have bonds inwards alone */
+                        0.08 * modulus *
+                            3e-6); /* the outermost particles have bonds on their inner side only */
     strain(x, gradient, u, v);
     assert_near(gn_set_travel(&w->ctx, &w->dem, &w->solids, 0, 0), u[0], 1e-3 * 3e-8);
 }
@@ -730,7 +731,7 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
 
 /* --- warnings --- */
 
-/* A translating and rotating block, of which a corner converts. */
+/* A translating and rotating block, one corner of which converts. */
 static gn_run *turned_run(const block *s) {
     gn_run *run = calloc(1, sizeof *run);
     gneiss_error error = {0};
@@ -781,7 +782,7 @@ static void a_run_reports_the_change_of_angular_momentum_by_conversion(void **st
     }
 }
 
-/* More warnings than there is room for write over the last. */
+/* If warnings exceed the room, later ones overwrite the last. */
 static void a_full_list_of_warnings_takes_no_more(void **state) {
     (void)state;
     struct {
@@ -817,8 +818,8 @@ static void finish(gn_run *run) {
     assert_true(run->finished);
 }
 
-/* Steps become shorter with the first particles: rows stay as many as are asked for, the same time
- * apart, also where a run is taken up amid them. */
+/* Steps become shorter with the first particles: rows keep their requested number and their spacing
+ * in time, also in a run resumed between them. */
 static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     (void)state;
     enum { ROWS = 40 };

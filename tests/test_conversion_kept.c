@@ -65,7 +65,7 @@ static void shear_about_x(const double *x, const void *of, double u[3], double v
     v[2] += 200.0 * x[1] + 30.0 * x[0];
 }
 
-/* N m s: of how much angular momentum rounding is. */
+/* N m s: scale of the rounding of angular momentum. */
 static double turning_scale(const whole *s) {
     return sqrt(2.0 * s->mass * s->energy) * 0.03;
 }
@@ -160,7 +160,7 @@ static const double corners[3][2][3] = {{{0.0, 0.0, 0.0}, {2e-3, 2e-3, 2e-3}},
                                         {{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 4e-3}},
                                         {{26e-3, 0.0, 0.0}, {30e-3, 2e-3, 2e-3}}};
 
-/* Converts at corners and in the middle, and adds up the changes of the whole body; [2] N m s: the
+/* Converts at corners and in the middle, and sums the changes of the whole body; [2] N m s: the
  * largest change of angular momentum; the largest angular momentum, or that of its vibration. */
 static gn_world *convert_and_sum(const block *s, field *motion, const void *of, own *sum,
                                  double size[2]) {
@@ -315,9 +315,9 @@ static gn_world *lattice_of(double stiffer, double kratio, const char *more) {
         density / (pi / 4.0), stiffer * modulus, kratio, modulus, density, more);
 }
 
-/* Inside of a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
- * across them, elements E and E/2. In an even strain nothing else is booked but a zone's volume,
- * which particles have in steps. */
+/* Inside a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
+ * across them, elements E and E/2. In a uniform strain only the volume of a zone is booked, which
+ * particles represent in discrete steps. */
 static void springs_of_another_stiffness_are_reported_with_their_ratio(void **state) {
     (void)state;
     const struct {
@@ -348,7 +348,7 @@ static void springs_of_another_stiffness_are_reported_with_their_ratio(void **st
     }
 }
 
-/* A strain that grows along the body is another one at both ends of a bond. */
+/* A strain that varies along the body differs between the two ends of a bond. */
 static void bend(const double *x, const void *of, double u[3], double v[3]) {
     const double *k = of;
     u[0] = k[0] * x[0] * (x[1] - 8e-3);
@@ -433,8 +433,8 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
 
 /* --- elements that may not go --- */
 
-/* The least ratio, over nodes of elements with nodes of a motion or a load, of their mass to that
- * of the whole elements at them. */
+/* The smallest ratio of the mass of a node to that of the whole elements at it, over nodes of
+ * elements that have a node with a motion or a load. */
 static double least_held(const gn_world *w) {
     const gn_fem_solid *b = &w->solids.elements[0]->solid;
     double *mass = calloc(b->nodes.soa.count, sizeof *mass), least = INFINITY;
@@ -507,7 +507,7 @@ static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
         }
 }
 
-/* Nodes at (14, 8) mm that are watched: as few as they are, all of the body cannot convert. */
+/* Recorded nodes at (14, 8) mm: although they are few, not all of the body can convert. */
 static void motions_that_only_record_are_named(void **state) {
     (void)state;
     static const char at[] = "box: {min: [13.9 mm, 7.9 mm, 0], max: [14.1 mm, 8.1 mm, %s]}",

@@ -63,7 +63,7 @@ static void stages_are_what_tables_are(void **state) {
         }
     }
     assert_true(most > 1e-6);
-    assert_true(off < 0.01 * most); /* stages end with a step, a few steps of waves apart */
+    assert_true(off < 0.01 * most); /* stages end at a step, a few wave periods apart */
     assert_near(last_of(staged, "motion_load_displacement_y"),
                 last_of(whole, "motion_load_displacement_y"), 3e-9);
     run_end(staged);
@@ -98,15 +98,16 @@ static void finish_alike(const char *couple) {
                                   &all[k]->world.solids, &all[k]->world.box) ==
                     gn_world_hash(&one->world.ctx, &one->world.dem, &one->world.boundary,
                                   &one->world.solids, &one->world.box));
-        /* Contacts with the floor open and close: 1e-5, 4e-7 in half of the step. */
+        /* Contacts with the floor open and close: 1e-5, and 4e-7 with half the step. */
         assert_true(fabs(gn_energy_residual(&all[k]->world.ledger.reading)) < 1e-4);
         assert_true(all[k]->world.ledger.reading.elastic_wall > 0.0);
         assert_true(fabs(all[k]->world.ledger.energy.stage_change) <
                     1e-12 * gn_energy_scale(&all[k]->world.ledger.reading));
-        /* Elements that are left hold the step by their bound, those of zones beside particles. */
+        /* The remaining elements limit the step by their bound, those of zones together with the
+         * particles. */
         assert_near(all[k]->world.ctx.stable, stable, 0.1 * stable);
     }
-    /* Bent down into the floor, which stops particles alone. */
+    /* Bent down towards the floor, which acts on particles only. */
     gn_warnings reported;
     if (gn_run_warnings(one, &reported, &error) != GNEISS_OK) fail_msg("%s", error.message);
     bool passed = false;

@@ -80,7 +80,7 @@ static void a_body_rebounds_on_its_particles(void **state) {
 
 /* --- walls that elements pass --- */
 
-/* A bar pulled at its right end, of which only the middle may convert; E = M, nu = 0. */
+/* A bar pulled at its right end, only the middle of which may convert; E = M, nu = 0. */
 static block bar(const char *rest) {
     return (block){.cells = {30, 8, 0},
                    .box = "{min: [15 mm, -1], max: [45 mm, 1]}",
@@ -108,7 +108,7 @@ static gn_wall_passed passed_of(const char *walls) {
     return passed[0];
 }
 
-/* The right end goes 2 mm in the second of the run. */
+/* The right end moves by 2 mm in the second of the run. */
 static void walls_that_driven_elements_pass_are_predicted(void **state) {
     (void)state;
     const gn_wall_passed ahead = passed_of("point: [61 mm, 0], normal: [-1, 0]"),
@@ -117,14 +117,14 @@ static void walls_that_driven_elements_pass_are_predicted(void **state) {
                              "point: [64 mm, 0], normal: [-1, 0], motion: {vx: -2.5 mm/s}"),
                          floor = passed_of("point: [0, 0], normal: [0, 1]"),
                          inside = passed_of("point: [0, 1 mm], normal: [0, 1]"),
-                         /* with the motion that it presses particles beside */
+                         /* with the motion that makes it press particles */
         platen = passed_of("point: [60 mm, 0], normal: [-1, 0], motion: {vx: 2 mm/s}");
     assert_near(ahead.time, 0.5, 1e-3);
     assert_near(ahead.deepest, 1e-3, 1e-6);
     assert_int_equal(ahead.touching, 0);
     assert_int_equal(far.behind + far.touching, 0);
     assert_near(coming.time, 4.0 / 4.5, 1e-3);
-    assert_int_equal(floor.behind, 0);    /* nu = 0: nothing presses against it */
+    assert_int_equal(floor.behind, 0);    /* nu = 0: it does not press against the wall */
     assert_int_equal(floor.touching, 29); /* those at the ends are held */
     assert_int_equal(inside.behind, 31);
     assert_near(inside.time, 0.0, 0.0);

@@ -141,8 +141,8 @@ static shape *from_file(int parts, double off) {
     return s;
 }
 
-/* They have six planes and bound what a cube does; on a slab, which turns with them, their overlap
- * is A d, and a dent that is more than rounding is one. */
+/* They have six planes and the same boundary as a cube; on a slab that rotates with them their
+ * overlap is A d, and only a dent larger than rounding is reported. */
 static void rounded_vertices_are_convex(void **state) {
     (void)state;
     const double offs[] = {0.0, 0.1, 1.0}, d = 1e-4;
@@ -210,9 +210,9 @@ static void two_faces_have_their_distance(void **state) {
     shape_end(slab);
 }
 
-/* Equal cubes of half size 1 on each other, sides in line but for so little that rounding decides
- * whose are farther in. V is 4 d, and W is 4 d^2 less what is nearer to sides, for each body d^3/6
- * along each of them: whichever faces of both count, they close. */
+/* Two equal cubes of half size 1, stacked with their sides aligned except for rounding, which
+ * decides which sides are farther in. V is 4 d, and W is 4 d^2 minus the region nearer to sides,
+ * for each body d^3/6 along each of them: whichever faces of both count, the boundary is closed. */
 static void sides_in_line_leave_no_gaps(void **state) {
     (void)state;
     shape *a = box(1, 1, 1), *b = box(1, 1, 1);
@@ -285,7 +285,7 @@ static double depth_moved(const shape *a, const gn_convex_pose *at_a, const shap
     return meet(a, at_a, b, &at_b, &now) ? now.depth : 0.0;
 }
 
-/* Two bodies put together at random, from a tenth of their size to a thousandth deep. */
+/* Two bodies in random poses, overlapping by a tenth to a thousandth of their size. */
 static void derivatives_are_those_of_the_depth(void **state) {
     (void)state;
     uint64_t at = 1;
@@ -325,7 +325,8 @@ static void derivatives_are_those_of_the_depth(void **state) {
             if (fabs(slope - value) > 1e-5)
                 fail_msg("pair %d way %d: %.9g, by differences %.9g", k, way, value, slope);
         }
-        for (int way = 0; way < 6; way++) { /* of h^2/2; by turns over the square of the reach */
+        for (int way = 0; way < 6;
+             way++) { /* Error h^2/2, for the rotations relative to the square of the reach. */
             if (plane && (way == 2 || way == 3 || way == 4)) continue;
             double h = 1e-3 * sink, up = depth_moved(a, &p, b, q, &o, way, h),
                    down = depth_moved(a, &p, b, q, &o, way, -h), reach2 = 0.0, arm2 = 0.0;

@@ -10,8 +10,8 @@ static void pull(const double *x, const void *of, double u[3], double v[3]) {
     u[0] = *(const double *)of * x[0];
 }
 
-/* The largest force on any point of which the particles of zones are none, N; they and the nodes
- * are one. `columns`: of all points at the same x together. */
+/* The largest force, N, on any point other than particles of zones, which are one with the nodes.
+ * `columns`: summed over all points with the same x. */
 static double largest_force(gn_world *w, double low, double high, bool columns) {
     const gn_particles *all[2] = {&w->dem.particles, &w->solids.elements[0]->solid.nodes};
     double most = 0.0, *sum = calloc(4096, sizeof *sum);
@@ -65,7 +65,7 @@ static void moving_and_turning_as_a_whole_costs_no_force(void **state) {
     strip s = {.length = 20e-3, .zone = 4e-3, .side = 1e-3, .rows = 4};
     gn_world *w = strip_of(&s);
     set_fields(w, move_rigidly, how);
-    /* Rounding of places of 2 cm. */
+    /* Rounding of coordinates of 2 cm. */
     assert_true(largest_force(w, -1e-3, 21e-3, false) < modulus * 32.0 * 2.2e-16 * 20e-3);
     world_end(w);
 }
@@ -84,7 +84,7 @@ static void pulse_at(const double *x, const void *of, double u[3], double v[3]) 
     v[0] = q->speed * pi * q->size / q->length * sin(2.0 * pi * at);
 }
 
-/* As gn_coupled_returned, of the particles of the lattice before the zone, J. */
+/* Equals gn_coupled_returned, but for the particles of the lattice before the zone, J. */
 static double returned_in_lattice(const gn_world *w, double end) {
     const gn_particles *q = &w->dem.particles;
     const double c = sqrt(modulus / density), back = 0.5 * w->ctx.dt_past;
@@ -128,9 +128,9 @@ static void a_wave_passes_from_elements_to_particles(void **state) {
     assert_true(wide < thin);
 }
 
-/* A pulse in the lattice has waves that no element can follow (1 + cos has a kink in its curvature
- * at both ends), which run back: 3e-4 of the energy of one of 60 mm is in waves shorter than two
- * elements. In one twice as long it is an eighth of that. */
+/* A pulse in the lattice contains waves that no element can follow (the curvature of 1 + cos has a
+ * kink at both ends), which are reflected: 3e-4 of the energy of a pulse of 60 mm is in waves
+ * shorter than two elements. For one twice as long it is an eighth of that. */
 static void a_wave_passes_from_particles_to_elements(void **state) {
     (void)state;
     assert_true(returned_of(20e-3, 120e-3, true) <= 1e-3);
@@ -166,7 +166,7 @@ static void momentum_of(const gn_world *w, double sum[6], double *size) {
     add_momentum(w, true, sum, size);
 }
 
-/* Relative to the energy throughput. */
+/* Relative to the energy that passes through. */
 static double worst_residual(gn_world *w, int steps) {
     double worst = 0.0;
     for (int k = 0; k < steps; k++) {
@@ -328,8 +328,8 @@ static void a_pulse_beside_a_zone_takes_its_particles_along(void **state) {
     }
 }
 
-/* Viscous damping of consistent masses is proportional to these: a body that moves as one slows
- * down as a particle does, and of waves the ledger closes. */
+/* Viscous damping of consistent masses is proportional to these: a rigidly moving body decelerates
+ * as a particle does, and the ledger of waves closes. */
 static void consistent_masses_are_damped(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -346,7 +346,7 @@ static void consistent_masses_are_damped(void **state) {
     }
 }
 
-/* An inner node has a third of each of six triangles and a quarter of each of 24 tetrahedra; on
+/* An inner node carries a third of each of six triangles and a quarter of each of 24 tetrahedra; on
  * sides half of that. */
 static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
     (void)state;
@@ -415,7 +415,7 @@ static void a_zone_is_measured(void **state) {
     world_end(w);
 }
 
-/* Columns from edge to edge have 0, 1/6 .. 1 of their mass, elements leave the half of theirs. */
+/* Columns from edge to edge have 0, 1/6 .. 1 of their mass, elements leave half of it to them. */
 static void a_zone_is_weighed(void **state) {
     (void)state;
     strip s = small_strip(false);

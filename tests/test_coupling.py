@@ -44,7 +44,7 @@ def plan_says_when_elements_convert_first_and_what_the_step_is_then(folder):
     start = float(re.search(r"\nstep\n  dt +(\S+) s", plan).group(1))
     assert later <= then < start and abs(alone - first / start) < 0.01 * alone, plan
     assert abs(steps - alone - (0.04 - first) / later) < 1e-3 * steps, plan
-    # Bonds that soften open and close undamped: a run of this scene took 8.03e-8 s.
+    # Bonds that soften open and close undamped: a run of this scene used a step of 8.03e-8 s.
     mixed = gneiss("plan", os.path.join(ROOT, "scenes", "bending-mixed.yaml"), "--set", "run.threads=1").stdout
     assert 0.8 < float(re.search(r"(\S+) s after further conversions, set by the collisions", mixed).group(1)) / 8.03e-8 < 1.2, mixed
     # A zone that reaches the sides of the packed region.
@@ -52,7 +52,7 @@ def plan_says_when_elements_convert_first_and_what_the_step_is_then(folder):
     assert "the first would end the run: conversion would have to go on to element" in small.stdout, small.stdout + small.stderr
 
 
-# A bar of elements that convert, drawn at its right end: a limit of 1 MPa comes at 0.12 m 1 MPa/(24 GPa v).
+# A bar of elements that convert, pulled at its right end: a limit of 1 MPa is reached at 0.12 m 1 MPa/(24 GPa v).
 DRAWN = """dimension: 2
 specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [120, 16]}}
 materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0.2, bond_tension_limit: 1e15, bond_shear_limit: 1e15}]
@@ -131,7 +131,7 @@ def plan_says_that_nothing_loads_the_elements(folder):
 
 @fact
 def plan_converts_what_is_loaded_most_where_no_limit_is_reached(folder):
-    """Loads swing: the largest at the end of the trial counts, not that of an earlier instant."""
+    """Loads oscillate: the largest at the end of the trial counts, not that of an earlier instant."""
     scene = DRAWN.replace("stress: 1e6", "stress: 1e9").replace("min: [20 mm, -1], max: [100 mm, 1]", "min: [-1, -1], max: [1, 1]")
     first, said = first_of(write_scene(folder, scene.replace("0.5 mm/s", "0.02 m/s") + "time: {end: 3 ms}\n"))
     assert first is None, said
@@ -148,7 +148,7 @@ def plan_says_where_waves_come_first(folder):
     pulse = "[[0, 0.2], [2 us, 0.2], [2.1 us, 0]]"
     first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", pulse) + "time: {end: 1 ms}\n"))
     assert first < 0.1e-3, said
-    # A load that stays, of 0.6 MPa: within 1 us it doubles at the end that is held.
+    # A constant load of 0.6 MPa: within 1 us it doubles at the held end.
     drawn = "    - {name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, motion: {vx: 0.5 mm/s, vy: 0}}\n"
     assert drawn in DRAWN
     for rise, fast in ((1e-6, True), (1e-2, False)):
@@ -167,7 +167,7 @@ def check_warns_of_walls_that_elements_go_through(folder):
         scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
         said = expect(gneiss("check", scene), 0, r"").stdout
         assert ("elements have no contact with walls" in said) == bool(word) and (not word or re.search(word, said)), said
-    # The first stage ends before they come to the wall; another one may move otherwise.
+    # The first stage ends before they reach the wall; another stage may prescribe another motion.
     stages = "time: {end: 3 s}\nstages: [{name: pull, end: {time: %s}}, {name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}}]\n"
     for time, warned in (("1 s", False), ("2.5 s", True)):
         said = expect(gneiss("check", write_scene(folder, DRAWN + stages % time + wall % "121 mm")), 0, r"").stdout
@@ -269,8 +269,9 @@ def dormant_particles_are_not_damaged(folder):
 
 @plain_fact
 def a_beam_in_mixed_mode_opens_as_it_was_measured(folder):
-    """Garcia-Alvarez et al. 2012 before the notch cracks: 2041 to 2258 N open its mouth by 5 um. What turns into particles by then is at the notch's tip and,
-    as the load is to its right, more on that side."""
+    """Garcia-Alvarez et al. 2012 before the notch cracks: 2041 to 2258 N open its mouth by 5 um. The elements that
+    have converted by then are at the tip of the notch and, since the load is to the right of it, more on that
+    side."""
     out = os.path.join(folder, "out")
     run(os.path.join(ROOT, "scenes", "bending-mixed.yaml"), out, "--set", "time.end=2.4 ms", "--set", "output.snapshots=0", "--set", "run.threads=1")
     with h5py.File(os.path.join(out, "results.h5")) as file:
@@ -404,7 +405,7 @@ def nodes_that_only_record_are_warned_of_before_conversion_reaches_them(folder):
         assert re.search(words, gneiss(command, scene, *everywhere).stdout), command
         assert "only watch" not in gneiss(command, write_scene(folder, PULLED, "none.yaml"), *everywhere).stdout
     out = os.path.join(folder, "out")
-    done = run(scene, out, *everywhere, "--set", "elements.motions[0].motion={vx: -0.1}", "--set", "couple.convert.stress=2 MPa")  # waves meet in the middle
+    done = run(scene, out, *everywhere, "--set", "elements.motions[0].motion={vx: -0.1}", "--set", "couple.convert.stress=2 MPa")  # waves superpose in the middle
     assert re.search("gneiss: " + words, done.stderr), done.stderr
     said = warnings_of(out).get("conversion_halted", "")
     assert "has nodes of motion 'mid', which is only watched; sets of particles, which may be dormant, can record there instead" in said, said
@@ -530,7 +531,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert again.returncode == 0 and "which no setting" not in again.stderr, again.stdout + again.stderr
     again = gneiss("resume", out, "--quiet", "--set", "time.end=1")
     assert again.returncode == 0, again.stdout + again.stderr
-    assert "beyond its upper x side" in again.stderr, again.stderr  # the warning stays
+    assert "beyond its upper x side" in again.stderr, again.stderr  # the warning is printed again
     assert "no step was taken; the model itself ended it, which no setting changes" in again.stderr and "time.end" not in again.stderr, again.stderr
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         after = json.load(file)
@@ -564,7 +565,7 @@ def the_ledger_closes_when_a_run_ends_before_its_second_row(folder):
     assert abs(summary(out)["energy_residual"]) < 1e-6, summary(out)["energy_residual"]
 
 
-# A strip of elements up to 20 mm, particles from 12 mm on, of as much mass for their place as elements.
+# A strip of elements up to 20 mm, particles from 12 mm on, with the same density as elements.
 ZONE = """dimension: 2
 specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [20, 8], origin: [11.5 mm, 0]}}
 materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 4, friction: 0, bond_tension_limit: 1e12, bond_shear_limit: 1e12}]
@@ -668,7 +669,7 @@ def a_run_that_converts_nothing_says_how_near_it_came(folder):
 
 @fact
 def springs_hold_the_outermost_particles_of_a_zone_too(folder):
-    """A strain along the edge on which the particles end, where they have no part and lie on sides of elements."""
+    """A strain along the edge at which the particles end, where they have no weight and lie on sides of elements."""
     for diagonals in ("parallel", "alternating"):
         scene = write_scene(folder, """
 dimension: 2
@@ -697,7 +698,7 @@ sets:
             x = file["particles/position"][()] - u
         row = abs(x[:, 1] - 20e-3) < 1e-5
         off = abs(u[row, 0] - x[row, 0] * (1e-6 / 24e-3))
-        assert row.sum() == 25 and off.max() < 0.02e-6, off  # those without a spring stay behind by half of the 1 um
+        assert row.sum() == 25 and off.max() < 0.02e-6, off  # those without a spring lag by half of the 1 um
 
 
 @fact
@@ -716,7 +717,7 @@ def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(
     assert abs(sum(found["booked"].values()) / made + 1) < 1e-9 and 9.9 < found["held"] < 10.1, found
     times = float(re.search(r"due to stiffness: the particles stored (\S+) times as much", stiff["energy_conversion"]).group(1))
     assert abs(times / found["held"] - 1) < 0.01, (times, found)
-    # As stiff along the axes when its sides are held, and 1.8 times as stiff when they are free.
+    # Equal stiffness along the axes with its sides held, and 1.8 times as stiff with free sides.
     free = ("--set", "elements.materials[0].poisson=0.4", "--set", "elements.materials[0].young=11.2e9")
     done = gneiss("check", scene, *free)
     tension = re.search(r"tension +(\S+), (\S+) Pa of these particles along the axes with free sides, (\S+) Pa of the elements", done.stdout)
@@ -747,7 +748,7 @@ def time_of_zones_is_in_the_profile(folder):
 
 @fact
 def energy_returned_by_a_zone_is_a_reading(folder):
-    """205 us after the pulse began, whatever rows the history has; a row of every step ends with it."""
+    """205 us after the pulse began, for any rows of the history; with a row in every step the history ends with it."""
     read = []
     for rows in (400, 7):
         out = os.path.join(folder, str(rows))
@@ -773,9 +774,9 @@ def energy_returned_by_a_zone_is_a_reading(folder):
 
 @fact
 def elements_under_compression_convert_by_shear(folder):
-    """By Coulomb's limit, under the pulses with opposite sign: where they superpose there are 5 MPa and the overshoot
-    of waves, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is compared with the cohesion; 3 MPa alone are 0.78 of it.
-    Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
+    """Coulomb's limit under pulses of opposite sign: where they superpose the stress is 5 MPa plus the overshoot of
+    waves, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is compared with the cohesion; a single pulse of 3 MPa is 0.78
+    of it. With a cohesion of 1.6 MPa there is no conversion, nor with a tension limit that is not reached."""
     turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")
     mohr = turned.replace("stress: 4 MPa", "mohr_coulomb: {cohesion: 1 MPa, friction: 0.7}")
     out = os.path.join(folder, "out")
@@ -787,13 +788,13 @@ def elements_under_compression_convert_by_shear(folder):
         first = file["history/time"][:][np.argmax(file["history/particles"][:] > 0)]
     assert len(active) == s["counts"]["particles"] - s["counts"]["asleep"] > 200
     assert abs(np.mean(active) - 0.06) < 5e-3, np.mean(active)
-    assert 0.06 / 1754 < first < 0.06 / 1754 + 20e-6, first  # the fronts meet, then the plateaus
+    assert 0.06 / 1754 < first < 0.06 / 1754 + 20e-6, first  # the fronts superpose, then the plateaus
     for k, text in enumerate((mohr.replace("cohesion: 1 MPa", "cohesion: 1.6 MPa"), turned)):
         run(write_scene(folder, text), os.path.join(folder, str(k)))
         assert summary(os.path.join(folder, str(k)))["counts"]["elements"] == 480
 
 
-# A body of which the middle is packed.
+# A body whose middle is packed.
 REGION = """dimension: 2
 specimen: {group: 1, rectangle: {width: 60 mm, height: 16 mm}, mean_radius: 0.7 mm, density_basis: bulk,
   packing: {overlap: passive, size_variation: 0.2, region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}}}
@@ -813,7 +814,7 @@ run: {threads: 1}
 
 @fact
 def a_region_of_the_body_is_packed_and_may_convert(folder):
-    """The same bits as for a smaller specimen written by hand at its position and with its box. The resolved scene
+    """Equals, to the bit, a smaller specimen written by hand at its position and with its box. The resolved scene
     repeats it."""
     scene = write_scene(folder, REGION)
     done = gneiss("check", scene)
@@ -851,7 +852,8 @@ def a_region_in_space_and_what_has_none(folder):
     expect(gneiss("check", write_scene(folder, without)), 2, r"couple\.convert\.box: required where no specimen\.packing\.region is given")
 
 
-# A square lattice in elements, symmetric about x = 0 with its mesh and loads, pressed at the middle of its upper side.
+# A square lattice in elements, symmetric about x = 0 with its mesh and loads, pressed at the middle of its upper
+# side.
 MIRRORED = """dimension: 2
 specimen: {group: 1, density_basis: bulk, porosity: 0.2146018366, particles: [%s]}
 materials: [{name: m, density: 2400, normal_stiffness: 2e10, kratio: 2, friction: 0.5, bond_tension_limit: 4000, bond_shear_limit: 12000}]
@@ -877,7 +879,7 @@ def conversions_of_a_symmetric_beam_are_symmetric(folder):
     columns, rows = 60, 20
     places = (f"[{x + 0.5 - columns // 2} mm, {y + 0.5} mm, 0.5 mm]" for y in range(rows) for x in range(columns))
     scene = write_scene(folder, MIRRORED % ", ".join(places))
-    # The last has particles on faces of elements, where gradients jump.
+    # The last has particles on faces of elements, where gradients are discontinuous.
     for setting in ("couple.convert.every=50", "couple.convert.relax=none", "couple.convert.most=0.5 %", "couple.convert.by=nodes", "elements.rectangle.cells=[56, 18]"):
         out = os.path.join(folder, "run")
         finer = ("--set", "couple.convert.width=4.5 mm") if "cells" in setting else ()
@@ -887,7 +889,7 @@ def conversions_of_a_symmetric_beam_are_symmetric(folder):
             mass = results["particles/mass"][:][order].reshape(rows, columns)
             velocity = results["particles/velocity"][:][order].reshape(rows, columns, 3)
         with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
-            assert json.load(file)["conversions"]["count"] > 3, setting  # the first one alone was symmetric
+            assert json.load(file)["conversions"]["count"] > 3, setting  # the result of the first one only was symmetric
         assert np.abs(mass - mass[:, ::-1]).max() < 1e-10 * mass.max(), setting
         mirrored = velocity[:, ::-1] * [-1, 1, 1]
         assert np.abs(velocity - mirrored).max() < 1e-7 * np.abs(velocity).max(), setting

@@ -1,5 +1,5 @@
-/* Zones that overlap, that lie elsewhere, of several materials, that lose particles or bonds; what
- * is read in them. */
+/* Zones that overlap, that are at other places, of several materials, that lose particles or bonds;
+ * and their readings. */
 #include "coupling_helpers.h"
 #include "particles/observe.h"
 #include "run/output_fields.h"
@@ -31,10 +31,10 @@ static double (*stresses(gn_world *w))[6] {
     return stress;
 }
 
-/* Contacts have the mean weight of their ends: at both edges of a zone, where the weight bends, the
- * sum of a particle is off by a quarter of the spacing over the width. Particles fill the part
- * `solid` of what they are reckoned to fill, for which the hull of a small strip is a little small.
- * Those at the free end, 20 mm, have bonds at one side. */
+/* Contacts have the mean weight of their ends: at both edges of a zone, where the weight has a
+ * kink, the sum of a particle has an error of a quarter of the spacing over the width. Particles
+ * fill the part `solid` of their nominal volume, for which the hull of a small strip is a little
+ * small. Those at the free end, 20 mm, have bonds at one side. */
 static void stress_is_whole_through_a_zone(void **state) {
     (void)state;
     const double strain[3] = {1e-6, 0.0, 0.0};
@@ -138,8 +138,8 @@ static gn_world *corner(const char *rest) {
         density / solid, modulus, modulus, density, rest);
 }
 
-/* Elements and particles together have the whole of the body everywhere, and in a zone of several
- * the elements have the smaller of the weights. */
+/* The weights of elements and particles add up to one everywhere, and in several zones the elements
+ * have the smallest of the weights. */
 static void where_zones_overlap_both_have_the_whole_of_the_body(void **state) {
     (void)state;
     gn_world *w = corner("run: {threads: 1}\n");
@@ -288,8 +288,8 @@ static void fly_on(gn_world *w, size_t wanted, int most) {
     assert_int_equal(gn_coupled_removed_count(&w->ctx, &w->zones), wanted);
 }
 
-/* Nodes give up the mass that they carried: in the end they have their own mass, and the ledger
- * closes on the way. */
+/* Nodes lose the mass that they carried: at the end they have their own mass, and the ledger closes
+ * on the way. */
 static void a_zone_may_lose_all_its_particles(void **state) {
     (void)state;
     const char *couple[] = {NULL, "constraint: consistent", "constraint: penalty", "spins: slaved"};
@@ -351,7 +351,7 @@ static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **sta
     unlink(path);
 }
 
-/* Pulled apart in the zone, where bonds hold least. */
+/* Pulled apart in the zone, where bonds are weakest. */
 static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -382,7 +382,7 @@ static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
 }
 
 /* The default length and section of a test are those of the whole body, whatever part of it is
- * packed; those of a beam are checked against it. */
+ * packed; those of a beam are compared with it. */
 static void a_test_takes_its_sizes_from_all_of_the_body(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {

@@ -26,7 +26,7 @@ static text *packing_text(const int cells[2], const char *couple, const char *ti
     return t;
 }
 
-/* A model to be made again and again: a lattice or a packing. */
+/* A model that is built repeatedly: a lattice or a packing. */
 typedef struct model {
     const char *name;
     strip strip;
@@ -67,7 +67,7 @@ enum { MODELS = sizeof models / sizeof *models };
 
 /* --- the matrix of the running model --- */
 
-/* Velocities of all that moves by itself, by its number: nodes first. */
+/* Velocities of all independent unknowns, by their number: nodes first. */
 typedef struct unknowns {
     size_t count;
     double *value[4096];
@@ -119,8 +119,8 @@ static void column_of(const model *m, const char *time, size_t j, double *column
     world_end(w);
 }
 
-/* Largest eigenvalue of a matrix whose eigenvalues are not negative: tr(A^m)^(1/m) lies between it
- * and its n^(1/m)-fold, m = 2^20. */
+/* Largest eigenvalue of a matrix without negative eigenvalues: tr(A^m)^(1/m) is between it and
+ * n^(1/m) times it, m = 2^20. */
 static double largest_eigenvalue(double *a, size_t n) {
     double log_scale = 0.0, power = 1.0, *b = calloc(n * n, sizeof *b);
     for (int round = 0; round < 20; round++) {
@@ -220,8 +220,8 @@ static double energy_at(const model *m, double part, int steps) {
     return grown;
 }
 
-/* Just below the limit velocities of the fastest modes swing by 1/sqrt(1 - 0.99^2) = 7 times what
- * they are at the start, in energy 50 times, of the small part of it that is in them. */
+/* Just below the limit, velocities of the fastest modes reach 1/sqrt(1 - 0.99^2) = 7 times their
+ * initial values, and the small part of the energy that is in them grows 50 times. */
 static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
@@ -261,8 +261,8 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
     }
 }
 
-/* The outermost particles of a packing's zone would take a smaller step by themselves; springs are
- * softer than the bound has to assume. */
+/* The outermost particles of the zone of a packing would require a smaller step on their own;
+ * springs are softer than the bound has to assume. */
 static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
     (void)state;
     for (int k = 4; k < 7; k++) {
@@ -301,8 +301,8 @@ static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
     }
 }
 
-/* Dashpots of contacts and of springs lower the limit: at 0.99 of it energies fall, at 1.05 they
- * grow. */
+/* Dashpots of contacts and of springs lower the limit: at 0.99 of it energies decrease, at 1.05
+ * they grow. */
 static double damped_energy(const char *more, double part, int steps) {
     char time[96];
     gneiss_error error = {0};
@@ -339,7 +339,7 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
 
 /* --- steps that collisions ask for --- */
 
-/* m/s2, along an axis, of a particle of a zone that a force of 1 N acts on there. */
+/* m/s2, along an axis, acceleration of a particle of a zone by a force of 1 N on it. */
 static double moved_by(gn_world *w, size_t k, int axis) {
     gn_coupled *q = w->zones.coupled;
     gn_fem_solid *b = &w->solids.elements[0]->solid;
@@ -405,9 +405,9 @@ static double asked_by_softening(const char *couple) {
     return step;
 }
 
-/* If bonds soften, all of them must last five steps: with the masses that particles have at the
- * edge of a zone, where they meet others with weighted contacts, they would not, but these
- * particles move with nodes. */
+/* If bonds soften, the shortest period must last five steps. With the masses of particles at the
+ * edge of a zone, which touch others with weighted contacts, it would not, but these particles move
+ * with nodes. */
 static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void **state) {
     (void)state;
     static const char *const with[] = {"", ", constraint: consistent", ", spins: slaved"};

@@ -1,6 +1,6 @@
-/* Work dealt out to threads: every block once, particles after all their items, for any number of
- * threads, shares and shapes of lists; threads help one that stands still, and do the work of one
- * that does not come. */
+/* Distribution of work among threads: every block is done once, particles after all their items,
+ * for any number of threads, shares and forms of lists; threads take over work of a thread that
+ * waits or does not arrive. */
 #include "base/timer.h"
 #include "sched/deal.h"
 #include "smaller_team.h"
@@ -21,7 +21,7 @@ typedef struct model {
     size_t particle_blocks;
     _Atomic int items[LISTS][BLOCKS_MAX], particles[PARTICLES_MAX];
     _Atomic int early;  /* particles that were worked on before one of their items */
-    _Atomic int still;  /* this thread stands still in its first items, until all others are done */
+    _Atomic int still;  /* this thread waits in its first items until all others are done */
     _Atomic bool stuck; /* a block was not processed by the other threads */
 } model;
 
@@ -119,7 +119,7 @@ static void work_through_round(void *context) {
     }
 }
 
-/* Rounds in which up to limits[0], limits[1], ... threads come. */
+/* Rounds for which up to limits[0], limits[1], ... threads arrive. */
 static void work_through(model *m, int threads, int rounds, const int *limits, int limit_count) {
     gn_deal deal;
     assert_int_equal(gn_deal_create(&deal, threads, NULL), GNEISS_OK);
@@ -161,7 +161,7 @@ static void every_block_once_and_in_time(void **state) {
     work_through_all(all, 1);
 }
 
-/* The cuts are made for the threads that are asked for, and fewer come, now and then or always. */
+/* The work is divided among the requested threads, and fewer arrive, sometimes or always. */
 static void every_block_once_and_in_time_when_fewer_threads_come(void **state) {
     (void)state;
     static const int one[] = {1}, changing[] = {5, 1, 2, 5, 3, 1, 1, 4};
@@ -169,7 +169,8 @@ static void every_block_once_and_in_time_when_fewer_threads_come(void **state) {
     work_through_all(changing, 8);
 }
 
-/* A thread that is held up with its first items, by another program say, finds all others done. */
+/* A thread that is delayed with its first items, for example by another program, finds all others
+ * done. */
 static void others_help_a_thread_that_stands_still(void **state) {
     (void)state;
     static const gn_deal_work work = {items, particles, NULL};

@@ -79,8 +79,8 @@ static void deep_overlaps_are_warned_of(void **state) {
         }
 }
 
-/* With Hertz's law; it penetrates by almost a radius. The overlap is seen at steps without readings
- * too. */
+/* With Hertz's law; it penetrates by almost a radius. The overlap is checked in steps without
+ * readings too. */
 static void soft_grains_are_warned_of(void **state) {
     (void)state;
     gn_run run;
@@ -95,7 +95,8 @@ static void soft_grains_are_warned_of(void **state) {
     gn_run_free(&run);
 }
 
-/* Held grains that lie in each other and in a wall, as rough floors are made, press nothing. */
+/* Held grains that overlap each other and a wall, as in rough floors, exert no forces on each
+ * other. */
 static void held_particles_may_overlap(void **state) {
     (void)state;
     gn_run run;

@@ -9,7 +9,7 @@ LAYERS = os.path.join(ROOT, "tools", "layers.py")
 LINKS = os.path.join(ROOT, "tools", "links.py")
 WORDS = os.path.join(ROOT, "tools", "words.py")
 
-# Like meson's file, but it compiles nothing.
+# Has the form of meson's file but compiles nothing.
 NINJA = """
 rule make
   command = {command} && touch $out
@@ -78,7 +78,7 @@ def a_build_on_a_terminal_shows_every_step(folder):
 
 @fact
 def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
-    """Twelve kernels beside two steps of a moment: the stub compiles none of them."""
+    """Twelve kernels and two short steps: the stub compiles none of them."""
     build = make_root(folder)
     kernels = [f"src/kernels/libgneiss_kernels_avx2_contact{k}.a.p/contact_template.c.o" for k in range(12)]
     text = NINJA.format(command="mkdir -p $$(dirname $out)").replace("build gneiss: program compiled.o", "build gneiss: program compiled.o " + " ".join(kernels))
@@ -95,7 +95,7 @@ def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
             break
     os.close(main_end)
     expect(subprocess.CompletedProcess([], done.returncode, "", shown), 0)
-    if os.cpu_count() <= 2:  # with more it is too short to be said
+    if os.cpu_count() <= 2:  # with more it would be too short to be printed
         assert re.search(r"14 steps, about \d+ s on \d+ idle cores?", shown), shown
     shares = [int(share) for share in re.findall(r"(\d+) % of the work, \d+ s: kernels of contact for avx2_contact\d+", shown)]
     assert len(shares) == 12 and all(7 <= b - a <= 9 for a, b in zip(shares, shares[1:])) and shares[-1] >= 98, shown
@@ -103,7 +103,7 @@ def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
 
 @fact
 def tests_install_what_locales_are_made_from(folder):
-    """The package is missing: stubs stand in for the commands that query and install."""
+    """The package is missing: stubs replace the commands that query and install."""
     make_root(folder)
     bin = os.path.join(folder, "bin")
     os.makedirs(bin)
@@ -137,16 +137,18 @@ def failures_of_meson_are_counted(folder):
 
 @fact
 def links_and_pictures_that_are_not_there_are_named(folder):
-    docs = "docs"  # not a name of a page here, or the links of this file would be looked at
+    docs = "docs"  # not the name of a page of this project, because the links of this file would be checked
     os.makedirs(os.path.join(folder, docs, "pictures"))
     page = "# A page: what, how\n[a](#a-page-what-how) [b](#no) [c](../README.md) [d](gone.md)\n"
     write_scene(folder, page + "![e](pictures/e.png) ![f](pictures/f.png)\n", f"{docs}/page.md")
     first = f"See [the page]({docs}/page.md#a-page-what-how), `{docs}/gone.md` and [the net](https://example.org).\n"
     write_scene(folder, first, "README.md")
+    write_scene(folder, "many words " * 2000, f"{docs}/long.md")
     for name in ("e.png", "g.png"):
         write_scene(folder, "", f"{docs}/pictures/{name}")
     done = subprocess.run([sys.executable, LINKS, folder], capture_output=True, text=True)
-    reported = (f"README.md:1: {docs}/gone.md is not there\n{docs}/page.md:2: #no: there is no such heading\n"
+    reported = (f"README.md:1: {docs}/gone.md is not there\n{docs}/long.md:1: expected at most 300 lines and 3000 words, found 1 and 4000\n"
+            f"{docs}/page.md:2: #no: there is no such heading\n"
             f"{docs}/page.md:2: gone.md is not there\n{docs}/page.md:3: pictures/f.png is not there\n"
             f"{docs}/pictures/g.png: no page shows it\n")
     assert (done.returncode, done.stdout) == (1, reported), done.stdout + done.stderr
@@ -211,6 +213,23 @@ def words_of_comments_and_pages_are_checked_and_code_is_not(folder):
     assert done.returncode == 1
     counts = subprocess.run([sys.executable, WORDS, "--root", folder, "--count"], capture_output=True, text=True)
     assert (counts.returncode, counts.stdout.split()) == (0, ["7", "src", "7"]), counts.stdout
+
+
+@fact
+def files_that_name_another_version_are_named(folder):
+    tool = os.path.join(ROOT, "tools", "release.py")
+    done = subprocess.run([sys.executable, tool], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, ""), done.stdout + done.stderr
+    for name in ("meson.build", "CITATION.cff", "CHANGELOG.md", "packaging/debian/changelog"):
+        os.makedirs(os.path.dirname(os.path.join(folder, name)), exist_ok=True)
+        shutil.copy(os.path.join(ROOT, name), os.path.join(folder, name))
+    write_scene(folder, "cff-version: 1.2.0\nversion: 9.9\n", "CITATION.cff")
+    done = subprocess.run([sys.executable, tool, folder], capture_output=True, text=True)
+    assert done.returncode == 1 and re.fullmatch(r"CITATION.cff: expected version \S+ as in meson.build, found 9.9\n", done.stdout), done.stdout
+    with open(os.path.join(folder, "CHANGELOG.md"), "w", encoding="utf-8") as file:
+        file.write("# Changes\n\n## 0.2.0 (soon)\n\nNothing.\n")
+    done = subprocess.run([sys.executable, tool, folder], capture_output=True, text=True)
+    assert done.returncode == 1 and "CHANGELOG.md: expected" in done.stdout, done.stdout
 
 
 @fact

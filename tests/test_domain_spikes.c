@@ -1,4 +1,4 @@
-/* Bodies full of sharp and re-entrant edges and corners against plain searches. */
+/* Bodies with many sharp and re-entrant edges and corners, compared with brute-force searches. */
 #include "test.h"
 
 #include "domain_help.h"
@@ -139,8 +139,8 @@ static bool seen(const gn_domain *d, const double x[3], const double foot[3]) {
     return true;
 }
 
-/* Distances of the feet within reach that no triangle through the foot undercuts and that x sees.
- */
+/* Distances of the feet within reach that no triangle through the foot undercuts and that are
+ * visible from x. */
 static int count_minima(const gn_mesh *m, const gn_domain *d, const double x[3], double reach) {
     static double feet[1024][3], found[64][3];
     size_t triangles = m->triangles.count;

@@ -1,4 +1,4 @@
-/* Where the boundary of a body is: closed surfaces against closed forms and against each other. */
+/* The boundary of a body: closed surfaces compared with closed forms and with each other. */
 #include "test.h"
 
 #include "domain_help.h"
@@ -63,7 +63,7 @@ static builder lattice_surface(const lattice *l) {
     return b;
 }
 
-/* All cells of the unit cube solid; the planes crowd at the lower end with `power` > 1. */
+/* All cells of the unit cube solid; the planes are denser at the lower end with `power` > 1. */
 static lattice *solid_cube(int cells, double power) {
     lattice *l = calloc(1, sizeof *l);
     for (int k = 0; k < 3; k++) {
@@ -277,7 +277,7 @@ static void test_triangles_without_area_change_nothing(void **state) {
     (void)state;
     gn_domain *d = cube_with_needle(0);
     assert_same_as_box(d, 20000);
-    /* In the plane of the bottom, beside the edge that has the needle along it. */
+    /* In the plane of the bottom, near the edge with the needle. */
     for (int i = 1; i < 10; i++)
         assert_close(gn_domain_depth(d, (double[]){0.1 * i, -0.1, 0}), -0.1, 1e-13);
     gn_domain_free(d);
@@ -300,7 +300,7 @@ static void test_slivers_turned_over_do_not_turn_the_side(void **state) {
     gn_domain_free(box);
 }
 
-/* A unit cube with one side cut in two and a strip without width between: two needles. */
+/* A unit cube with one side cut in two and a strip of zero width between: two needles. */
 static void test_strip_without_width_changes_nothing(void **state) {
     (void)state;
     builder b = {0};
@@ -343,7 +343,7 @@ static void test_parts_that_meet_in_a_point_keep_their_sides(void **state) {
     gn_domain_free(high);
 }
 
-/* A cube with two hollows, tetrahedra that hang from one point: over it both are equally near. */
+/* A cube with two cavities, tetrahedra that share one point: above it both are equally near. */
 static void test_hollows_that_meet_in_a_point_keep_their_sides(void **state) {
     (void)state;
     lattice *l = solid_cube(1, 1);

@@ -96,7 +96,7 @@ static void lanczos_finds_the_same_in_a_metric(void **state) {
     free(weighed);
 }
 
-/* Pairs of a place in front and one at the end, of which one is stiffer than all others. */
+/* Pairs at the first indices and one at the end, one of which is stiffer than all others. */
 static void pairs_product(const void *context, const double *x, double *y) {
     size_t n = *(const size_t *)context;
     for (size_t k = 0; k < n; k++) {
@@ -121,7 +121,7 @@ static void lanczos_follows_where_products_lead(void **state) {
     free(x);
 }
 
-/* A chain of which only some groups are free, alone and as a part of the whole. */
+/* A chain of which only some groups can move, by itself and as a part of the whole. */
 enum { WHOLE = 9000 };
 
 static bool is_loose(size_t k) {

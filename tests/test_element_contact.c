@@ -4,7 +4,7 @@
 
 #include "run/run.h"
 
-/* Spheres (discs) fly at a block of elements that floats free. */
+/* Spheres (discs) hit a free block of elements. */
 static gn_world *shower(int dimension, const char *more) {
     text t = {0}, s = {0};
     uint64_t at = 11;
@@ -170,9 +170,9 @@ static void the_limit_includes_contacts_with_nodes(void **state) {
 
 enum { BOUNCE_HELD, BOUNCE_ROLLER, BOUNCE_FREE };
 
-/* Speed after over before of a grain of radius r (m) on a block of 20 mm with cells of 2 mm, which
- * is held at its base, along its normal alone, or free; a restitution of 0.5 is asked for. By
- * Hertz's law with `young` (Pa) of the grain, where it is not 0. */
+/* Ratio of the speed after to that before the impact of a grain of radius r (m) on a block of 20 mm
+ * with cells of 2 mm, which is held at its base, along its normal alone, or free; a restitution of
+ * 0.5 is requested. With Hertz's law if `young` (Pa) of the grain is not 0. */
 static double rebound(int dimension, double r, int hold, double young, bool platen) {
     const char *rest = dimension == 3 ? "[10.6e-3, 10.4e-3" : "[10.6e-3";
     char motion[128] = "", top[256], grain[64];
@@ -186,7 +186,7 @@ static double rebound(int dimension, double r, int hold, double young, bool plat
                  : dimension == 3      ? "vx: 0, vy: 0, "
                                        : "vx: 0, ",
                  axis);
-    if (platen) /* every node is held: as a wall */
+    if (platen) /* every node is held: like a wall */
         snprintf(motion, sizeof motion,
                  "motions: [{name: a, group: z_upper, motion: {vx: 0, vy: 0, vz: 0}}], ");
     snprintf(top, sizeof top, "%s",
@@ -225,7 +225,7 @@ static void restitution_does_not_depend_on_the_mesh(void **state) {
     assert_near(rebound(3, 2e-3, BOUNCE_HELD, 0.0, true), 0.5, 0.005);
 }
 
-/* A grain that is stiffer than the elements rebounds faster than asked for (docs/physics.md). */
+/* A grain that is stiffer than the elements rebounds faster than requested (docs/physics.md). */
 static void a_stiff_hertz_grain_rebounds_a_little_faster(void **state) {
     (void)state;
     assert_near(rebound(3, 0.5e-3, BOUNCE_HELD, 50e9, false), 0.505, 0.006);
@@ -243,8 +243,8 @@ static void a_free_block_of_elements_is_hit_as_a_whole(void **state) {
 
 /* --- particles that are large beside the facets --- */
 
-/* A sphere (disc) of 20 mm on a block with cells of 1.25 mm, softer than the contact. `what`: what
- * the particle does; `step`: of 2e-7 s, not automatic. */
+/* A sphere (disc) of 20 mm on a block with cells of 1.25 mm, softer than the contact. `what`: the
+ * motion of the particle; `step`: with steps of 2e-7 s instead of the automatic one. */
 static gn_world *large(int dimension, const char *block, const char *contact, const char *what,
                        bool step) {
     return world_of(
@@ -281,9 +281,9 @@ static double worst_residual(gn_world *w, double end) {
     return worst / scale;
 }
 
-/* By nearest points of facets each of these made energy, and the run stopped. What the pressure
- * does as it stretches a facet is left out: in the disc, which strains the surface by a tenth, it
- * is 2e-3 on the way. */
+/* With contacts at nearest points of facets each of these generated energy, and the run stopped.
+ * The error of a pressure that stretches its facet is excluded: for the disc, which strains the
+ * surface by a tenth, it is 2e-3 during the contact. */
 static void a_large_particle_makes_no_energy(void **state) {
     (void)state;
     const char *const plain = "", *const rough = "kratio: 2, friction: 0.3";
@@ -344,9 +344,9 @@ static void a_large_particle_keeps_momentum(void **state) {
     world_end(w);
 }
 
-/* A sphere of 4 mm that falls with 0.5 m/s onto a block with cells of 1 mm, over the place x, y
- * (mm) of its upper face, and slides by `slide` m/s along both; what is unexplained once it is off
- * again, over what it had, and its velocity. */
+/* A sphere of 4 mm that falls at 0.5 m/s onto a block with cells of 1 mm, at x, y (mm) of its upper
+ * face, and slides at `slide` m/s along both directions. Returns the residual after it has
+ * separated, relative to its initial energy, and its velocity. */
 static double bounce_at(double x, double y, const char *law, double slide, double velocity[3]) {
     const bool hertz = strcmp(law, "hertz") == 0;
     gn_world *w = world_of(
@@ -383,8 +383,8 @@ static void a_large_particle_bounces_wherever_its_centre_is(void **state) {
     }
 }
 
-/* By Hertz's law near edges and corners, where a facet that only its rim presses has a potential
- * within rounding of 0. */
+/* By Hertz's law near edges and corners, where a facet that is touched at its rim only has a
+ * potential within rounding of 0. */
 static void a_large_hertz_sphere_bounces_near_edges_and_corners(void **state) {
     (void)state;
     const double gaps[] = {0.0, 0.2, 0.5, 1.1, 2.3};
@@ -448,7 +448,8 @@ static void threads_and_resume_give_the_same_bits(void **state) {
     compare_bits(make_large, 1500, 0);
 }
 
-/* More facets inside a particle than there is room for are no silent loss of force. */
+/* More facets inside a particle than its list can hold must not cause an unreported loss of force.
+ * */
 static void too_many_facets_at_once_are_refused(void **state) {
     (void)state;
     gn_world w;
@@ -463,7 +464,7 @@ static void too_many_facets_at_once_are_refused(void **state) {
     if (!strstr(error.message, "512 facets")) fail_msg("%s", error.message);
 }
 
-/* The overlap beyond which there is no room is known before the run. */
+/* The overlap that exceeds the available list of facets is known before the run. */
 static void too_many_facets_are_announced(void **state) {
     (void)state;
     const double radius[] = {5e-3, 20e-3};

@@ -1,5 +1,5 @@
 /* The element kernels: every variant of every instruction set against the scalar one, and the
- * scalar one against the mechanics written down anew in plain doubles. */
+ * scalar one against an independent computation in plain doubles. */
 #include "fem_helpers.h"
 #include "neigh/neigh.h"
 
@@ -52,8 +52,8 @@ static void make_element(bench *b, size_t e, uint64_t *at) {
     b->elements.id[e] = (int32_t)e;
 }
 
-/* Random elements over nodes in a unit box, strained by some 10 % and turned round; at the nodes
- * pressures, where particles have their radius, and a stabilising pressure of any gradient. */
+/* Random elements over nodes in a unit box, strained by some 10 % and rotated; pressures at the
+ * nodes, stored where particles have their radius, and a stabilising pressure of any gradient. */
 static bench make_bench(int dimension, uint64_t seed) {
     bench b = {.dimension = dimension, .allowed = 1e-12 * 3e9};
     gn_effects effects = GN_FX_PRESSURE | (dimension == 3 ? GN_FX_SPACE : 0);
@@ -257,7 +257,7 @@ static double row_sum(const bench *b, const double *row, size_t width, int32_t n
     return sum;
 }
 
-/* Slopes are stored where forces leave room, the rest in rows of its own. */
+/* Slopes are stored in components that forces do not use, the rest in rows of its own. */
 static double slope_sum(const bench *b, int32_t node, size_t k) {
     if (b->dimension == 2) return row_sum(b, b->sums.row, 4, node, 2 + k);
     return k ? row_sum(b, b->slope_row, 2, node, k - 1) : row_sum(b, b->sums.row, 4, node, 3);
@@ -369,7 +369,7 @@ static void shared_parameters_give_the_bits_of_columns(void **state) {
         }
         b.args.uniform = (gn_element_uniform){~(size_t)0, ~(size_t)0};
         b.elements.lambda[100] = b.elements.mu[100] = NAN; /* not looked at */
-        for (size_t k = 0; k < GN_LANES_MAX; k++) {        /* one vector's worth is */
+        for (size_t k = 0; k < GN_LANES_MAX; k++) {        /* one vector of them is */
             b.elements.lambda[k] = a.elements.lambda[0];
             b.elements.mu[k] = a.elements.mu[0];
         }
@@ -417,7 +417,7 @@ static void forces_of_an_element_have_no_resultant_and_no_moment(void **state) {
     }
 }
 
-/* f = -dU/dx: the energy that the ledger books is the one that the forces come from. */
+/* f = -dU/dx: the energy in the ledger is the potential of the forces. */
 static void forces_are_the_slope_of_the_energy(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {

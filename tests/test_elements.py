@@ -25,7 +25,7 @@ def bar(dimension, form="displacement"):
                {"name": "right", "group": "x_upper", "motion": {"vx": [[0, 0], [1e-4, 0.02]]}},
                {"name": "foot", "box": {"min": [0] * dimension, "max": [0.0] * dimension},
                 "motion": {"vy": 0, **({"vz": 0} if dimension == 3 else {})}}]
-    if dimension == 3:  # keeps it from turning about its axis
+    if dimension == 3:  # prevents rotation about its axis
         motions.append({"name": "edge", "box": {"min": [0, 0, 0], "max": [0.04, 0, 0]}, "motion": {"vy": 0, "vz": 0}})
     return {"dimension": dimension,
             "elements": {"box" if dimension == 3 else "rectangle": {"size": size, "cells": cells},
@@ -92,8 +92,9 @@ def write_bone(path, length, half, along, across):
 
 @fact
 def a_bar_with_a_waist_reads_back_its_modulus(folder):
-    """Twice as wide at its ends as in the middle half. Whether the stress is over the waist or over the volume by the length: F/E times
-    the integral of 1/A is what the ends move by, but for what the shear of a taper of 1 to 6 adds, a percent or two."""
+    """The ends are twice as wide as the middle half. Whether the stress is formed with the waist or with the volume
+    over the length: the displacement of the ends is F/E times the integral of 1/A, plus the shear of a taper of 1
+    to 6, a per cent or two."""
     length, waist = 0.12, 0.01
 
     def half(x):
@@ -123,7 +124,8 @@ def a_bar_with_a_waist_reads_back_its_modulus(folder):
 
 @fact
 def a_bar_with_steps_has_no_modulus_of_a_slender_bar(folder):
-    """Twice as wide beside a waist: 28.0 GPa were read for 31.25. The mean strain of the volume is that of F/(E V/L) whatever the steps do."""
+    """Ends twice as wide as the waist: 28.0 GPa were read for 31.25. The mean strain of the volume is F/(E V/L) for
+    any step."""
     length, waist = 0.1, 0.02
     write_bone(os.path.join(folder, "steps.msh"), length, lambda x: waist if abs(x - length / 2) > 0.0201 else waist / 2, 100, 8)
     scene = bar(2)
@@ -176,7 +178,7 @@ def a_cantilever_under_traction_bends_as_timoshenko_says(folder):
 
 
 def three_points(folder, cells):
-    """Deflection of the middle line, so that the dents at load and supports are left out."""
+    """Deflection of the middle line, which excludes the indentation at load and supports."""
     height, load = 0.02, 2e4
     span = 8 * height
     near = 1e-9
@@ -240,7 +242,7 @@ def the_notched_beam_gives_force_deflection_and_mouth_opening(folder):
     strain = rows["motion_supports_displacement_y"] - rows["motion_load_displacement_y"]
     assert np.allclose(deflection, strain, rtol=1e-12, atol=1e-18)
     assert np.allclose(0.5 * (rows["motion_supports_reaction_y"] - rows["motion_load_reaction_y"]), force, rtol=1e-12)
-    # The wedge opens by more than the deflection times its depth over the half span, by less than all of it.
+    # The notch opens by more than the deflection times its depth over the half span, and less than twice that.
     assert 0.01 / 0.075 * deflection[-1] < opening[-1] < deflection[-1], (opening[-1], deflection[-1])
 
 
@@ -257,7 +259,7 @@ def forces_and_energies_balance(folder):
     edges = place[corners[:, 1:]] - place[corners[:, :1]]
     mass = np.bincount(corners.ravel(), np.repeat(2400 * np.linalg.det(edges) / 24, 4))
     assert abs(mass.sum() / (2400 * (0.17 * 0.05 - 0.004 * 0.01) * 0.03) - 1) < 1e-3
-    # The traction has come to 20 kPa on the upper face. Background damping holds against the motion with a m v.
+    # The traction has reached 20 kPa on the upper face. Background damping acts against the motion with a m v.
     down = 20e3 * 0.17 * 0.03 + 9.81 * mass.sum()
     drag = -1e4 * (mass * velocity[:, 1]).sum()
     assert abs(sum(reaction) + drag - down) < 0.02 * max(map(abs, reaction)), (reaction, drag, down)
@@ -506,8 +508,8 @@ def the_terminal_speaks_of_elements(folder):
     assert "note: left out 1 node" in done.stdout and "note: reoriented 1 element" in done.stdout
     assert "15 nodes, 16 elements" in done.stdout and "elements.hdf.series" in done.stdout
     assert "particle" not in done.stdout + done.stderr
-    lines = gneiss("run", PLATE, "--out", folder, "--log", "json").stdout.splitlines()
-    assert json.loads(lines[0])["element_steps_per_second"] > 0
+    said = gneiss("run", PLATE, "--out", folder, "--log", "json").stdout
+    assert logged(said, "progress")[0]["element_steps_per_second"] > 0
 
 
 @fact
@@ -566,7 +568,7 @@ def scenes_without_a_valid_mesh_are_refused(folder):
 def nothing_that_moves_needs_a_step(folder):
     scene = bar(2)
     scene["elements"]["motions"].append({"name": "all", "group": "body", "motion": {"vx": 0, "vy": 0}})
-    expect(gneiss("check", write_scene(folder, scene)), 2, "time.step: required, because nothing can move")
+    expect(gneiss("check", write_scene(folder, scene)), 2, "time.step: required, because no moving part")
 
 
 @fact

@@ -1,5 +1,5 @@
-/* Friction angle, cohesion and Hoek-Brown's numbers from strengths at several confinements: both
- * laws are lines to the fit, so that what it is given back is exact but for rounding. */
+/* Friction angle, cohesion and Hoek-Brown's parameters from strengths at several confinements: both
+ * laws are straight lines for the fit, which recovers given parameters to rounding. */
 #include "test.h"
 
 #include "sweep/envelope.h"
@@ -70,7 +70,7 @@ static void strengths_that_fall_have_no_angle(void **state) {
 
 /* ---- sweeps ---- */
 
-/* Two frictions, three pressures, two seeds; a speed that goes along with the pressure. */
+/* Two frictions, three pressures, two seeds; a speed that changes with the pressure. */
 enum { FRICTIONS = 2, PRESSURES = 3, SEEDS = 2, RUNS = FRICTIONS * PRESSURES * SEEDS };
 typedef struct small_sweep {
     gn_sweep sweep;

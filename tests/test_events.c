@@ -6,7 +6,8 @@
 
 #include <unistd.h>
 
-/* A lattice whose upper row is pulled up and to the side, so that bonds break either way. */
+/* A lattice whose upper row is pulled up and sideways, so that bonds break in tension and in shear.
+ * */
 static const char *const pulled =
     "dimension: %d\n"
     "specimen: {lattice: {kind: %s, radius: 1e-3, cells: [6, 6%s]%s}}\n"
@@ -167,8 +168,8 @@ static void the_list_changes_no_bits_and_is_absent_when_off(void **state) {
     world_end(off);
 }
 
-/* The image that the bond goes to is the near one: between particles at 1 and 9 mm of a period of
- * 10 mm the contact lies at 0 or 10 mm, not in the middle. */
+/* The nearest image is used: between particles at 1 and 9 mm of a period of 10 mm the contact is at
+ * 0 or 10 mm, not in the middle. */
 static void places_in_a_periodic_box_are_between_the_images(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -286,7 +287,7 @@ static void a_break_that_makes_energy_is_warned_of(void **state) {
     swing(run, 0.9);
     const gn_energy *e = &run->world.ledger.reading;
     /* At the turning point 0.81/0.19 - 1 of it; up to 14 degrees before or after it, where the
-     * strength is passed as well, the product of both forces is 0.65 to 1.3 times that. */
+     * strength is exceeded as well, the product of both forces is 0.65 to 1.3 times that. */
     double made = 5.0 / 7.0 * (0.81 / 0.19 - 1.0), after = e->kinetic + e->rotational;
     assert_true(-e->bond_breaking > 0.6 * made * e->stored_at_start);
     assert_near(after, e->stored_at_start - e->bond_breaking, 1e-6 * after);

@@ -1,5 +1,5 @@
-/* Loose grains that begin exactly in touch: whether a contact closes in the first step hangs on the
- * last bit, and must hang on nothing else. */
+/* Loose grains that are exactly in contact at the start: whether a contact closes in the first step
+ * depends on the last bit, and must depend on nothing else. */
 #include "world_helpers.h"
 
 typedef struct lattice {
@@ -8,7 +8,7 @@ typedef struct lattice {
     int dimension;
 } lattice;
 
-/* `spacing` 1: in touch to the last bit or two, of places in which the lattice is rounded. */
+/* `spacing` 1: in touch to the last bit or two of the rounded positions. */
 static gn_world *grains(const lattice *a, const char *precision, const char *isa, bool energy) {
     char damping[80] = "";
     if (a->restitution < 1.0)
@@ -33,8 +33,7 @@ static const lattice lattices[] = {
     {"square", "0.3", "on", 1.0, 0.5, 2},
 };
 enum { LATTICES = sizeof lattices / sizeof *lattices, STEPS = 30 };
-/* The state of 32 grains after a few steps from where they touch, by the seed of their velocities.
- */
+/* The state of 32 grains in touch after a few steps, by the seed of their velocities. */
 static uint64_t small_fcc(int seed, const char *precision, const char *isa) {
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 0.1918512371, cells: [2, 2, 2], "
@@ -50,7 +49,8 @@ static uint64_t small_fcc(int seed, const char *precision, const char *isa) {
     return hash;
 }
 
-/* One pair in some thousands was decided otherwise in a vector than alone: in 2 of these 25. */
+/* One pair in some thousands got a different result in a vector than on its own: in 2 of these 25.
+ * */
 static void any_start_in_touch_gives_the_same_bits_on_every_instruction_set(void **state) {
     (void)state;
     for (int k = 0; k < 50; k++) {
@@ -90,9 +90,9 @@ static void grains_in_touch_move_alike_on_every_instruction_set(void **state) {
     }
 }
 
-/* Collisions as in double precision are rounded to 2^-24 of their speeds and forces a few times
- * each, and each passes its error on to the next: 1e-4 of the largest speed after three steps
- * allows 1000 of these. One step of a dashpot too many or too few would be a tenth of the speed. */
+/* Collisions in single precision round speeds and forces to 2^-24 a few times each, and each passes
+ * its error on to the next: 1e-4 of the largest speed after three steps allows 1000 of these. One
+ * step of a dashpot too many or too few would be a tenth of the speed. */
 static void grains_in_touch_move_in_mixed_precision_as_in_double(void **state) {
     (void)state;
     double worst = 0.0;
@@ -117,7 +117,7 @@ static void grains_in_touch_move_in_mixed_precision_as_in_double(void **state) {
     print_message("# mixed beside double after 3 steps: off by %.2g of the largest speed\n", worst);
 }
 
-/* No force acts on two grains that separate from exact contact: there is nothing to take back. */
+/* No force acts on two grains that separate from exact contact: there is no energy to recover. */
 static void grains_that_part_from_touch_feel_nothing(void **state) {
     (void)state;
     static const char *const precisions[] = {"double", "mixed"};

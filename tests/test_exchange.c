@@ -12,11 +12,11 @@
 typedef struct tie {
     int part[2]; /* -1: particles; else a solid of elements */
     size_t count;
-    int32_t point[64][2]; /* particles by id, nodes by place */
+    int32_t point[64][2]; /* particles by id, nodes by index */
     double force[64][3];  /* N, on the first of two, of the last step */
 } tie;
 
-/* One end of a tie. */
+/* One side of a tie. */
 typedef struct end {
     const gn_particles *points;
     gn_hold *hold;
@@ -320,7 +320,7 @@ static void assert_bodies_in_file(const gn_world *w, writer *write, const char *
     unlink(path);
 }
 
-/* The first solid has the names that it has alone. */
+/* The first solid has the same names as if it were the only one. */
 static void files_distinguish_bodies_of_elements(void **state) {
     (void)state;
     two_blocks *s = stack(2, 4e-7, 1);

@@ -1,4 +1,4 @@
-"""Calls of the system that fail, one at a time (tests/faults.c, the second argument). Speaks TAP."""
+"""System calls that fail, one at a time (tests/faults.c, the second argument). Speaks TAP."""
 import random
 import resource
 
@@ -94,7 +94,7 @@ def a_full_disk_at_the_end_costs_only_what_it_has_no_room_for(folder):
     whole = os.path.join(folder, "whole")
     run(LATTICE, whole, "--set", "output.snapshots=0")
     files = {"checkpoint_", "results.h5", "summary.json"}
-    # A summary stands only beside the results that it sums up.
+    # A summary exists only together with the results that it summarises.
     cases = (("checkpoint_", {"checkpoint_"}), ("particles", set()), ("results.h5", {"results.h5", "summary.json"}),
              ("summary.json", {"summary.json"}))
     for number, (name, lost) in enumerate(cases):
@@ -197,7 +197,8 @@ CONVERTING = ("run", os.path.join(SCENES, "../../scenes/bending-adaptive.yaml"),
 
 @fact
 def allocations_of_measured_steps_of_zones_may_fail(folder):
-    # Between the set-up and the files of the end: the mean stress of zones among them. A few are not needed: there is another way.
+    # Between the set-up and the files of the end: among them the mean stress of zones. A few failures have no effect:
+    # there is another way.
     out, codes = os.path.join(folder, "out"), {}
     for number in range(1000, allocations(out, *CONVERTING) - 250, 47):
         shutil.rmtree(out)
@@ -280,8 +281,8 @@ def threads_without_memory_for_their_stacks_are_refused_as_a_lack_of_memory(fold
 # --- power loss ----------------------------------------------------------------------------------------------
 
 class Disk:
-    """A folder as a power loss may leave it by POSIX: a file has its synced content and any part of what was written
-    since, a folder its synced names and any of the names made, changed and removed since."""
+    """A folder as POSIX allows it to be after a loss of power: each file has its synced content and any part of later
+    writes, the folder its synced names and any of the names made, changed and removed since."""
 
     def __init__(self):
         self.files, self.serial, self.names, self.durable, self.pending = [], {}, {}, {}, []

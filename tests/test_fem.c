@@ -46,8 +46,8 @@ static void check_sides(const gn_mesh *mesh, int d, const double size[3]) {
     }
 }
 
-/* The sides' facets are those of the elements: the mesh's own boundary has no others, also where
- * elements meet, so that these share whole faces. */
+/* The facets of the sides are those of the elements: the boundary of the mesh has no others; where
+ * sides join they share whole faces. */
 static void sides_of_structured_meshes_are_their_boundary(void **state) {
     (void)state;
     static const int many[][3] = {{9, 6, 0}, {1, 1, 0}, {5, 4, 4}, {1, 1, 1}, {1, 2, 1}, {3, 1, 1}};
@@ -161,7 +161,7 @@ static void reactions_carry_weight_and_loads(void **state) {
         gn_fem_reaction(solid, left, force);
         assert_near(force[0], 0.0, 1e-8 * 1e4 * area);
         double scale = solid->reading.work_gravity + solid->reading.work_applied;
-        /* The ledger is exact for a linear law; the rest of this one is of the size of strains. */
+        /* The ledger is exact for a linear law; the residual here is of the size of strains. */
         assert_near(energy_residual(&solid->reading), 0.0, 1e-6 * scale);
         assert_true(solid->reading.damping > 0.1 * scale);
         body_end(solid);
@@ -203,7 +203,7 @@ static void two_materials_meet_with_the_same_stress(void **state) {
     gn_mesh mesh = mesh_of(size, grid, 0.0);
     const gn_fem_material both[2] = {{.young = 10e9, .poisson = 0.2, .density = 2000.0},
                                      {"hard", 30e9, 0.2, 2600.0}};
-    /* The group of all elements becomes one of the right half. */
+    /* The group of all elements is replaced by one of the right half. */
     snprintf(mesh.groups[mesh.group_count - 1].name, GN_MESH_NAME_SIZE, "hard");
     for (size_t e = 0; e < mesh.triangles.count; e++) {
         double x = 0.0;
@@ -238,7 +238,7 @@ static void two_materials_meet_with_the_same_stress(void **state) {
     body_end(solid);
 }
 
-/* Two triangles of a unit square, the second one turned, and a node in the air. */
+/* Two triangles of a unit square, the second one inverted, and a node without elements. */
 static const char square_msh[] =
     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
     "$PhysicalNames\n2\n1 7 \"base\"\n2 9 \"rock\"\n$EndPhysicalNames\n"
@@ -377,7 +377,7 @@ static void wrong_order_of_nodes_is_corrected(void **state) {
     }
 }
 
-/* A mesh without its last row of cells: their upper nodes are left behind, and the sides' lines
+/* A mesh without its last row of cells: the upper nodes of these remain, and the lines of the sides
  * that need them. */
 static void unused_nodes_are_dropped_and_counted(void **state) {
     (void)state;

@@ -90,8 +90,8 @@ static void bound_is_below_the_sharp_limit_and_not_far(void **state) {
                 assert_true(limit.bound <= limit.sharp_low);
                 assert_true(limit.sharp_low <= limit.sharp);
                 assert_true(limit.sharp_low > 0.9999 * limit.sharp);
-                /* The pressure form's is that of the displacement form, which nodes' mean pressures
-                 * undercut. */
+                /* The limit of the pressure form is that of the displacement form, above which its
+                 * own would be with mean nodal pressures. */
                 assert_true(limit.bound > (form_of(way) ? 0.5 : 0.6) * limit.sharp);
                 body_end(solid);
             }
@@ -178,8 +178,8 @@ static void energy_stays_within_1e_6_for_1e5_steps(void **state) {
     }
 }
 
-/* Leap-frog conserves a quantity near the energy but not equal to it once the law is not linear:
- * the energy oscillates by a fraction of the order of strains, with constant amplitude. */
+/* Leap-frog conserves a quantity that is near the energy but not equal to it if the law is not
+ * linear: the energy oscillates by a fraction of the order of strains, with constant amplitude. */
 static void energy_of_larger_strains_swings_no_wider_with_time(void **state) {
     (void)state;
     for (int way = 0; way < WAYS; way++) {
@@ -436,8 +436,8 @@ static double measured_frequency(double length, int per_height) {
     return pi / (zero[1] - zero[0]);
 }
 
-/* Linear triangles bend too stiffly by an amount that falls as h^2: two meshes and extrapolation.
- */
+/* Linear triangles are too stiff in bending by an error that decreases as h^2: two meshes and
+ * extrapolation. */
 static void first_frequency_of_a_cantilever_converges_to_that_of_the_beam(void **state) {
     (void)state;
     double beam = beam_frequency(10.0, true), coarse = measured_frequency(10.0, 8),

@@ -35,7 +35,7 @@ static void a_body_whose_boundary_moves_linearly_relaxes_to_linear_displacements
         small_deformation(d, f);
         drive_boundary(solid, f, dt, DRIVE);
         for (int s = 0; s < 4000; s++) fem_step(solid, dt, false);
-        const double off = DRIVE * 0x1p-53; /* roundings of positions on the way */
+        const double off = DRIVE * 0x1p-53; /* number of roundings in the computed positions */
         for (size_t n = 0; n < solid->nodes.soa.count; n++)
             for (int k = 0; k < d; k++)
                 assert_near(solid->nodes.pos[4 * n + (size_t)k],

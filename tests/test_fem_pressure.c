@@ -18,10 +18,10 @@ static double limit_of(const double d[3]) {
 }
 
 /* The corner where the clamped side meets the upper one is singular, so that convergence is of
- * about first order, and extrapolation takes most of that out. The reference is that of quadratic
- * elements (docs/evidence/fem.md). With 24 cells the three are 2.4, 4.6 and 1.8 % below it, their
- * limits within 0.06, 1.2 and 0.15 %; the second, whose meshes are the stiffest, is the slowest to
- * settle: within 0.2 % from 8, 16 and 32 cells. */
+ * about first order, and extrapolation removes most of that error. The reference is that of
+ * quadratic elements (docs/evidence/fem.md). With 24 cells the three are 2.4, 4.6 and 1.8 % below
+ * it, their limits within 0.06, 1.2 and 0.15 %; the second, whose meshes are the stiffest,
+ * converges most slowly: within 0.2 % from 8, 16 and 32 cells. */
 static void mixed_form_converges_to_the_reference_on_any_cut_of_the_cells(void **state) {
     (void)state;
     const double reference = 8.07605, near[3] = {0.005, 0.02, 0.005};
@@ -117,8 +117,9 @@ static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
     }
 }
 
-/* Potential energy is least at rest, so that half the work of a load put on at once is stored and
- * half is lost: a check of the ledger with the damping of the stabilising pressure in it. */
+/* The potential energy has its minimum at rest, so that half the work of a suddenly applied load is
+ * stored and half is dissipated: this checks the ledger including the damping of the stabilising
+ * pressure. */
 static void ledger_closes_on_the_way_to_rest(void **state) {
     (void)state;
     const cook c = {GN_FEM_PRESSURE, COOK_CHESS, 0.4999, 8};
@@ -158,9 +159,9 @@ static void mark_pressed(gn_mesh *mesh) {
     }
 }
 
-/* A quarter of a block of side 2 m, 1 m high, pressed in the middle, over a square of side 1 m; the
- * bottom slides, the top moves only vertically. Sinking of the middle under 1 Pa, times the shear
- * modulus. */
+/* A quarter of a block of side 2 m, 1 m high, loaded in the middle over a square of side 1 m; the
+ * bottom slides, the top moves only vertically. Settlement of the middle under 1 Pa, times the
+ * shear modulus. */
 static double sinking(gn_fem_form form, int cells) {
     const double size[3] = {1.0, 1.0, 1.0}, load = 1e-5;
     const int grid[3] = {cells, cells, cells};
@@ -203,8 +204,9 @@ static void a_pressed_block_converges_in_the_mixed_form(void **state) {
     double error = fabs(mixed[2] - mixed[1]);
     assert_true(error < 0.5 * fabs(mixed[1] - mixed[0]));
     assert_true(error < 0.02 * mixed[2]);
-    /* Five tetrahedra in a cube lock less than most meshes, but they do: on the same mesh. The
-     * pressure form's own error there is about `error` (measured 1.3 %, the difference 7.4 %). */
+    /* Five tetrahedra per cube lock less than most meshes, but on the same mesh the displacement
+     * form does lock. The pressure form's own error there is about `error` (measured 1.3 %, the
+     * difference 7.4 %). */
     assert_true(mixed[1] - plain > 4.0 * error);
 }
 

@@ -63,8 +63,8 @@ static void plain_tetrahedra_converge_to_the_reference_from_below(void **state) 
     assert_true(log2(coarse / fine) > 1.5);
 }
 
-/* Parallel diagonals leave plain triangles no isochoric motion to speak of: refinement does not
- * help as long as K/G h^2 is large. */
+/* With parallel diagonals triangles of the displacement form have almost no isochoric motions:
+ * refinement does not help as long as K/G h^2 is large. */
 static void plain_triangles_lock_when_nearly_incompressible(void **state) {
     (void)state;
     fem_case_spec spec = {"cook", "incompressible", GN_FEM_DISPLACEMENT, 8, true, 1};

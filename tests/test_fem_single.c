@@ -137,7 +137,8 @@ static void the_error_grows_as_the_travel(void **state) {
         gn_fem_solid *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
         double near = force_error(exact, single, 1e-4, 10.0 * cell, 0.0),
                far = force_error(exact, single, 1e-4, 10000.0 * cell, 0.0);
-        /* Roundings go in powers of two: 1000 times as far has 512 or 1024 times the error. */
+        /* Rounding errors grow by powers of two: at 1000 times the distance the error is 512 or
+         * 1024 times as large. */
         assert_true(far > 250.0 * near && far < 2000.0 * near);
         body_end(exact);
         body_end(single);

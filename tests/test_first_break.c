@@ -1,5 +1,5 @@
-/* time.start: first_break: equilibria up to the first break without steps, and the steps that go on
- * from there. */
+/* time.start: first_break: equilibria up to the first break without steps, and the steps that
+ * follow them. */
 #include "world_helpers.h"
 
 #include "run/run.h"
@@ -65,8 +65,8 @@ static void a_chain_breaks_when_its_springs_say(void **state) {
     world_end(w);
 }
 
-/* Seen particle by particle a load goes one bond further with every iteration, so that a chain
- * would need as many as it has particles for every solution; its groups hand it on at once. */
+/* With one group per particle a load advances by one bond per iteration, so that a chain would need
+ * as many iterations as particles for every solution; groups transmit it in one iteration. */
 static void a_long_chain_needs_fewer_iterations_than_it_has_particles(void **state) {
     (void)state;
     enum { COUNT = 481 };
@@ -131,7 +131,7 @@ static void a_column_carries_its_weight(void **state) {
     world_end(w);
 }
 
-/* A wall that has a gap to go before it shears a bond: T = (v t - gap)/(1/k_w + 1/k_t). */
+/* A wall that has to close a gap before it shears a bond: T = (v t - gap)/(1/k_w + 1/k_t). */
 static const char gap_scene[] =
     "specimen:\n  particles: [[0, 0, 0, 0.5 mm], [1.5 mm, 0, 0, 1 mm]]\n  group: 1\n%ssets:\n"
     "- {name: foot, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0}}\n"
@@ -144,7 +144,7 @@ static void a_wall_acts_when_its_gap_is_closed(void **state) {
     gn_world *w = world_of(gap_scene, law, plain);
     double give = 1.0 / 1e6 + 1.0 / kt, time = (1e-6 + strength * give) / 1e-3;
     gn_first_break found = begin(w);
-    /* The bond turns by T/k_t over its length, 1e-3 rad, and its forces with it. */
+    /* The bond rotates by T/k_t over its length, 1e-3 rad, and its forces with it. */
     assert_near(found.time, time, 2e-3 * time);
     assert_near(w->boundary.walls[0].force[2], (1e-3 * w->ctx.time - 1e-6) / give, 2e-3);
     assert_near(w->boundary.walls[0].point[2], 1.001e-3 - 1e-3 * w->ctx.time, 1e-15);
@@ -153,8 +153,8 @@ static void a_wall_acts_when_its_gap_is_closed(void **state) {
     world_end(w);
 }
 
-/* Viscous damping drags at sphere k with a m v k/n, which the springs between it and the foot carry
- * in parts: the mean force is k v t/n, the drag of all ends in the bond at the head. */
+/* Viscous damping acts on sphere k with a m v k/n, which the springs between it and the foot carry
+ * in parts: the mean force is k v t/n, and the bond at the head carries the drag of all spheres. */
 static void viscous_damping_is_a_load(void **state) {
     (void)state;
     enum { COUNT = 3 };
@@ -165,14 +165,14 @@ static void viscous_damping_is_a_load(void **state) {
     double drag = 1e5 * mass_of(w, 1) * 0.05;
     gn_first_break found = begin(w);
     assert_in_range(drag / strength * 1000.0, 10, 900);
-    /* The bond at the head has half of it beside k v t/2. */
+    /* The bond at the head carries half of it in addition to k v t/2. */
     double time = 2.0 * (strength - 0.5 * drag) / (kn * 0.1);
     assert_near(found.time, time, 1e-3 * time);
     assert_true(found.i == 2 || found.j == 2);
     world_end(w);
 }
 
-/* A bond is as strong as the weaker of its materials: the last one holds half. */
+/* A bond is as strong as the weaker of its materials: the last one has half the strength. */
 static void the_weaker_material_breaks_first(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -214,7 +214,7 @@ static void the_fraction_is_taken_as_it_is(void **state) {
 
 /* --- specimens --- */
 
-/* A block of spheres between rough platens, all of the rest beside it. */
+/* A block of spheres between rough platens, with all other options. */
 static gn_world *block(const char *more, const char *precision, int threads) {
     return world_of("specimen: {lattice: {kind: hcp, radius: 1 mm, cells: [8, 5, 7]}, "
                     "group: 1}\n%s%swalls:\n"
@@ -290,7 +290,7 @@ static void the_ledger_closes_with_everything_on(void **state) {
     world_end(w);
 }
 
-/* A periodic box is pulled by its sets as an open one is. */
+/* The sets of a periodic box load it as those of an open one do. */
 static void a_periodic_box_is_solved(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -416,8 +416,7 @@ static void refuse_row(const char *rest, const char *motion, const char *time, c
     refused(t.s, words);
 }
 
-/* Nothing is loaded before the wall has crossed the gap: rounding has nothing to be compared with.
- */
+/* Nothing is loaded before the wall has closed the gap: rounding has no scale. */
 static void an_unloaded_specimen_is_in_equilibrium(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -485,7 +484,7 @@ static void bad_fractions_are_refused(void **state) {
     refuse_row("", pulled, "time: {start: break, end: 1}\n", "time.start");
 }
 
-/* A grain that falls, and a row that hangs on nothing, under gravity. */
+/* A falling grain, and a row without support, under gravity. */
 static void unsupported_particles_are_refused(void **state) {
     (void)state;
     text t = {0};

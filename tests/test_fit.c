@@ -6,7 +6,7 @@
 /* ---- samples ---- */
 
 /* Random discs in a unit square or spheres in a unit box, dense enough that most of them overlap
- * others and some stick out. */
+ * others and some protrude. */
 static sample *crowd(int dimension, size_t count, double radius, const gn_fit_law *law,
                      uint64_t seed) {
     const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
@@ -87,7 +87,7 @@ static void check_gradient(sample *s) {
         }
 }
 
-/* Numbers of the residuals of each kind, so that no test passes for want of them. */
+/* Numbers of the residuals of each kind, so that no test passes because there are none. */
 typedef struct census {
     int overlaps, pulls, holds, planes, gaps_at_planes;
 } census;

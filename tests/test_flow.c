@@ -12,7 +12,7 @@ static void ok(gneiss_status status, const gneiss_error *error) {
     if (status != GNEISS_OK) fail_msg("%s", error->message);
 }
 
-/* Grains of glass-like stiffness made soft; a floor far away. */
+/* Grains of glass with a reduced stiffness; a distant floor. */
 #define GRAINS                                                                                     \
     "materials: [{name: m, density: 2500, young: 10 MPa, poisson: 0.25, friction: 0.5, "           \
     "rolling_friction: 0.1, restitution: 0.5}]\nlaw: {stiffness: hertz}\n"
@@ -43,7 +43,7 @@ static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
               "velocity: [0, 0, -2]}]\n" ENDLESS);
     for (double t = 0.01; t < 0.155; t += 0.03) {
         run_until(w, t);
-        /* Looks are 50 steps apart. */
+        /* Checks are 50 steps apart. */
         double due = floor(1000 * w->ctx.time) + 1, late = 1000 * 51 * w->ctx.dt;
         assert_true(w->dem.flow.sources[0].number <= due);
         assert_true(w->dem.flow.sources[0].number >= due - 1 - late);
@@ -84,7 +84,7 @@ static void a_source_stops_at_its_end_and_total(void **state) {
     world_end(w);
 }
 
-/* Radii: within the range, their mean that asked for to five standard errors. */
+/* Radii are within the range, and their mean is the requested one to five standard errors. */
 static void sizes_are_those_of_the_distribution(void **state) {
     (void)state;
     static const char *const sizes[] = {"size_ratio: 2", "sizes: normal, size_ratio: 2",
@@ -115,7 +115,7 @@ static void sizes_are_those_of_the_distribution(void **state) {
     }
 }
 
-/* A cube of 20 mm holds no more than 38 % of spheres that are put into it one after the other. */
+/* A cube of 20 mm has room for at most 38 % of spheres that are inserted one after the other. */
 static void without_room_a_rate_falls_behind_and_says_so(void **state) {
     (void)state;
     gn_world *w = world_of(LOOSE "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, "
@@ -181,7 +181,7 @@ static void a_run_warns_of_a_source_behind_a_wall(void **state) {
     }
 }
 
-/* Beyond the plane of a wall is no room, nor where a body's surface is. */
+/* There is no room behind the plane of a wall, nor at a body's surface. */
 static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -199,7 +199,7 @@ static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
     world_end(w);
 }
 
-/* A nearest image is as near as anything. */
+/* The distance to a nearest image counts like any other. */
 static void nothing_overlaps_across_a_periodic_box(void **state) {
     (void)state;
     gn_world *w =
@@ -263,7 +263,7 @@ static void momentum_and_energy_pass_from_source_to_sink(void **state) {
     world_end(w);
 }
 
-/* A particle is in a region when all of it is. */
+/* A particle is in a region if it is entirely inside. */
 static void a_region_takes_what_is_wholly_inside(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -275,13 +275,14 @@ static void a_region_takes_what_is_wholly_inside(void **state) {
     assert_int_equal(gn_world_present(&w->dem), 2);
     run_until(w, 0.04);
     assert_true(w->dem.flow.sinks[0].number == 1.0);
-    run_until(w, 0.08); /* 0.5 mm to go at 10 mm/s; looked at when lists are made */
+    run_until(w, 0.08); /* 0.5 mm left at 10 mm/s; checked when lists are made */
     assert_true(w->dem.flow.sinks[0].number == 2.0);
     assert_int_equal(w->dem.lost, 0);
     world_end(w);
 }
 
-/* A row of what is near and does not touch has no share of the surface to be as stiff as. */
+/* A row of a particle that is near but does not touch has no share of the surface, and therefore no
+ * stiffness. */
 static void a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -311,7 +312,7 @@ static void a_plane_that_counts_takes_nothing(void **state) {
         "       {name: b, select: {ids: [1]}, initial_velocity: [0, 0, 2]}]\n"
         "gravity: [0, 0, -10]\n" ENDLESS);
     measured_step(w);
-    run_until(w, 0.038); /* only b is through, upward since 0.027 */
+    run_until(w, 0.038); /* only b has passed, upward since 0.027 */
     assert_true(w->dem.flow.sinks[0].number == -1.0 && w->dem.flow.sinks[0].mass < 0.0);
     run_until(w, 0.45); /* all are below */
     assert_true(w->dem.flow.sinks[0].number == 1.0);
@@ -352,7 +353,7 @@ static void lost_particles_are_known_by_id_and_place(void **state) {
     const gn_lost *lost = w->dem.flow.lost;
     assert_int_equal(w->dem.flow.lost_count, 1);
     assert_true(lost->id == 1.0 && lost->velocity[0] == 1.0);
-    /* Looked at when lists are made: the skin is 0.15 mm, or wider. */
+    /* Checked when lists are made: the skin is 0.15 mm, or wider. */
     assert_true(lost->place[0] > 0.06 && lost->place[0] < 0.062);
     assert_close(lost->place[0], 0.05 + lost->time, 1e-9);
     world_end(w);
@@ -379,8 +380,8 @@ static void ids_stay_unique_and_rows_do_not_pile_up(void **state) {
 
 /* --- everything beside it --- */
 
-/* A block on a floor, bonded or of grains that resist rolling, which do not go together; grains
- * that fall on it, roll off and leave; sizes differ. */
+/* A block on a floor, bonded or of grains that resist rolling (which exclude each other); grains of
+ * different sizes fall on it, roll off and leave. */
 typedef enum kind { BONDED, ROLLING, KINDS } kind;
 
 static const char *busy(kind of, int threads, const char *precision) {
@@ -453,7 +454,7 @@ static void the_ledger_closes_beside_everything(void **state) {
         assert_true((e.rolling > 0.0) == (k / 2 == ROLLING));
         assert_true(w->dem.flow.sinks[0].number > 5.0 && w->dem.flow.sources[1].number > 5.0);
         assert_true(w->dem.flow.sinks[2].number > 5.0);
-        /* As of collisions that a step resolves (docs/physics.md). */
+        /* The bound is the same as for collisions that a step resolves (docs/physics.md). */
         assert_near(gn_energy_residual(&e), 0.0, 0.005);
         if (k / 2 == BONDED) bonds_are_those_of_the_block(w);
         world_end(w);
@@ -669,7 +670,7 @@ static void a_specimen_wholly_in_a_sink_is_warned_of(void **state) {
 
 /* --- examples --- */
 
-/* Runs the first part of an example. */
+/* Runs the beginning of an example. */
 static void example(const char *name, double time) {
     char path[4096];
     gn_scene scene;
@@ -693,8 +694,8 @@ static void the_examples_begin(void **state) {
     example("drum.yaml", 0.06);
 }
 
-/* penetration.yaml with fewer and larger grains, in less time: the sphere stands while they come,
- * falls freely, and rests in the bed, deeper than its surface, which supports it. */
+/* penetration.yaml with fewer and larger grains, in less time: the sphere is held while grains
+ * arrive, falls freely, and comes to rest below the surface of the bed, which supports it. */
 static void a_sphere_comes_to_rest_in_a_bed(void **state) {
     (void)state;
     const gn_override smaller[] = {{"run.threads", "1"},
@@ -728,7 +729,7 @@ static void a_sphere_comes_to_rest_in_a_bed(void **state) {
     assert_true(pos_of(w, 0)[2] > 8e-3 && pos_of(w, 0)[2] < top);
     assert_true(count > 40.0);
     assert_true(length3(vel_of(w, 0)) < 0.02);
-    assert_near(-w->boundary.walls[0].force[2], weight, 0.2 * weight); /* sides hold the rest */
+    assert_near(-w->boundary.walls[0].force[2], weight, 0.2 * weight); /* sides carry the rest */
     assert_true(fabs(gn_energy_residual(&e)) < 0.005);
     gn_run_free(&run);
 }

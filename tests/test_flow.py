@@ -38,7 +38,7 @@ def rows_are_by_id_and_no_id_comes_twice(folder):
 
 @fact
 def energy_removed_by_a_sink_before_the_first_step_was_stored_at_the_start(folder):
-    """A grain that moves lies in the sink from the start, another moves on."""
+    """A moving grain is in the sink at the start, another passes it."""
     given = {key: SCENE[key] for key in ("dimension", "materials", "law", "bonds", "run")}
     given.update(specimen={"particles": [[0, 0, 0, 1e-3], [10e-3, 0, 0, 1e-3]], "group": 0},
                  sets=[{"name": "all", "select": {"all": True}, "initial_velocity": [1, 0, 0]}],
@@ -77,7 +77,7 @@ def particles_balance_sources_and_sinks_in_every_row(folder):
         lost = np.searchsorted(np.sort(file["lost/time"][:].reshape(-1)), h["time"], side="right") if "lost" in file else 0
     assert (there == came + 3 - went - lost).all()
     assert went[-1] > 50 and (np.diff(came) >= 0).all() and (np.diff(went) >= 0).all()
-    # A rate is that of the row: their sum over the times between rows is the mass.
+    # The rate of a row refers to the interval before it: the sum of rates times intervals is the mass.
     between = np.diff(h["time"])
     assert abs((h["sink_edge_rate"][1:] * between).sum() - h["sink_edge_mass"][-1]) < 0.02 * h["sink_edge_mass"][-1]
 
@@ -102,7 +102,8 @@ def a_plan_counts_the_steps_that_grains_will_need(folder):
 
 @fact
 def every_column_of_the_history_has_numbers(folder):
-    """With particles that enter and leave there is no average strain, in a scene of sources alone or beside others."""
+    """If particles enter and leave there is no average strain, in scenes with sources only or with other particles as
+    well."""
     alone = {key: value for key, value in SCENE.items() if key not in ("specimen", "sets", "bonds")}
     alone.update(time={"end": 0.02}, materials=[{k: v for k, v in SCENE["materials"][0].items() if "bond" not in k}])
     run(write_scene(folder, alone), os.path.join(folder, "alone"))
@@ -136,7 +137,7 @@ def a_later_end_on_resume_equals_a_straight_run(folder):
 @fact
 def another_run_begins_with_those_that_are_left(folder):
     scene = {key: value for key, value in SCENE.items() if key not in ("sources", "sinks", "sets")}
-    scene["domain"] = {"min": [-1, -1, -1], "max": [1, 1, 1]}  # particles that left a little since the last lists are still there
+    scene["domain"] = {"min": [-1, -1, -1], "max": [1, 1, 1]}  # particles that left the domain slightly since the last lists are not yet removed
     scene["specimen"] = {"from": reference(), "from_bonds": "keep"}
     run(write_scene(folder, {**scene, "time": {"end": 0.001}}), os.path.join(folder, "run"))
     with results(os.path.join(folder, "run")) as file:
@@ -154,7 +155,7 @@ def the_report_draws_what_flows(folder):
 def a_source_in_a_sink_is_warned_of_by_name(folder):
     scene = {k: v for k, v in SCENE.items() if k not in ("specimen", "sets", "bonds", "output", "domain")}
     scene["sinks"] = [{"name": "all", "plane": {"point": [0, 0, -0.01], "normal": [0, 0, 1]}}]
-    expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink takes as they come, found that sink 'all' takes those of source 'rain'")
+    expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink removes on entry, found that sink 'all' removes those of source 'rain'")
     scene["sinks"] = SCENE["sinks"]
     expect(gneiss("check", write_scene(folder, scene)), 0, "")
 

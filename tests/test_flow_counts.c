@@ -1,5 +1,4 @@
-/* Numbers of particles that sources bring and sinks take, whatever the steps at which they act.
- */
+/* Numbers of particles that sources bring and sinks remove, for any steps at which they act. */
 #include "inflow/removal.h"
 #include "inflow/sources.h"
 #include "surface_helpers.h"
@@ -33,7 +32,8 @@ static bool warns(const gn_run *run, const char *name, const char *words) {
 
 /* --- sources --- */
 
-/* A source that feeds from 0 to its end brings rate times end, which falls between two looks. */
+/* A source that is active from 0 to its end supplies rate times end, which falls between two
+ * rebuilds. */
 static void a_source_brings_its_rate_times_its_end(void **state) {
     (void)state;
     const double one = 2500 * 4.0 / 3.0 * pi * pow(0.6e-3, 3);
@@ -87,8 +87,8 @@ static void a_run_too_short_for_its_source_says_so(void **state) {
     gn_run_free(&run);
 }
 
-/* A source that ends by itself before the run needs no other end, and brings no more than its
- * total. */
+/* A source that stops before the end of the run needs no other end, and supplies at most its total.
+ * */
 static void a_late_source_is_described_as_it_is_given(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -120,7 +120,7 @@ static void a_late_source_is_described_as_it_is_given(void **state) {
 
 enum { GRAINS = 12 };
 
-/* Grains of 2 mm in a row, each 0.37 mm farther up than the one before, fly down. */
+/* Grains of 2 mm in a row, each 0.37 mm higher than the previous one, fly down. */
 static void add_grains(text *t, int dimension, double speed) {
     add(t, "dimension: %d\n" SOFT "specimen: {group: 0, particles: [", dimension);
     for (int k = 0; k < GRAINS; k++)
@@ -133,7 +133,7 @@ static void add_grains(text *t, int dimension, double speed) {
         dimension == 3 ? ", 1" : "");
 }
 
-/* Every grain is wholly inside for some steps, fewer than lists stand. */
+/* Every grain is entirely inside for some steps, fewer than the lists are valid for. */
 static void a_thin_sink_takes_all_that_pass(void **state) {
     (void)state;
     static const char *const sinks[][2] = {
@@ -156,7 +156,7 @@ static void a_thin_sink_takes_all_that_pass(void **state) {
         }
 }
 
-/* Every grain is wholly inside for less than a step, or for an instant alone. */
+/* Every grain is entirely inside for less than a step, or for an instant only. */
 static void a_sink_as_thick_as_a_grain_takes_all_that_pass(void **state) {
     (void)state;
     static const struct {
@@ -207,8 +207,8 @@ static double last_of(const gn_run *run, const char *column) {
     return gn_history_column(&run->history, column)[run->history.row_count - 1];
 }
 
-/* Steps are not a multiple of the rows: the last step has one all the same, which a run that is
- * prolonged from there does not keep. */
+/* The number of steps is not a multiple of the row interval: the last step has a row all the same,
+ * which a run continued from there does not keep. */
 static void the_last_step_of_a_run_that_flows_has_a_row(void **state) {
     (void)state;
     const gn_override given[2][2] = {{{"time.step", "10 us"}, {"time.end", "10.03 ms"}},

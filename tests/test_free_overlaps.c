@@ -55,7 +55,7 @@ static void unbonded_neighbours_of_a_bonded_packing_are_free_of_stress(void **st
             }
 }
 
-/* The middle pair presses with k (d0 - d) from the distance of the start on, and never pulls. */
+/* The middle pair repels with k (d0 - d) from the initial distance on, and never attracts. */
 static void a_free_overlap_presses_from_its_distance_of_the_start_on(void **state) {
     (void)state;
     for (int sense = -1; sense <= 1; sense += 2) {

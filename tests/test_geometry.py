@@ -1,5 +1,5 @@
-"""Geometries that gmsh meshes: it is run only where the command line allows it. The program here is a script called gmsh
-that stands first in PATH and leaves a file behind, so that the tests do not depend on the real one. Speaks TAP."""
+"""Geometries meshed by gmsh, which runs only where the command line allows it. Here a script called gmsh, first in
+PATH, writes a prepared file, so that the tests do not depend on the real program. Speaks TAP."""
 from program import *  # noqa: F403
 
 SQUARE = """$MeshFormat

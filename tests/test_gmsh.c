@@ -1,5 +1,5 @@
-/* Geometries that another program meshes. The program here is a script called gmsh that stands
- * first in PATH, so that the test does not depend on the real one. */
+/* Geometries that another program meshes. Here a script called gmsh, first in PATH, replaces it, so
+ * that the test does not depend on the real program. */
 #include "io_helpers.h"
 
 #include "mesh/gmsh.h"

@@ -1,5 +1,5 @@
-/* Facets that meet at shallow concave edges, and several at once: no jump in the force, whatever
- * the angle, and a potential. */
+/* Facets that join at shallow concave edges, and several at the same time: no jump in the force,
+ * whatever the angle, and a potential. */
 #include "surface_helpers.h"
 
 #include "surfaces/facet.h"
@@ -9,7 +9,7 @@
 enum { STIFFNESS = 1000000 };
 static const double radius = 1e-3, depth = 1e-6;
 
-/* Force of a groove with this angle between its normals on a disc that comes down at 1 m/s and
+/* Force of a groove with this angle between its normals on a disc that approaches at 1 m/s and
  * overlaps both sides by `depth`. */
 static double groove_force(double angle, const char *damping) {
     double tilt = 0.5 * angle, height = (radius - depth) / cos(tilt);
@@ -58,8 +58,8 @@ static double share_at(double angle) {
     return (1.0 + 4.0 * x) * pow(rest, 4);
 }
 
-/* A bounce: normals of the groove; number of steps of the collision, m/s, phase of its begin within
- * a step. */
+/* A bounce: normals of the groove; number of steps of the collision, m/s, phase of its beginning
+ * within a step. */
 typedef struct bounce {
     double angle, steps, speed, phase;
 } bounce;
@@ -77,9 +77,9 @@ static gn_world *groove_world(const bounce *b, double height, double step) {
         b->speed, step);
 }
 
-/* Closed form: the overlaps of both sides are u cos(angle/2), so that the disc is on a spring of
- * 2 k cos^2/(1 + f). Force and energy are compared with it where the contacts neither open nor
- * close; returns the speed with which it leaves over that with which it came. */
+/* Closed form: the overlaps of both sides are u cos(angle/2), so that the disc is on a spring of 2
+ * k cos^2/(1 + f). Force and energy are compared with it where the contacts neither open nor close;
+ * returns the ratio of the speeds after and before. */
 static double bounce_in_groove(const bounce *b) {
     double tilt = 0.5 * b->angle, mass = disc_mass(2500, radius), touch = radius / cos(tilt);
     double spring = 2.0 * STIFFNESS * pow(cos(tilt), 2) / (1.0 + share_at(b->angle));

@@ -26,7 +26,7 @@ static int setup(void **state) {
 
 enum { ROWS = 3000, WIDE = 200000 };
 
-/* Something of every kind: compact, chunked, several chunks, texts, attributes. */
+/* Data sets of every kind: compact, chunked, several chunks, texts, attributes. */
 static void write_sample(const char *path) {
     gn_h5 *file;
     ok(gn_h5_create(path, &file, error));
@@ -241,7 +241,7 @@ static void truncated_files_are_refused(void **state) {
     free(bytes);
 }
 
-/* A byte that belongs to nothing may change; any other is noticed. */
+/* An unused byte may change; a change of any other is detected. */
 static void a_damaged_byte_is_never_read_as_data(void **state) {
     fixture *f = *state;
     write_sample(f->path);

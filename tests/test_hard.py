@@ -33,7 +33,7 @@ def there_are_at_least_fifty(folder):
 
 
 if __name__ == "__main__":
-    # Under a sanitizer a run takes several times as long, and each case runs once.
+    # Under a sanitizer a run takes several times as long, and each case is run once.
     words, sets = sys.argv[2:], [] if SANITIZED else case.present_sets()
     for one in table.CASES:
         if not words or any(word in one.name for word in words):

@@ -311,7 +311,7 @@ def a_residual_that_stays_beyond_its_limit_stops_the_run(folder):
 
 @fact
 def a_run_that_ends_beyond_the_limit_is_written_and_fails(folder):
-    """Too short to be stopped on the way: the onset of contacts is given a hundred steps."""
+    """The run is too short to be stopped in between: the onset of contacts is resolved by a hundred steps."""
     arguments = ("--quiet", "--set", "time.step=1 us", "--set", "time.end=95 us", "--set", "output.history_rows=95",
                  "--set", "run.residual_limit=1e-15")
     expect(gneiss("run", LATTICE, "--out", folder, *arguments), 5, "ledger does not close.* at the end")
@@ -363,7 +363,7 @@ def a_time_of_a_century_is_given_in_years(folder):
 
 
 def signalled(folder, *arguments):
-    """Interrupted half a second after its start, long before it is done with what it prepares."""
+    """Interrupted half a second after its start, long before its preparation ends."""
     process = subprocess.Popen(command(*arguments), env={**ENVIRONMENT, "GNEISS_CACHE": "off"},
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     time.sleep(0.5)

@@ -34,7 +34,7 @@ static void add_matter(text *t, const matter *m) {
         m->density, m->young, m->poisson, m->friction, m->restitution);
 }
 
-/* A sphere just above the plane z = 0 (rigid), or two that are to meet along z. */
+/* A sphere just above the plane z = 0 (rigid), or two that approach along z. */
 static gn_world *meeting(const matter *m, bool two, const double v[3], const double spin[3],
                          double step, const char *more) {
     text t = {0};
@@ -88,7 +88,7 @@ static void check_impact(const matter *m, bool two, double v) {
         if (u <= 0.0 && next > 0.0) first = w->ctx.time - next / speed;
         if (u > 0.0 && next <= 0.0) last = w->ctx.time - next / -speed;
     }
-    /* Second order of a thousandth of the contact; the extremes lie up to half a step away. */
+    /* Second order of a thousandth of the contact; the extremes are up to half a step away. */
     assert_near(deepest, want.overlap, 1e-5 * want.overlap);
     assert_near(most, want.force, 1e-5 * want.force);
     assert_near(last - first, want.time, 1e-4 * want.time);
@@ -96,8 +96,8 @@ static void check_impact(const matter *m, bool two, double v) {
     world_end(w);
 }
 
-/* The part of its energy that an undamped impact in a number of steps gains or loses at most, over
- * the phases of its first step. */
+/* The largest fraction of its energy that an undamped impact resolved by a number of steps gains or
+ * loses, over the phases of its first step. */
 static double most_missed(const matter *m, int steps) {
     enum { PHASES = 16 };
     const double v = 1.0, velocity[3] = {0, 0, -v};
@@ -142,7 +142,7 @@ static void impacts_reach_the_overlap_and_the_force_of_hertz(void **state) {
 static double rebound(const matter *m, double v, double steps, bool pull) {
     double mass = sphere_mass(m->density, m->r);
     impact want = impact_of(modulus_alone(m), m->r, mass, v);
-    /* Its S_n at most is that of an overlap of want.overlap. */
+    /* S_n is at most that of the overlap want.overlap. */
     double w2 = 2.0 * modulus_alone(m) * sqrt(m->r * want.overlap) / mass;
     const double velocity[3] = {0, 0, -v};
     gn_world *w = meeting(m, false, velocity, none, pi / sqrt(w2) / steps, pull ? "" : "no_pull");
@@ -152,8 +152,8 @@ static double rebound(const matter *m, double v, double steps, bool pull) {
     return ratio;
 }
 
-/* By the closed form of the damped oscillator that the collision is in u^(5/4), for which 200 steps
- * leave the second order of pi/200: 2e-4. */
+/* By the closed form: in u^(5/4) the collision is a damped oscillator, for which 200 steps have a
+ * second-order error of (pi/200)^2: 2e-4. */
 static void restitution_is_as_requested_at_any_speed(void **state) {
     (void)state;
     const double asked[] = {0.2, 0.5, 0.8, 0.95};
@@ -205,7 +205,7 @@ static void oblique_impacts_slide_by_coulomb(void **state) {
             const double v[3] = {vt, 0, -vn};
             gn_world *w = meeting(m, false, v, none, i.time / 400, "");
             run_steps(w, 460);
-            /* The dashpot pulls at the end and friction does not: e of both impulses, 1 %. */
+            /* The dashpot pulls at the end and friction does not act: e of both impulses, 1 %. */
             double slip = m->friction * (1.0 + m->restitution) * vn;
             assert_near(vel_of(w, 0)[0], vt - slip, 0.01 * slip);
             assert_near(spin_of(w, 0)[1] * m->r, 2.5 * slip, 0.01 * 2.5 * slip);
@@ -232,7 +232,7 @@ static void a_spinning_sphere_slides_by_coulomb(void **state) {
     }
 }
 
-/* Test 7: surfaces that move alike do not rub. */
+/* Test 7: surfaces with equal velocities have no friction. */
 static void spheres_that_roll_on_each_other_keep_their_spins(void **state) {
     (void)state;
     const matter m = {.1, 7e10, .33, 2700, .4, .5};
@@ -245,7 +245,7 @@ static void spheres_that_roll_on_each_other_keep_their_spins(void **state) {
     world_end(w);
 }
 
-/* Two spheres led through load, shear, half of unloading, shear back, parting. */
+/* Two spheres moved through loading, shear, half of unloading, reverse shear, separation. */
 static gn_world *loop(double friction) {
     return world_of(
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 0.01], [0.02, 0, 0, 0.01]], group: 0}\n"
@@ -417,7 +417,7 @@ static void twisting_resistance_stops_a_top(void **state) {
 
 /* --- all together --- */
 
-/* Grains of two materials and sizes in a box, beside a body that stands and one that falls. */
+/* Grains of two materials and sizes in a box, with a fixed body and a falling one. */
 static const char *crowd_text(const char *law, const char *run) {
     static text t;
     t.used = 0;
@@ -556,8 +556,8 @@ static void a_step_that_follows_flight_does_so_after_resume(void **state) {
     unlink(path);
 }
 
-/* A plane wall and the face of a box of the same material are one to a sphere that bounces and
- * rolls, but for where the contact is looked for: to rounding. */
+/* For a sphere that bounces and rolls, a plane wall and the face of a box of the same material are
+ * equivalent to rounding, although contacts are found differently. */
 static void a_wall_and_a_facet_are_the_same(void **state) {
     (void)state;
     double end[2][3], spin[2];
@@ -584,8 +584,8 @@ static void a_wall_and_a_facet_are_the_same(void **state) {
     assert_near(spin[0], spin[1], 1e-7);
 }
 
-/* A sphere that falls on a bar of finite elements, which is no rigid wall: both ledgers together.
- */
+/* A sphere that falls on a bar of finite elements, which acts differently from a rigid wall: both
+ * ledgers together. */
 static void elements_are_hit_by_hertz(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -645,7 +645,7 @@ static void the_step_follows_the_overlap(void **state) {
     world_end(w);
 }
 
-/* The example: grains in a tube that is lifted. As long as they settle in it. */
+/* The example: grains in a tube that is lifted, up to the end of their settling in it. */
 static void the_example_runs(void **state) {
     (void)state;
     char path[4096];
@@ -730,8 +730,8 @@ static void keys_that_exclude_hertz_are_refused(void **state) {
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 
-/* k_r = k_t r^2 of a large sphere is much for a small body: (1 + 6 r^2/l^2) times what its own arm
- * makes of k_t, of a cube of side l. */
+/* k_r = k_t r^2 of a large sphere is large for a small body: (1 + 6 r^2/l^2) times the value that
+ * its own arm gives with k_t, for a cube of side l. */
 static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -752,7 +752,7 @@ static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     world_end(w);
 }
 
-/* It follows from the tangential one: without that it would never resist. */
+/* It follows from the tangential stiffness: without it there would be no resistance. */
 static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
     (void)state;
     static const char *const key[] = {"rolling_friction", "twisting_friction"};

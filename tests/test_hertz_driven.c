@@ -51,7 +51,7 @@ static void step_of_run(gn_run *run) {
     if (gn_run_steps(run, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* Started by a stage, of a loose lattice: the same result as from the start. */
+/* Started by a stage, with a loose lattice: the same result as from the start. */
 static void a_wall_that_a_stage_starts_strikes_as_one_that_moves_from_the_start(void **state) {
     (void)state;
     double fastest[2];
@@ -78,10 +78,9 @@ static void a_wall_that_a_stage_starts_strikes_as_one_that_moves_from_the_start(
     assert_near(fastest[1], fastest[0], 0.05 * fastest[0]);
 }
 
-/* A force that begins to push a sphere that touches: as gravity of the same weight it presses it to
- * the overlap at which 4/3 E* sqrt(r) u^1.5 is the force, and what it brings is lost in the
- * dashpot.
- */
+/* A force that begins to push a touching sphere: like a weight of the same magnitude it compresses
+ * the contact to the overlap at which 4/3 E* sqrt(r) u^1.5 equals the force, and the excess of its
+ * work is dissipated in the dashpot. */
 static void a_force_presses_as_the_same_weight_does(void **state) {
     (void)state;
     const double r = 5e-3, modulus = 1e9 / (1.0 - 0.0625);

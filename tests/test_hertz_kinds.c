@@ -21,8 +21,8 @@ static void pair_of(kind k, double *modulus, double *radius, double *inverse) {
     if (k == FREE) *inverse += 1.0 / (density * 1e-6); /* a cube of 10 mm */
 }
 
-/* Half a wave of the stiffness at the deepest of an undamped impact: an automatic step is a twelfth
- * of that, or less. */
+/* Half a wave of the stiffness at the deepest point of an undamped impact: an automatic step is a
+ * twelfth of that, or less. */
 static double wave_of(kind k, double v) {
     double modulus, radius, inverse;
     pair_of(k, &modulus, &radius, &inverse);
@@ -89,7 +89,7 @@ static void restitution_is_as_requested_for_any_pair(void **state) {
             }
 }
 
-/* 1 % from 0.5 on, 0.01 below. */
+/* Errors: 1 % from a restitution of 0.5 on, 0.01 below. */
 static void restitution_is_kept_by_automatic_steps(void **state) {
     (void)state;
     const double asked[] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.9};
@@ -119,15 +119,15 @@ static void restitution_of_a_pair_goes_over_that_of_materials(void **state) {
 
 /* --- rolling --- */
 
-/* m: the overlap at rest of a sphere (disc) of 10 mm, which presses with its weight along the
- * normal on 1e6 N/m, or by Hertz's law on its like. */
+/* m: the overlap at rest of a sphere (disc) of 10 mm, loaded by its weight along the normal on 1e6
+ * N/m, or with Hertz's law on an equal one. */
 static double rest(bool hertz, bool space, double along) {
     double mass = space ? sphere_mass(2500, 0.01) : 2500 * pi * 1e-4, force = mass * along;
     double modulus = 0.5 * 1e8 / (1.0 - 0.09);
     return hertz ? pow(0.75 * force / (modulus * 0.1), 2.0 / 3.0) : force / 1e6;
 }
 
-/* A sphere (disc) that lies on a plane, by Hertz's law or (also a disc) the linear one. */
+/* A sphere (disc) on a plane, with Hertz's law or (also a disc) the linear one. */
 static gn_world *roller(bool hertz, int dimension, double friction, double rolling, double v0,
                         double slope) {
     const double turn = atan(slope), along = 9.81 * sin(turn), down = -9.81 * cos(turn);
@@ -156,9 +156,9 @@ static gn_world *roller(bool hertz, int dimension, double friction, double rolli
     return world_of("%s", t.s);
 }
 
-/* A hundredth below the resistance it rests, but for the swing of the spring; a hundredth above it
- * rolls with the rest of its weight, which is so little that the overlap, by which its arm is less,
- * counts. */
+/* A hundredth below the resistance it rests, except for the oscillation of the spring; a hundredth
+ * above it rolls with the remaining part of its weight, which is so small that the overlap, by
+ * which its arm is reduced, matters. */
 static void a_sphere_on_an_incline_is_held_up_to_the_resistance(void **state) {
     (void)state;
     const double mu = 0.1;
@@ -182,7 +182,8 @@ static void a_sphere_on_an_incline_is_held_up_to_the_resistance(void **state) {
 }
 
 /* It slips from tan = 3.5 mu - 2.5 mu_r on: below that it rolls with (5/7) g (sin - mu_r cos),
- * beyond it slides with g (sin - mu cos) while friction spins it up with 2.5 (mu - mu_r) g cos. */
+ * beyond it slides with g (sin - mu cos) while friction accelerates its spin with 2.5 (mu - mu_r) g
+ * cos. */
 static void a_sphere_rolls_or_slips_down_an_incline(void **state) {
     (void)state;
     const double mu = 0.3, mu_r = 0.1, limit = 3.5 * mu - 2.5 * mu_r;

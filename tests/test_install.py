@@ -43,8 +43,9 @@ class Installed:
         self.header = self.find("gneiss.h")
         self.library = os.path.dirname(self.find("libgneiss.so"))
 
-    def find(self, name):
-        places = [os.path.join(folder, name) for folder, _, files in os.walk(self.root) if name in files]
+    def find(self, name, folder=""):
+        """The one file of the name, in a folder of this name."""
+        places = [os.path.join(place, name) for place, _, files in os.walk(self.root) if name in files and place.endswith(folder)]
         assert len(places) == 1, f"expected one {name} in the installation, found {places}"
         return places[0]
 
@@ -155,7 +156,7 @@ def the_shared_library_shows_what_the_header_declares_and_nothing_else(place):
 
 @fact
 def the_report_is_where_the_program_looks_for_it(place):
-    program = place.find("gneiss")
+    program = place.find("gneiss", "/bin")
     script = os.path.join(os.path.dirname(program), "../share/gneiss/report.py")
     for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), "tools")):
         if re.fullmatch(r"report.*\.py", name):
@@ -165,6 +166,55 @@ def the_report_is_where_the_program_looks_for_it(place):
             assert os.path.exists(os.path.join(os.path.dirname(script), "calibrate", name)), f"calibrate/{name} is not installed"
     done = subprocess.run([program, "report", place.root], capture_output=True, text=True, timeout=100)
     assert done.returncode == 2 and "results.h5" in done.stderr, (done.returncode, done.stderr)
+
+
+@fact
+def every_command_has_a_page_of_the_manual_and_completions(place):
+    """`gneiss help` gives the names; the pages are its texts."""
+    program, folder = place.find("gneiss", "/bin"), os.path.dirname(place.find("gneiss.1"))
+    commands = re.findall(r"^  (\w+) ", run(program, "help").split("commands:")[1].split("options:")[0], re.MULTILINE)
+    assert sorted(os.listdir(folder)) == sorted(["gneiss.1", *(f"gneiss-{name}.1" for name in commands)]), os.listdir(folder)
+    for name in commands:
+        with open(os.path.join(folder, f"gneiss-{name}.1"), encoding="utf-8") as file:
+            assert file.read() == run(program, "help", name, "--man"), name
+    script = place.find("gneiss", "/bash-completion/completions")
+    done = run("bash", "-c", f"PATH={os.path.dirname(program)}:$PATH; source {script}; COMP_WORDS=(gneiss explain time.st); COMP_CWORD=2; _gneiss; "
+               "echo ${COMPREPLY[@]}; COMP_WORDS=(gneiss pack --qu); _gneiss; echo ${COMPREPLY[@]}; COMP_WORDS=(gneiss swe); COMP_CWORD=1; _gneiss; echo ${COMPREPLY[@]}")
+    assert done.splitlines()[0].startswith("time.step time.start ") and done.splitlines()[1:] == ["--quiet", "sweep"], done
+    for name in (place.find("_gneiss"), place.find("gneiss.fish")):
+        with open(name, encoding="utf-8") as file:
+            text = file.read()
+        assert all(name in text for name in commands), name
+
+
+@fact
+def scenes_pages_and_examples_are_installed_and_run(place):
+    program = place.find("gneiss", "/bin")
+    scenes = os.path.join(os.path.dirname(program), "../share/gneiss/scenes")
+    assert "can run" in run(program, "check", os.path.join(scenes, "hydrostatic.yaml"), "--quiet")
+    page = run(program, "explain", "time.step").split("pages:\n")[1].split()[0].split("#")[0]
+    documents = os.path.dirname(os.path.dirname(place.find("keys.md")))
+    for name in (page, "README.md", "CHANGELOG.md", "CITATION.cff", "examples/two_spheres.c"):
+        assert os.path.exists(os.path.join(documents, name)), name
+
+
+@fact
+def the_python_module_finds_its_library_and_its_program(place):
+    if SANITIZERS != "none":
+        raise Skip("the library is instrumented, Python cannot load it")
+    module = os.path.dirname(place.find("keys.py"))
+    for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), "python", "gneiss")):
+        if name.endswith(".py"):
+            assert os.path.exists(os.path.join(module, name)), f"python/gneiss/{name} is not installed"
+    script = ("import gneiss, sys\n"
+              "with gneiss.World(sys.argv[1]) as world: world.run(); print(world.readings['young_modulus'])\n"
+              "print(gneiss.__file__, gneiss._library.program())\n")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("GNEISS_")}
+    text = run("/usr/bin/python3", "-c", script, os.path.join(EXAMPLES, "two_spheres.yaml"), cwd=place.root,
+               env={**environment, "PYTHONPATH": os.path.dirname(module)})
+    modulus, places = text.splitlines()
+    assert abs(float(modulus) - 0.5e9) < 1e-5 * 0.5e9
+    assert all(os.path.realpath(path).startswith(os.path.realpath(place.root)) for path in places.split()), places
 
 
 @fact

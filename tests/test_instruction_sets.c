@@ -36,7 +36,7 @@ static void every_set_of_this_machine_is_found_by_its_name(void **state) {
     }
 }
 
-/* A scene may name any set that there is, wherever it was written. */
+/* A scene may name any instruction set that exists, wherever the scene was written. */
 static void a_set_of_another_processor_is_refused_with_what_there_is(void **state) {
     (void)state;
     for (gn_isa isa = GN_ISA_AUTO + 1; isa < GN_ISA_COUNT; isa++) {

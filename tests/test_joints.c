@@ -77,7 +77,7 @@ static void elements_named_again_for_another_group_count_once(void **state) {
     assert_int_equal(joints_of(m, 2).parts, 1);
 }
 
-/* A load in a box, or on a group, goes by the facets that the mesh lists. */
+/* A load in a box, or on a group, is assigned by the facets that the mesh lists. */
 static void facets_that_are_listed_twice_count_once(void **state) {
     gn_mesh m = mesh_of(*state, square,
                         "6\n1 1 2 3 1 1 2\n2 1 2 4 1 3 2\n3 1 2 3 1 2 1\n4 1 2 4 1 1 2\n"
@@ -136,7 +136,7 @@ static const char two_squares[] = "8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n"
 static void parts_with_nodes_at_one_place_are_refused(void **state) {
     refused(mesh_of(*state, two_squares, two_parts), 2,
             "found 2 parts with two nodes at one place in 2 places");
-    /* The digits of a text are not always all there. */
+    /* Coordinates in a text file may be rounded. */
     refused(mesh_of(*state,
                     "8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 1.0000003 0 0\n6 2 0 0\n7 2 1 0\n"
                     "8 0.9999998 1 0\n",
@@ -171,8 +171,8 @@ static void separate_blocks_are_counted_and_nothing_else(void **state) {
     assert_int_equal(j.together + j.hanging, 0);
 }
 
-/* Two squares of triangles above each other; the middle node is there twice, and both sides share
- * the outer ones: a crack without a width that ends inside the body. */
+/* Two squares of triangles, one above the other; the middle node exists twice, and both sides share
+ * the outer ones: a crack of zero width that ends inside the body. */
 static void a_crack_of_no_width_is_counted(void **state) {
     gn_mesh_joints j = joints_of(
         mesh_of(*state,
@@ -186,7 +186,8 @@ static void a_crack_of_no_width_is_counted(void **state) {
     assert_int_equal(j.hanging, 0);
 }
 
-/* A side of the lower triangle has the middle node of the two above, but does not know it. */
+/* A side of the lower triangle contains the middle node of the two above, without having it as a
+ * corner. */
 static void a_hanging_node_is_counted(void **state) {
     gn_mesh_joints j =
         joints_of(mesh_of(*state, "5\n1 0 0 0\n2 2 0 0\n3 1 -1 0\n4 1 0 0\n5 1 1 0\n",

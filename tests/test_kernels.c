@@ -1,5 +1,5 @@
-/* The contact kernels: every variant of every instruction set against the scalar one,
- * and the scalar one against the formulas written down anew in plain doubles. */
+/* The contact kernels: every variant of every instruction set against the scalar one, and the
+ * scalar one against an independent computation in plain doubles. */
 #include "neigh/neigh.h"
 #include "partials_help.h"
 #include "soa/single.h"
@@ -29,7 +29,7 @@ static void random_direction(uint64_t *at, int space, double n[3]) {
 }
 
 /* Two spheres of about 1 mm; the distance changes by at most 1e-3 of the radii, the normal and the
- * spins turn by some 1e-5 in a step: the size of a real step. */
+ * spins rotate by some 1e-5 in a step: the size of a real step. */
 static void place_contact(bench *b, size_t c, uint64_t *at) {
     double *xi = b->p.pos + 4 * b->k.i[c], *xj = b->p.pos + 4 * b->k.j[c], n[3];
     random_direction(at, b->space, n);
@@ -113,8 +113,9 @@ static void set_softening(gn_contacts *k, size_t c, double scale, uint64_t *at) 
     if (k->yields_f) k->yields_f[c] = (float)yields;
 }
 
-/* Hertz's contacts, as stiff as the others at an overlap of 1e-3; some that were pressed as far in
- * the last step, some more, some less, and some further than the step was looked at for. */
+/* Hertz contacts, as stiff as the others at an overlap of 1e-3; some with the same overlap in the
+ * last step, some with more, some with less, and some beyond the overlap for which the step was
+ * checked. */
 static void set_hertz(gn_contacts *k, size_t c, double kn, double sum, uint64_t *at) {
     double root = sqrt(1e-3 * sum), closeness = c % 5 == 4 ? 0.0 : uniform(at, 0.7, 1.5) / root;
     k->kn[c] = kn / root;
@@ -172,7 +173,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     }
 }
 
-/* Effects that make no variants of their own, in turn. */
+/* Effects without variants of their own, in turn. */
 static gn_effects with_options(gn_effects effects, uint64_t turn) {
     static const gn_effects couplings[] = {0, GN_FX_COUPLED_QUADRATIC, GN_FX_COUPLED_LINEAR};
     if (effects & GN_FX_HERTZ) return effects | (turn % 2 ? GN_FX_NO_PULL : 0);
@@ -409,8 +410,8 @@ static int cause_of(const gn_contacts *k, size_t c, double normal, double shear)
     return shear >= rt ? GN_BROKEN_SHEAR : GN_INTACT;
 }
 
-/* Motion of a contact in the step: n now, the velocity along it, and across the normal of the
- * middle turned to n; path: by which the distance grew. */
+/* Motion of a contact in the step: n now, the velocity along it, and that across the normal of the
+ * middle, rotated to n; path: growth of the distance. */
 typedef struct motion {
     double n[3], stretch, vn, vt[3], path, before[3];
 } motion;
@@ -432,8 +433,8 @@ static double pot(const gn_contacts *k, size_t c, double overlap) {
     return k->cn[c] * root / (1.0 + k->lag[c] * root);
 }
 
-/* The dashpot of Hertz's law: where the contact began or ended in the step, with the share that
- * makes sums of u^(1/4) integrals. */
+/* The dashpot of Hertz's law: if the contact began or ended in the step, with the factor that makes
+ * sums of u^(1/4) equal to integrals. */
 static double hertz_viscous(const gn_contacts *k, size_t c, const motion *m, double normal) {
     double u = fmax(0.0, -m->stretch), past = m->path - m->stretch, way = fabs(m->path);
     bool pulls = !(k->soa.effects & GN_FX_NO_PULL);
@@ -579,9 +580,9 @@ static expected expect(const bench *b, size_t c, tally *sum) {
      * that of the box. */
     double box = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
     e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + 8.0 * DBL_EPSILON * kn * fmax(0.05, box);
-    /* Here tangential forces are turned exactly. In the kernel the increment, turned by half the
+    /* Here tangential forces are rotated exactly. In the kernel the increment, rotated by half the
      * angle A of the step, is stretched by up to 1 + (A/2)^2/2 (gn_turn_with_normal), and the twist
-     * is taken to second order. */
+     * is included to second order. */
     if (length > 0.05 * (ri + rj))
         e.tolerance += 0.125 * side2 / (length * length) * kt * dt * sqrt(dot3(vt, vt));
     e.tolerance += fabs(pow(dt * twist, 3.0)) / 6.0 * sqrt(dot3(before, before));
@@ -591,8 +592,8 @@ static expected expect(const bench *b, size_t c, tally *sum) {
      * shortened by B^2/8. */
     double strain = length > 0.05 * (ri + rj) ? fabs(dt * vn) / length : 0.0;
     e.couple_tolerance = (1e-12 + half2 + 0.125 * pow(dt * twist, 2.0)) * m.size;
-    /* The middle between two branches is no bisector where one is longer: the old normal is off by
-     * half the angle times the strain of the step. */
+    /* The middle between two branches is no bisector if one is longer: the old normal has an error
+     * of half the angle times the strain of the step. */
     e.couple_tolerance += sqrt(half2) * strain * m.size;
     if (k->roll) {
         double pressed = touching ? fmax(0.0, -(fn + viscous)) : 0.0;
@@ -896,7 +897,7 @@ static void mixed_forces_follow_the_double_ones(void **state) {
             }
             double ri = a.p.pos[4 * a.k.i[c] + 3], rj = a.p.pos[4 * a.k.j[c] + 3];
             double scale = a.k.kn[c] * 1e-3 * (ri + rj);
-            if (a.k.most) scale *= sqrt(2e-3 * (ri + rj)); /* as stiff as the deepest is */
+            if (a.k.most) scale *= sqrt(2e-3 * (ri + rj)); /* stiffness of the deepest */
             for (int end = 0; end < 2; end++) {
                 double f[3], g[3], m[3], n[3];
                 sums_at(&a, c, end, f, m);
@@ -1073,8 +1074,8 @@ static void shear_turns_with_a_rotation_across_the_normal(void **state) {
     }
 }
 
-/* About an oblique axis the normal runs on a cone; chord and spins act on the normal of the middle:
- * no term of first order. */
+/* About an oblique axis the normal moves on a cone; chord and spins act on the normal at the middle
+ * of the step, so that there is no first-order term. */
 static void shear_turns_with_a_rotation_about_an_oblique_axis(void **state) {
     (void)state;
     const double axis[3] = {1 / sqrt(3.0), 1 / sqrt(3.0), 1 / sqrt(3.0)};

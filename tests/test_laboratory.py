@@ -27,7 +27,7 @@ def absent(out):
 
 
 def refused(folder, given, *patterns):
-    """Messages by name, value and place."""
+    """Messages with name, value and place in the file."""
     for pattern in patterns:
         expect(gneiss("check", write_scene(folder, given)), 2, r"scene.yaml:\d+:\d+: " + pattern)
 
@@ -39,10 +39,10 @@ def fitted(rows, name, over="stress"):
     return np.polyfit(x[used], rows[name][used], 1)[0]
 
 
-# --- stresses over the space that there is now ------------------------------------------------------------
+# --- stresses over the present area and volume ---------------------------------------------------------
 
 def crowd(dimension, spacing, kind):
-    """A loose lattice of grains without bonds, as far from servo walls as half of what grains are apart."""
+    """A loose lattice of grains without bonds, separated from servo walls by half the distance between grains."""
     side, axes = 8e-3 * spacing, "xyz"[:dimension]
     walls = []
     for a, axis in enumerate(axes):
@@ -59,7 +59,7 @@ def crowd(dimension, spacing, kind):
 
 @fact
 def a_crowd_that_servo_walls_press_together_has_their_stress_and_loses_their_volume(folder):
-    """No friction: the pressure is the same everywhere. At first the grains fill half of the space."""
+    """No friction: the pressure is uniform. At first the grains fill half of the space."""
     for dimension, spacing, kind in ((3, 1.3, "hydrostatic"), (3, 1.1, "hydrostatic"), (2, 1.3, "hydrostatic"), (3, 1.3, "compression"),
                                      (2, 1.2, "compression")):
         out = run_scene(folder, crowd(dimension, spacing, kind), "--force")
@@ -148,7 +148,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
             refused(folder, given, "test: expected the size of the specimen at the start")
         else:
             assert len(reported(given)) == outcome, (key, factor, reported(given))
-    # A body that two ends bend, or pull out of another, has lengths and areas of its own: these are only reported.
+    # A body that two ends bend, or pull out of another body, has its own length and area: these are only reported.
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(4) for j in range(8)]
     bar = scene(2, specimen={"particles": rows}, time={"end": 1e-5},
                 sets=[{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 1e-3, "by": "centre"}}, "motion": {"vy": way}} for side, way in (("lower", -1), ("upper", 1))],
@@ -163,8 +163,9 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
 
 @fact
 def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
-    """Line loads would give 1 and 3 times 2 P/(pi D t) in the middle; in a region of a fifth of the radius about it they are on
-    the average 0.96 and 2.96. The packing adds its own scatter: some twenty five discs lie there, whose stresses scatter by a third."""
+    """Line loads would give 1 and 3 times 2 P/(pi D t) in the middle; the averages over a region of a fifth of the
+    radius about it are 0.96 and 2.96. The packing adds its own scatter: some twenty-five discs are there, whose
+    stresses scatter by a third."""
     given = disc(2, 600, materials=[{**ROCK, "tensile_strength": 1e90, "shear_strength": 1e90}], time={"end": 1e-3})
     out = run_scene(folder, given)
     read = readings(out)
@@ -175,7 +176,7 @@ def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
 
 
 def jaw(name, side, ratio, half=0.5):
-    """An arc of `ratio` times the radius of the disc that touches it at its end."""
+    """An arc of `ratio` times the radius of the disc; its end touches the disc."""
     arc = [[ratio * np.sin(a), side * (1 - ratio + ratio * np.cos(a))] for a in np.linspace(-half, half, 41)]
     return {"name": name, "polyline": [[DIAMETER / 2 * x, DIAMETER / 2 * y] for x, y in arc], "stiffness": "100 GN/m", "motion": {"vy": [[0, 0], [1e-4, -side * 0.05]]}}
 
@@ -222,7 +223,8 @@ def a_region_may_be_empty_or_the_whole_disc(folder):
 
 @fact
 def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
-    """By the mean of a hundredth of the rows, ten at most, once a tenth of the bonds through a section have broken; the peak is that of a run that goes on."""
+    """The mean over a hundredth of the rows, at most ten, after a tenth of the bonds through a section have broken;
+    the peak is that of a run that continues."""
     given = disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}])
     del given["time"]["stop"]
     said = expect(gneiss("check", write_scene(folder, given)), 0).stdout
@@ -257,7 +259,8 @@ def few_rows_end_a_test_as_many_do(folder):
 
 @fact
 def the_initial_load_of_the_ends_is_no_strength(folder):
-    """Walls that begin inside particles push them away within a row or two: neither ends that a test, nor is it read as its peak."""
+    """Walls that start inside particles expel them within a row or two: this neither ends a test, nor counts as its
+    peak."""
     given = disc(2, 300)
     del given["time"]["stop"]
     given["time"]["end"] = 8e-3
@@ -563,7 +566,7 @@ PRESSURE = 5e6
 
 
 def cell(shape, count, dimension=3, membrane=None, **more):
-    """A specimen that cannot break in a cell whose pressure comes in 0.1 ms; viscous damping brings it to rest."""
+    """A specimen that cannot break in a cell whose pressure rises in 0.1 ms; viscous damping brings it to rest."""
     given = scene(dimension, specimen={**shape, "particles": count, "packing": {"size_ratio": 2}}, membrane={
         "pressure": [[0, 0], [1e-4, PRESSURE]], **(membrane or {})}, test={"kind": "hydrostatic"}, time={"end": 4e-4})
     return {**given, "materials": [STRONG], "damping": {"background": {"model": "viscous", "coefficient": 3e4}}, **more}
@@ -625,7 +628,7 @@ def write_tetrahedron(folder):
 
 
 def under_pressure(shape, dimension, membrane, **more):
-    """A specimen whose bonds stand 300 MPa in a cell, at defaults."""
+    """A specimen in a cell whose bonds carry 300 MPa, at default settings."""
     rock = {"name": "rock", "density": 2600, "contact_modulus": "10 GPa", "kratio": 2.5, "friction": 0.5, "tensile_strength": "300 MPa",
             "shear_strength": "300 MPa"}
     return scene(dimension, specimen={**shape, "particles": 500}, materials=[rock], membrane=membrane, test={"kind": "hydrostatic"},
@@ -675,8 +678,8 @@ def work_on_grains_that_fly_under_a_membrane_is_warned_of(folder):
 
 @fact
 def the_pressure_of_a_membrane_reaches_the_middle(folder):
-    """Some 190 of 1500 spheres have their centres within half the radius and height. Their pressures scatter by a fifth, as contacts and
-    porosity about them do: three standard errors of the mean are 4 %."""
+    """Some 190 of 1500 spheres have their centres within half the radius and height. Their pressures scatter by a
+    fifth, as the contacts and the porosity around them do: three standard errors of the mean are 4 %."""
     out = run_scene(folder, cell(CELL, 1500))
     with results(out) as file:
         x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
@@ -712,7 +715,7 @@ def a_membrane_finds_the_skin_of_particles_without_a_shape(folder):
         gap = size / 2 - np.hypot(x[:, 0], x[:, 1]) - x[:, -1]
         if dimension == 3:
             gap = np.minimum(gap, np.minimum(x[:, 2], 0.03 - x[:, 2]) - x[:, -1])
-        # Particles that touch the surface of the shape, and those that show between them.
+        # Particles that touch the surface of the shape, and those visible between them.
         touching = int((gap < 0.1 * x[:, -1]).sum())
         assert 0.9 * touching < skin < 1.5 * touching, (name, skin, touching)
 
@@ -765,7 +768,7 @@ def a_run_with_a_membrane_has_the_same_bits_on_two_threads_and_after_a_stop(fold
 
 @fact
 def a_membrane_without_pressure_is_none(folder):
-    """The same bits: adding zero to a force does not change it."""
+    """Equal bits: adding zero to a force does not change it."""
     given = triaxial(0)
     del given["test"]["diameter"], given["test"]["length"]
     plain = {**given, "test": {**given["test"], "kind": "compression"}}
@@ -776,8 +779,9 @@ def a_membrane_without_pressure_is_none(folder):
 
 @fact
 def a_membrane_goes_with_everything_else(folder):
-    """Prescribed, pushed and unbonded particles, gravity, added mass, dashpots, spins damped apart, friction on walls, turns, a domain that
-    is left, bonds that soften, single precision: the same bits on two threads and after a stop, and the ledger closes."""
+    """Prescribed, loaded and unbonded particles, gravity, added mass, dashpots, separate damping of spins, friction
+    on walls, rotations, a domain that particles leave, bonds that soften, single precision: the same bits on two
+    threads and after an interruption, and the ledger closes."""
     given = triaxial(5e6, materials=[{**ROCK, "tensile_strength": "8 MPa", "shear_strength": "10 MPa", "fracture_energy": 2}],
                      law={"stiffness": "harmonic", "softening": "energy"}, gravity=[0, 0, -9.81],
                      damping={"background": {"model": "nonviscous_component", "coefficient": 0.4, "rotation": 0.6}, "contact": {"restitution": 0.5}},
@@ -799,7 +803,7 @@ def a_membrane_goes_with_everything_else(folder):
 
 @fact
 def a_hydrostatic_test_gives_the_bulk_modulus(folder):
-    """The slope of mean pressure over loss of volume, which a packing has at any pressure below 1e-3 of its stiffness."""
+    """The slope of mean pressure over loss of volume, which is constant at pressures below 1e-3 of the stiffness."""
     out = run_scene(folder, cell(CELL, 300, membrane={"pressure": [[0, 0], [1e-3, PRESSURE]]}, time={"end": 1e-3}))
     read, rows = readings(out), history(out)
     assert abs(read["bulk_modulus"] / (rows["stress"][-1] / rows["volumetric_strain"][-1]) - 1) < 0.05, (read, absent(out))
@@ -851,8 +855,9 @@ def particles_below_a_detached_one_carry_its_membrane(folder):
 
 @fact
 def the_pressure_in_the_middle_is_held_at_large_strain(folder):
-    """Specimens that bulge, break and lose grains, shortened by a quarter. Mean stress across of the spheres in the middle, of which
-    there are some 60 whose pressures scatter by a quarter: three standard errors are 10 % of one specimen, and no two specimens are alike."""
+    """Specimens that bulge, break and lose grains, shortened by a quarter. Mean lateral stress of the spheres in the
+    middle, some 60 with pressures that scatter by a quarter: three standard errors are 10 % for one specimen, and
+    no two specimens are alike."""
     found = []
     for seed in (1, 7):
         given = triaxial(2e7, time={"end": 8e-3, "stop": "none"})
@@ -875,8 +880,8 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
 
 
 def pressed(**more):
-    """A lattice of discs under pressure; the lower three of its left side are a set, far fewer than a tenth of all, also where the rest has
-    lost its bonds and does not touch all over."""
+    """A lattice of discs under pressure; the lower three of its left side are a set, far fewer than a tenth of all,
+    also when the rest has lost its bonds and is not in contact everywhere."""
     given = scene(2, specimen={"lattice": {"kind": "hexagonal", "radius": 1e-3, "cells": [12, 8, 1]}}, membrane={"pressure": 1e6},
                   sets=[{"name": "some", "select": {"ids": [0, 1, 2]}, **more.pop("some", {})}], time={"end": 1}, **more)
     return given
@@ -978,7 +983,7 @@ def the_outermost_particles_of_a_shape_may_be_pressed(folder):
 
 @fact
 def the_surface_of_particles_is_that_of_the_same_particles_without_their_shape(folder):
-    """The surface of the shape is loaded by default. The report names what the mean stress refers to."""
+    """The surface of the shape is loaded by default. The report names the volume to which the mean stress refers."""
     listed_scene = listed(folder, CELL, 300)
     given = {**listed_scene, "specimen": {**CELL, "particles": 300, "packing": {"size_ratio": 2}}, "time": {"end": 1e-5}}
     outs = {"file": run_scene(folder, {**listed_scene, "time": {"end": 1e-5}}, name="file"), "default": run_scene(folder, given, name="default")}
@@ -1015,8 +1020,8 @@ def a_surface_of_particles_follows_what_breaks(folder):
 
 @fact
 def a_hollow_body_is_pressed_on_its_own_surface(folder):
-    """A square ring of discs that is open on one side, not on its hull: each face of a cell that is free carries the pressure, inside as
-    outside. Two bodies have each their own."""
+    """A square ring of discs that is open on one side, which its hull is not: each free face of a cell carries the
+    pressure, inside and outside. Two bodies have separate surfaces."""
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(9) for j in range(9)]
     ring = [row for row in rows if max(abs(row[0] - 8e-3), abs(row[1] - 8e-3)) > 3e-3 and not (row[0] > 9e-3 and abs(row[1] - 8e-3) < 3e-3)]
     for name, particles in (("block", rows), ("bodies", rows + [[x + 0.05, y, r] for x, y, r in rows]), ("ring", ring)):
@@ -1090,7 +1095,7 @@ def results_have_the_skin_and_the_forces_on_it(folder):
     assert (area > 0).any() and (area == 0).any()
     assert not force[area == 0].any()
     size = np.linalg.norm(force[area > 0], axis=1)
-    # Areas are vectors: where pieces of one share face different ways they add up to less.
+    # Areas are vectors: the sum of the pieces of a particle is smaller if they face different directions.
     assert (size <= 1e6 * area[area > 0] * 1.1).all() and size.sum() > 0.8e6 * area.sum(), size.sum()
 
 
@@ -1142,7 +1147,7 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
     k, c = np.polyfit(s3, s1, 1)
     assert abs(angle - np.degrees(np.arcsin((k - 1) / (k + 1)))) < 1e-9 * angle and abs(cohesion - c / (2 * np.sqrt(k))) < 1e-6 * cohesion
     assert f"{angle:.4g}" in done.stdout, done.stdout
-    # Runs that are complete are not repeated; and one of them alone is a run.
+    # Complete runs are not repeated; and a single one of them is an ordinary run.
     again = expect(gneiss("run", given, "--out", out, "--quiet"), 0)
     assert again.stdout == done.stdout
     one = os.path.join(folder, "one")
@@ -1151,7 +1156,7 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
 
 
 def parted_beam(seed, **contact):
-    """A notched beam of discs that cracks where its halves meet, which alone are weak."""
+    """A notched beam of discs that cracks where its halves join, where alone the bonds are weak."""
     strong = {"density": 2400, "contact_modulus": "20 GPa", "kratio": 2.5, "tensile_strength": "100 MPa", "shear_strength": "400 MPa",
               "fracture_energy": 1e7}
     mm = 1e-3
@@ -1193,7 +1198,7 @@ def taken_by_a_crack(folder, scene):
 def a_notched_beam_takes_the_fracture_energy_that_is_given_alone(folder):
     taken = [taken_by_a_crack(folder, parted_beam(seed))[0] for seed in (1, 2, 3)]
     assert abs(np.mean(taken) - 1) < 0.05, taken
-    # Without an energy in shear bonds that open and slip end before they have opened.
+    # Without a fracture energy in shear, bonds that open and slip fail before they have opened.
     brittle = parted_beam(1)
     for material in brittle["materials"]:
         material["shear_fracture_energy"] = "none"
@@ -1297,7 +1302,8 @@ def spins_are_damped_by_a_coefficient_of_their_own(folder):
 
 @fact
 def stages_change_rolling_resistance_and_snapshot_fields(folder):
-    """Changed before the first step it is as if the scene said so; changed on the way the ledger closes, on any number of threads and after a stop."""
+    """A change before the first step equals a scene with that value; after a change during the run the ledger closes,
+    on any number of threads and after a stop."""
     grain = {"name": "m", "density": 2000, "normal_stiffness": 1e4, "kratio": 2, "friction": 0.5}
     rolls = {"rolling_friction": 0.2, "twisting_friction": 0.1}
     floor = {"name": "floor", "point": [0, 0, -1e-3], "normal": [0.1, 0, 0.995], "stiffness": 1e4, "kratio": 2, "friction": 0.5}
@@ -1342,7 +1348,8 @@ def a_coefficient_of_spins_has_the_unit_and_the_range_of_its_model(folder):
 # --- simple shear ---------------------------------------------------------------------------------------
 
 def glued(lattice, size, speed, dimension, axis, normal, turn, **more):
-    """A bonded lattice between two layers that go and turn as in uniform shear, in a box without sides along the normal."""
+    """A bonded lattice between two layers that move and rotate as in uniform shear, in a periodic box that is open
+    along the normal."""
     side = {"axis": normal, "depth": 1.1e-3}
     still = {"v" + a: 0 for a in "xyz"[:dimension]}
     sets = [{"name": name, "select": {"end": {**side, "side": name}}, "motion": {**still, **turn, "v" + axis: v}}
@@ -1392,7 +1399,8 @@ def a_triangular_lattice_has_the_shear_modulus_of_its_springs(folder):
 
 @fact
 def a_cubic_lattice_has_the_shear_modulus_of_its_tangential_springs(folder):
-    """Contacts along the shear and across the plane turn against each other by half the angle each: G = k_t/(4 r)."""
+    """Contacts along the shear and across the plane rotate relative to each other by half the angle each: G = k_t/(4
+    r)."""
     r, speed = 1e-3, 5e-4
     length = 7 * 2 * r
     given = glued({"kind": "cubic", "cells": [3, 4, 8]}, [6 * r, 8 * r, 1], ramp(speed), 3, "x", "z",
@@ -1403,7 +1411,8 @@ def a_cubic_lattice_has_the_shear_modulus_of_its_tangential_springs(folder):
 
 @fact
 def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_box(folder):
-    """The layer is led along the plane alone, so the normal stress is that on the lower one; there is no other load."""
+    """The layer is driven along the plane alone, so that the normal stress is that on the lower one; there is no
+    other load."""
     given = glued({"kind": "hexagonal", "cells": [5, 4]}, [0.01, 1], ramp(0), 2, "x", "y", {"wz": 0}, time={"end": 0.02},
                   walls=[{"name": "plate", "point": [0, 2e-3 + 7 * np.sqrt(3) * 1e-3], "normal": [0, -1], "stiffness": "1 MN/m",
                           "servo": {"stress": 1e5, "max_velocity": 0.5}}])
@@ -1415,8 +1424,8 @@ def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_bo
 
 
 def presses_both_ends(out, pressure):
-    """The load on the upper end is given; the lower one receives it with the waves that a sudden load and breaking leave, within a tenth in the
-    median. The normal stress is the mean of both."""
+    """The load on the upper end is given; the lower one receives it with the waves of a sudden load and of breaks,
+    within a tenth in the median. The normal stress is the mean of both."""
     rows = history(out)
     lower, upper = rows["normal_stress_lower"], rows["normal_stress_upper"]
     assert np.allclose(upper, pressure, rtol=1e-9) and np.allclose(rows["normal_stress"], (lower + upper) / 2, rtol=1e-12)
@@ -1556,7 +1565,8 @@ def supports_are_no_load_of_a_beam(folder):
 
 @fact
 def ends_that_are_beside_each_other_may_be_right(folder):
-    """A cantilever that is clamped over its height and pushed down at its end; a block that a ring around a punch holds; a bar one particle high."""
+    """A cantilever that is clamped over its height and pushed down at its end; a block held by a ring around a punch;
+    a bar one particle high."""
     for given in (bonded([12, 4], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
                   bonded([12, 1], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
                   bonded([12, 8], sets=[place("west", [0, 0.014], [3e-3, 0.02], vy=0), place("east", [0.021, 0.014], [0.03, 0.02], vy=0),
@@ -1625,7 +1635,7 @@ def control_needs_ends_that_move(folder):
 
 @fact
 def shear_without_normal_stress_is_warned_of(folder):
-    """By check and by the run; a constant height has a test of its own."""
+    """By `gneiss check` and by the run; a constant height has a test of its own."""
     for k, (more, reported) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
         sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
         given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
@@ -1729,7 +1739,8 @@ def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
 
 @fact
 def errors_before_the_first_step_of_stages_name_their_line(folder):
-    """The place is in the file and not in the text from which the scene of a stage is read: that of the stage for keys that it changes, else the scene's."""
+    """The place is in the file and not in the text from which the scene of a stage is read: that of the stage for
+    keys that it changes, otherwise that of the scene."""
     given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
                    stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
     said = expect(gneiss("check", write_scene(folder, given)), 2, r"stages\[0\].end.peak_drop: .*no contact is pressed").stderr
@@ -1758,7 +1769,8 @@ def a_stage_of_more_steps_than_the_run_has_is_warned_of_at_the_start(folder):
 
 @fact
 def a_stage_waits_for_a_stress_that_can_come(folder):
-    """Contacts that are pressed at the start, loose grains or at a wall, bring one; a membrane brings at most twice its pressure."""
+    """Contacts that are compressed at the start, among loose grains or at a wall, cause a stress; a membrane causes
+    at most twice its pressure."""
     wait = [{"name": "one", "end": {"stress": 1e3}}]
     walls = [plate("low", -1e-3, 1, passive=False), plate("up", 4.9e-3, -1, passive=False)]
     for height, passive, code in ((1.9e-3, False, 0), (2e-3, False, 2), (1.95e-3, True, 0)):
@@ -1823,7 +1835,8 @@ def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
 
 @fact
 def a_response_that_is_too_short_for_the_specimen_is_warned_of(folder):
-    """Waves cross the beam in some 50 us; 0.5 ms holds it, 5 us swings (docs/scene.md)."""
+    """Waves cross the beam in some 50 us; a ramp of 0.5 ms is quasi-static, one of 5 us causes oscillations
+    (docs/scene.md)."""
     for response, reported in (("0.5 ms", False), ("5 us", True)):
         done = expect(gneiss("run", os.path.join(ROOT, "scenes", "bending.yaml"), "--out", os.path.join(folder, str(reported)), "--quiet",
                              "--set", "test.control.opening=2 mm/s", "--set", f"test.control.response={response}", "--set", "output.snapshots=0",
@@ -1859,7 +1872,8 @@ def strains_count_from_the_last_stage(out, *names):
 
 @fact
 def a_stage_takes_nothing_below_a_tenth_of_the_pressure_for_a_peak(folder):
-    """The ends go back once, at a fortieth of the pressure and with bonds already broken: by then no peak was passed."""
+    """The ends move back once, at a fortieth of the pressure and with bonds already broken: by then no peak has been
+    passed."""
     with open(os.path.join(ROOT, "scenes", "concrete.yaml")) as file:
         text = file.read()
     for sign, other in (("", "-"), ("-", "")):
@@ -1923,7 +1937,7 @@ def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
 
 @fact
 def the_mean_stress_under_a_membrane_can_be_made_of_the_contacts(folder):
-    """With the volume and the part of the membrane that are attributes; without them it is another."""
+    """With the volume and the part of the membrane that are stored as attributes; without them the result differs."""
     out = run_scene(folder, {"specimen": {"cylinder": {"diameter": "20 mm", "height": "30 mm"}, "particles": 300, "material": "a"}, "materials": [ROCK],
                              "law": {"stiffness": "harmonic"}, "bonds": {}, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
                              "membrane": {"pressure": "10 MPa", "ramp": "0.1 ms", "surface": "particles"}, "test": {"kind": "hydrostatic"}, "time": {"end": "0.3 ms"},

@@ -109,7 +109,8 @@ static void ratios_in_the_middle_of_a_disc_are_those_before_it_cracks(void **sta
     assert_close(r.centre_compression_ratio, 3, 1e-9);
 }
 
-/* A start that others have loaded may expand as soon as it is sheared or pressed. */
+/* A specimen that other parts have loaded at the start may expand as soon as it is sheared or
+ * compressed. */
 static void a_specimen_that_only_expands_has_no_onset_of_damage(void **state) {
     (void)state;
     static const char *const names[] = {"strain",    "stress",         "strain_xx",   "strain_yy",
@@ -125,7 +126,7 @@ static void a_specimen_that_only_expands_has_no_onset_of_damage(void **state) {
     absent_for(&r, GN_READING_crack_damage_stress, "gains volume from the start of loading");
 }
 
-/* Breaks and pieces are counted whatever the ends have. */
+/* Breaks and pieces are counted for any motion of the ends. */
 static void breaks_are_reported_though_the_stress_has_the_other_sense(void **state) {
     (void)state;
     int32_t size[] = {3, 1, 7};
@@ -196,7 +197,7 @@ static void brittleness_is_one_when_stress_falls_below_zero(void **state) {
     }
     gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
     assert_true(r.brittleness == 1);
-    /* The row before the peak has 48 of 49 Pa; the rows beside it stand at 48 and 50. */
+    /* The row before the peak has 48 of 49 Pa; the adjacent rows have 48 and 50. */
     assert_close(r.peak_rise, 1.0 / 49, 1e-12);
     assert_true(r.peak_strain_least == 48 && r.peak_strain_most == 50);
 }
@@ -269,7 +270,7 @@ static void fracture_energy_is_the_area_under_the_curve_over_the_section(void **
     assert_close(r.opening_at_peak, 1, 1e-12);
 }
 
-/* A notched beam has it as well. */
+/* A notched beam has this reading as well. */
 static void peak_force_and_stiffness_of_a_beam_are_those_of_the_ends(void **state) {
     (void)state;
     table t = bent(0.5);
@@ -541,7 +542,7 @@ static void the_initial_load_of_the_ends_is_no_peak(void **state) {
     }
 }
 
-/* Ends that stand while bonds break, that unload, or that a dead load moves on. */
+/* Ends that do not move while bonds break, that unload, or that a dead load drives. */
 static void ends_that_do_not_move_or_hold_a_load_have_no_strength(void **state) {
     (void)state;
     static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};

@@ -132,7 +132,7 @@ static void move(couple *t, double x, double y, double force[3]) {
 
 enum { STEPS = 400 };
 
-/* Pressed, pulled until a bond has broken for long, pressed again. */
+/* Compressed, pulled until well after the bond has broken, compressed again. */
 static double way(int step) {
     return -8e-6 * sin(3.0 * pi * step / STEPS);
 }
@@ -153,8 +153,8 @@ static void no_contact_is_stiffer_than_its_law_says(void **state) {
             bool whole = gn_contact_bonded(&t->k, 0);
             gn_law_spring most = t->law->spring(&t->k, 0, fmax(0.0, -fmin(x, last)));
             move(t, x, y, now);
-            /* A break, and a contact that closes or opens within a step, are jumps: there and back.
-             */
+            /* A break, and a contact that closes or opens within a step, are jumps: excluded in
+             * both directions. */
             double rest = rest_of(t);
             bool jumps =
                 whole != gn_contact_bonded(&t->k, 0) || (!whole && (x < rest) != (last < rest));
@@ -194,7 +194,7 @@ static void force_and_energy_reported_by_the_law_are_those_of_the_kernel(void **
     }
 }
 
-/* Pulled, and sheared, by steps of a thousandth of the way to the break. */
+/* Pulled and sheared by steps of a thousandth of the displacement at the break. */
 static void a_bond_breaks_when_its_criterion_reaches_one(void **state) {
     (void)state;
     for (int law = 0; law < LAWS; law++)

@@ -103,7 +103,7 @@ static void with_tangents_the_increment_of_a_step_is_missing(void **state) {
         }
 }
 
-/* A sphere that lies on a floor and is dragged along it: weight, floor and drag. */
+/* A sphere on a floor that is dragged along it: weight, floor and drag. */
 static void a_wall_carries_the_weight_on_it(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -121,7 +121,7 @@ static void a_wall_carries_the_weight_on_it(void **state) {
     const int32_t free_one = w->dem.index_of_id[0], led = w->dem.index_of_id[1];
     const double weight = sphere_mass(2000, 1e-3) * 9.81;
     assert_near(l.total[free_one][2], 0.0, 1e-6 * weight);
-    /* The led one slides: friction, and nothing of the damping that all others have. */
+    /* The driven sphere slides: friction acts on it, but not the damping of the others. */
     assert_near(l.total[led][0], -0.3 * 1e5 * 1e-6, 1e-3 * 0.03);
     assert_near(l.total[led][2], 1e5 * 1e-6 - weight, 1e-3 * 0.1);
     for (int k = 0; k < 3; k += 2) assert_true(l.damping[led][k] == 0.0);

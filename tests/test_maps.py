@@ -24,7 +24,7 @@ def at(rows, **wanted):
 
 
 def same_as_stored(folder, dimension, test, point):
-    """The cells that fresh runs with the first two seeds give are the stored ones, digit for digit."""
+    """Fresh runs with the first two seeds give the stored cells, digit for digit."""
     maps_study.FOLDER = Path(folder)
     rows = maps_study.rows_of("fresh", dimension, [point], (1, 2), (test,))
     kept = stored()

@@ -1,4 +1,5 @@
-/* Masses raised for a longer step: as much as the wanted step needs, no weight, no lost energy. */
+/* Masses raised for a longer step: as much as the requested step needs, without additional weight
+ * or loss of energy. */
 #include "timestep/timestep.h"
 #include "world_helpers.h"
 
@@ -68,7 +69,7 @@ static void masses_are_raised_where_it_is_needed_and_never_lowered(void **state)
         double before = mass_of(plain, p), after = mass_of(w, p);
         assert_true(after >= before);
         same += after == before;
-        /* The moment of inertia with it: the sphere swings as it did. */
+        /* The moment of inertia is raised as well: the sphere oscillates as before. */
         assert_close(vel_of(w, p)[3] / spin_of(w, p)[3], vel_of(plain, p)[3] / spin_of(plain, p)[3],
                      1e-15);
     }
@@ -81,7 +82,8 @@ static void masses_are_raised_where_it_is_needed_and_never_lowered(void **state)
     world_end(w);
 }
 
-/* The step of a loose pair is what resolves its collision in 10 steps, not its stability. */
+/* The step of a loose pair is that which resolves its collision in 10 steps, not its stability
+ * limit. */
 static void collisions_are_resolved_at_the_wanted_step(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -142,7 +144,7 @@ static void a_grain_weighs_what_it_did(void **state) {
     world_end(w);
 }
 
-/* Dropped from a tenth of its radius; falls at a ninth of g and bounces back. */
+/* Dropped from a tenth of its radius; falls with a ninth of g and rebounds. */
 static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
     (void)state;
     double m = sphere_mass(2500, 1e-3), height = 1e-5;
@@ -176,9 +178,9 @@ static gn_world *pairs_that_meet(const char *time) {
                     time);
 }
 
-/* With the bound, particles are made heavier when they come near, before they touch, and the step
- * stays; the energy of that is in the ledger. With the sharp limit the step falls as without mass
- * scaling. */
+/* With the bound, masses of particles increase when they approach, before they touch, and the step
+ * does not change; the energy of this is in the ledger. With the sharp limit the step falls as
+ * without mass scaling. */
 static void masses_follow_the_contacts_that_form(void **state) {
     (void)state;
     for (int sharp = 0; sharp < 2; sharp++) {
@@ -197,7 +199,7 @@ static void masses_follow_the_contacts_that_form(void **state) {
             /* Twice the springs at the step over 0.989 instead of over 0.9. */
             assert_close(mass_of(w, 1), 2.0 * middle * pow(0.9 / 0.989, 2.0), 1e-9);
             assert_close(mass_of(w, 2), mass_of(w, 1), 1e-12);
-            assert_close(e.step_change, 0.5 * more, 1e-9); /* of the one that flies, at 1 m/s */
+            assert_close(e.step_change, 0.5 * more, 1e-9); /* mass of the flying one, at 1 m/s */
             assert_near(gn_energy_residual(&e), 0.0, 1e-6);
         }
         world_end(w);
@@ -226,7 +228,8 @@ static void momentum_and_energy_of_a_free_pair_stay(void **state) {
     world_end(w);
 }
 
-/* Everything else beside it, and both precisions: the ledger closes, one bit for any threads. */
+/* With all other options, in both precisions: the ledger closes, with the same bits on any number
+ * of threads. */
 static void beside_all_else_the_ledger_closes_with_the_same_bits(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++) {

@@ -201,8 +201,9 @@ static bool is_outer(const gn_triangulation *t, const int32_t *corner, int dimen
     return having == 1;
 }
 
-/* Points anywhere: no face has more on it than its corners. Each face of the hull is one of the
- * outside, and as both are closed there are no others: their number is that of Euler's formula. */
+/* Points in general position: no face has points other than its corners. Each face of the hull is
+ * one of the outside, and as both are closed there are no others: their number is that of Euler's
+ * formula. */
 static void faces_of_the_hull_are_the_outside_of_the_triangulation(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -231,7 +232,7 @@ static void faces_of_the_hull_are_the_outside_of_the_triangulation(void **state)
     }
 }
 
-/* Else the particles on the faces of a block would not count. */
+/* Otherwise the particles on the faces of a block would not count. */
 static void hulls_with_points_on_their_faces_are_detected(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k++) {
@@ -294,7 +295,7 @@ static void particles_with_a_lost_bond_do_not_count_as_strain(void **state) {
     for (size_t k = 0; k < held.count; k++) assert_int_not_equal(held.id[k] % 10, 0);
     gn_strain_gauge_free(&held);
 
-    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 3 : 4; /* hardly a bonded body */
+    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 3 : 4; /* not a bonded body */
     gn_strain_gauge all = gauge_of(&p, 3);
     bool loose = false;
     for (size_t k = 0; k < all.count; k++) loose = loose || all.id[k] % 10 != 0;
@@ -680,9 +681,8 @@ static void read_specimen(const char *name) {
     fclose(file);
 }
 
-/* 2000 spheres in a cylinder of 23 mm. Some stick out, by up to 0.06 mm; between neighbours
- * about 2.2 mm apart the hull cuts off a chord of 0.05 mm, 0.5 % of the radius and 1 % of the
- * volume. */
+/* 2000 spheres in a cylinder of 23 mm. Some protrude, by up to 0.06 mm; between neighbours about
+ * 2.2 mm apart the hull cuts off a chord of 0.05 mm, 0.5 % of the radius and 1 % of the volume. */
 static void the_hull_of_a_cylinder_packing_is_close_to_the_cylinder(void **state) {
     (void)state;
     read_specimen("rock-b.txt");

@@ -1,5 +1,5 @@
-/* The forces of a membrane: Nanson's formula under any affine motion, balance, and what breaks off.
- */
+/* The forces of a membrane: Nanson's formula under any affine motion, balance, and particles that
+ * detach. */
 #include "world_helpers.h"
 
 #include "membrane/membrane.h"
@@ -64,8 +64,8 @@ static void force_on(const gn_world *w, size_t p, double force[3]) {
     for (int a = 0; a < 3; a++) force[a] = q->applied[4 * p + a] - q->load[4 * p + a];
 }
 
-/* Forces and moments of the membrane add up to nothing, to rounding of the largest there could be.
- */
+/* Forces and moments of the membrane sum to zero, to rounding relative to the largest possible
+ * values. */
 static void expect_balance(const gn_world *w, double pressure) {
     const gn_particles *q = &w->dem.particles;
     double sum[3] = {0}, moment[3] = {0}, force[3], turn[3], reach = 0;
@@ -195,7 +195,8 @@ static double force_across(const gn_world *w, const double centre[3]) {
     return sum;
 }
 
-/* Pa: of forces at centres and ways to the surface, over the volume that it encloses. */
+/* Pa: the virial of forces at the centres with the distances to the surface, over the enclosed
+ * volume. */
 static void mean_stress(const gn_world *w, double stress[9]) {
     const gn_particles *q = &w->dem.particles;
     const double volume = gn_space_volume(&w->ctx, &w->dem, &w->membrane, &w->boundary, &w->solids,
@@ -213,9 +214,9 @@ static void mean_stress(const gn_world *w, double stress[9]) {
 }
 
 /* In a lattice of n^3 spheres each chain along an axis carries the pressure on a face of a cell, so
- * that the stress is the pressure in every cell: the surface is that of n^3 cells. (Areas by the
+ * that the stress is the pressure in every cell: the surface is that of n^3 cells. (Areas from the
  * directions in which a ball touches a particle, scaled to the hull, were 0.87 of a face for 12^3
- * and 0.76 for 5^3, and the excess at edges reached the middle in part only.) */
+ * and 0.76 for 5^3, and the excess at edges reached the middle only partly.) */
 static void a_lattice_is_pressed_on_the_faces_of_its_cells(void **state) {
     (void)state;
     for (int side = 5; side <= 9; side += 4)
@@ -306,8 +307,8 @@ static double chips_share(const gn_world *w) {
     return sum;
 }
 
-/* The pressure on a detached chip acts on the particles that were below it, and the body keeps the
- * required mean stress; the chip has no pressure any more, also when it returns. */
+/* The pressure on a detached chip acts on the particles below it, and the body keeps the required
+ * mean stress; the chip is no longer loaded, also when it returns. */
 static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state) {
     (void)state;
     gn_world *w = block();
@@ -351,7 +352,7 @@ static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state)
     world_end(w);
 }
 
-/* Halves that a crack parts are pressed both. */
+/* Both halves on the sides of a crack are loaded. */
 static bool of_the_upper_half(const gn_particles *q, size_t p) {
     return q->start[4 * p + 2] > 0.5 * SIDE * pitch;
 }
@@ -390,7 +391,7 @@ static void dead_loads_are_handed_on(void **state) {
         press(w);
         assert_true(q->skin[4 * p + 3] < 0 && q->applied[4 * p + 1] == 0);
         assert_close(gn_membrane_area(&w->dem), whole, 0.1); /* of the exposed surface */
-        /* as if all were where it was: there they are in balance */
+        /* in balance if all particles were at their initial positions */
         for (int a = 0; a < d; a++) q->pos[4 * p + a] = q->start[4 * p + a];
         expect_balance(w, 7e6);
         world_end(w);
@@ -462,7 +463,7 @@ static void a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one(void
     world_end(w);
 }
 
-/* Bodies of size 1 mm about the origin of their axis, and how far in a place is. */
+/* Bodies of size 1 mm about the origin of their axis, and the depth of a position in them. */
 typedef struct packed_body {
     int dimension;
     const char *shape;

@@ -1,4 +1,4 @@
-/* Several bodies under a membrane: each is in balance and followed by itself. */
+/* Several bodies under a membrane: each is in balance and followed separately. */
 #include "world_helpers.h"
 
 #include "membrane/membrane.h"
@@ -13,8 +13,8 @@ static void press_at(gn_world *w, int64_t step) {
         fail_msg("%s", error.message);
 }
 
-/* Two blocks of 4 x 4 x 4 that touch nothing of one another; the one is stretched, the other bent
- * and shifted. By themselves as together they are closed. */
+/* Two blocks of 4 x 4 x 4 without contact; one is stretched, the other bent and shifted. Their
+ * surfaces are closed separately and together. */
 static gn_world *two_blocks(double pressure, double ramp) {
     char blocks[8000];
     size_t used = 0;
@@ -54,14 +54,14 @@ static void areas_turn_with_the_body_that_they_are_of(void **state) {
     world_end(w);
 }
 
-/* For any distance of the bodies from one another each is followed by the surroundings of a patch,
- * and a patch is limited to the stretch of its own body. */
+/* At any distance of the bodies from one another each is followed by the surroundings of a patch,
+ * and the stretch of a patch is limited by that of its own body. */
 static void bodies_that_drift_apart_keep_their_areas(void **state) {
     (void)state;
     gn_world *w = two_blocks(7e6, 0);
     gn_particles *q = &w->dem.particles;
     const double face = pitch * pitch;
-    press_at(w, 100); /* finds that they are two */
+    press_at(w, 100); /* finds two bodies */
     for (size_t p = 0; p < q->soa.count; p++)
         if (q->id[p] >= 64) q->pos[4 * p] += 0.3;
     double *start = calloc(4 * q->soa.count, sizeof *start);
@@ -164,7 +164,7 @@ static void bodies_without_volume_are_not_loaded_by_the_membrane(void **state) {
     world_end(w);
 }
 
-/* About the centre of mass: of displacements and of spins. */
+/* About the centre of mass: moments of displacements and of spins. */
 static void angular_momentum(const gn_world *w, double sum[3]) {
     const gn_particles *q = &w->dem.particles;
     double mass = 0, centre[3] = {0}, velocity[3] = {0};
@@ -186,7 +186,7 @@ static void angular_momentum(const gn_world *w, double sum[3]) {
 }
 
 /* An undamped block rotates under 100 MPa, 1 % of its modulus: between updates as well the membrane
- * has no moment, whatever waves there are. (It was 1 % off after 3 000 steps.) */
+ * exerts no moment, whatever waves there are. (The error was 1 % after 3 000 steps.) */
 static void a_block_that_turns_keeps_its_angular_momentum(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -70,7 +70,8 @@ def a_membrane_without_pressure_holds_that(folder):
 
 @fact
 def a_stage_that_ends_by_held_waits_for_the_pressure_and_has_it(folder):
-    """The stage does not end while the ramp lasts, though the stress follows it; then the lattice is closed by p/k_n."""
+    """The stage does not end during the ramp, although the stress follows it; then the lattice is compressed by
+    p/k_n."""
     out = run_scene(folder, block(MANY))
     rows, stages = history(out), summary(out)["stages"]
     for number, pressure in ((1, 1e5), (3, 4e4)):

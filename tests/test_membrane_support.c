@@ -1,5 +1,4 @@
-/* Particles that support a membrane, and patches that follow where single grains have shifted.
- */
+/* Particles that support a membrane, and patches that are updated when single grains have moved. */
 #include "world/space.h"
 #include "world_helpers.h"
 
@@ -94,7 +93,7 @@ static void pivoting_particles_carry_no_pressure(void **state) {
     world_end(w);
 }
 
-/* Bonds with moments, and grains that cannot turn, hold on one contact. */
+/* Bonds with moments, and grains without rotation, provide support with one contact. */
 static void particles_that_cannot_pivot_support_the_membrane(void **state) {
     (void)state;
     static const char *const bonds[] = {

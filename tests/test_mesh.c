@@ -132,7 +132,7 @@ static void set_decimal_comma(fixture *f) {
     char command[1200];
     spill_text(
         f, "LC_NUMERIC\ndecimal_point \",\"\nthousands_sep \"\"\ngrouping -1\nEND LC_NUMERIC\n");
-    /* It warns of the categories that are left out, by its exit code too. */
+    /* It reports the categories that are left out, also by its exit code. */
     snprintf(command, sizeof command, "localedef -c --no-archive -i %s %s/comma 2>/dev/null",
              f->path, f->dir);
     (void)!system(command);
@@ -543,7 +543,7 @@ static void files_cut_at_any_byte_are_refused(void **state) {
     bytes b;
     for (int kind = 0; kind < DAMAGED_FILES; kind++) {
         reader *read = make_damaged(&b, kind);
-        /* The last line of a text may do without its end, an STL text also without the name. */
+        /* The last line of a text may lack its line break, that of an STL text also the name. */
         size_t whole = b.size - (kind == 4 ? strlen(" a b\n") : kind == 5 ? 0 : 1);
         for (size_t size = 0; size <= b.size; size++) {
             spill(f->path, b.at, size);
@@ -570,7 +570,8 @@ static void flipped_bytes_never_crash(void **state) {
             for (uint32_t k = 0; k <= next_random(&seed) % 4; k++) {
                 uint32_t at = next_random(&seed) % b.size;
                 unsigned char other = next_random(&seed) & 0xff;
-                /* Digits for digits reach deeper than rubbish, which the first check finds. */
+                /* Replacing digits by digits reaches later checks than arbitrary bytes, which the
+                 * first check finds. */
                 bool digit = b.at[at] >= '0' && b.at[at] <= '9';
                 b.at[at] = digit ? '0' + other % 10 : other;
             }

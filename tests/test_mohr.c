@@ -1,4 +1,4 @@
-/* Bonds whose strength in shear the normal force changes (src/kernels/law_mohr.h): closed forms of
+/* Bonds whose shear strength depends on the normal force (src/kernels/law_mohr.h): closed forms of
  * one bond, couplings, energies, threads, resumption, keys. */
 #include "run_helpers.h"
 
@@ -95,7 +95,7 @@ static void linear_coupling_takes_the_friction_of_the_pull(void **state) {
     assert_int_equal(b.cause, GN_BROKEN_SHEAR);
     double strength = 12.0 - 0.5 * b.normal;
     assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
-    /* Never below zero: then the bond does not carry the first shear. */
+    /* Not below zero: the bond then cannot carry the first increment of shear. */
     b = break_it(0.3, 0.9, "linear", 15.0, "double");
     assert_true(b.shear <= 1.01 * step_force);
 }
@@ -115,7 +115,8 @@ static void in_mixed_precision_a_bond_breaks_at_the_same_force(void **state) {
 
 /* --- with moments --- */
 
-/* As break_it, for a bond that carries moments: neither particle rotates, so that they are zero. */
+/* Like break_it, for a bond with moments: neither particle rotates, so that they are zero.
+ * */
 static broke break_beam(const char *coupling, double normal, const char *precision) {
     char words[2048];
     const char *still = "wx: 0, wy: 0, wz: 0";
@@ -164,9 +165,9 @@ static void friction_strengthens_bonds_with_moments_alike(void **state) {
 
 /* --- mean stress --- */
 
-/* Two rows of three discs; the outer ones move inwards by 1e-6 m, then the upper row goes sideways.
- * The bonds between the rows carry nothing along; the middle one lies between particles with two
- * pressed bonds of three, the outer ones with one of two. */
+/* Two rows of three discs; the outer ones move inwards by 1e-6 m, then the upper row moves
+ * sideways. The bonds between the rows carry no normal force; the middle one lies between particles
+ * with two compressed bonds of three, the outer ones with one of two. */
 static const char *const rows =
     "dimension: 2\n"
     "specimen: {particles: [[0, 0, 1e-3], [2e-3, 0, 1e-3], [4e-3, 0, 1e-3],\n"
@@ -208,8 +209,9 @@ static void shear_at_breaks(const char *confinement, const char *precision, doub
     world_end(w);
 }
 
-/* A row's bonds carry 10 N each. The line between the rows turns by 1e-2 at most, which changes its
- * length, and with it the pressure, by 5e-5 of itself: 1 N in 20; a quarter of a newton allowed. */
+/* A row's bonds carry 10 N each. The line between the rows rotates by at most 1e-2, which changes
+ * its length, and with it the pressure, by 5e-5 of itself: 1 N in 20; a quarter of a newton is
+ * allowed. */
 static void friction_may_see_the_mean_stress_around_a_bond(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -323,7 +325,7 @@ static void threads_give_the_same_bits(void **state) {
     }
 }
 
-/* With all that can be beside it: two materials, walls, gravity, a periodic direction, dampings,
+/* With all other options: two materials, walls, gravity, a periodic direction, dampings,
  * orientations. */
 static const char *const busy =
     "dimension: 3\n"

@@ -46,7 +46,7 @@ static void run_end(gn_run *run) {
 }
 
 /* Returns a value of a contact of two particles, independent of their order: whole numbers, which
- * both precisions represent. The sign is that of the particle that comes first. */
+ * both precisions represent. The sign is that of the first particle. */
 static double even_of(int32_t a, int32_t b) {
     return a * b + a + b + 1;
 }
@@ -134,7 +134,7 @@ static void a_new_column_is_kept_when_the_lists_are_made_anew(void **state) {
     }
 }
 
-/* Turned by 180 degrees about z the particles come in another order along the Morton curve. */
+/* Rotated by 180 degrees about z, the particles have another order along the Morton curve. */
 static void turn_by_180_degrees(gn_world *w) {
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         for (size_t a = 0; a < 2; a++) w->dem.particles.pos[4 * p + a] *= -1.0;

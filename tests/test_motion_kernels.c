@@ -1,5 +1,5 @@
 /* The motion kernels: every variant of every instruction set against the scalar one, and the scalar
- * one against the formulas written down anew in plain doubles. */
+ * one against an independent computation in plain doubles. */
 #include "partials_help.h"
 #include "world_helpers.h"
 

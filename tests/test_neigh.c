@@ -102,7 +102,7 @@ static void a_periodic_box_that_is_too_narrow_is_refused(void **state) {
     gn_soa_destroy(&gn_particle_record, &p);
 }
 
-/* Dense knots far apart: grids mostly empty. */
+/* Dense clusters far apart: grids that are mostly empty. */
 static void pairs_in_clusters_are_all_found(void **state) {
     (void)state;
     gn_particles p = scattered(600, 3, 4.0, 2.0, 9);
@@ -186,7 +186,7 @@ static void morton_order_is_a_permutation_that_keeps_neighbours_near(void **stat
 /* --- runs --- */
 
 /* Discs that fall into a box and slide over each other; `skin` of the lists. `glued`: the lower
- * rows are bonded to one another, so that the model keeps the order of its particles. */
+ * rows are bonded to one another, so that the particles of the model keep their order. */
 static gn_world *tumble(double skin, bool glued) {
     return world_of(
         "dimension: 2\nspecimen:\n  lattice: {kind: hexagonal, radius: 1e-3, cells: [8, 5], "
@@ -284,7 +284,7 @@ static void shear_forces_survive_reorderings(void **state) {
         worst = fmax(worst, fabs(x[k] - y[k]));
     assert_true(worst < 1e-9 * 1e-3);
     assert_close(a->ledger.energy.friction, b->ledger.energy.friction, 1e-9);
-    bool moved = false; /* the places did change */
+    bool moved = false; /* the order has changed */
     for (size_t k = 0; k < a->dem.particles.soa.count; k++)
         moved = moved || a->dem.particles.id[k] != b->dem.particles.id[k];
     assert_true(moved);

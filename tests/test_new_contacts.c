@@ -1,4 +1,4 @@
-/* Contacts that form while a run goes on: the automatic step holds for them, and resolves them. */
+/* Contacts that form during a run: the automatic step is stable for them, and resolves them. */
 #include "parts.h"
 #include "world_helpers.h"
 
@@ -39,7 +39,7 @@ static gn_world *closing_lattice(const char *kind, double height, double restitu
         damping, friction, height, friction);
 }
 
-/* Found in the extent of the specimen, so that the wall starts just clear of it. */
+/* Measured on the specimen, so that the wall starts just outside of it. */
 static double height_of(const char *kind) {
     gn_world *w = closing_lattice(kind, 1.0, 1.0, 0.0, "uniform");
     double height = w->ctx.upper[2];
@@ -67,7 +67,7 @@ static void lattices_between_closing_walls_do_not_go_bad(void **state) {
     print_message("# largest residual of 18 closing lattices: %.2g\n", worst);
 }
 
-/* Stable is what the limit with all listed contacts is for, without the rule for collisions. */
+/* Stable according to the limit with all listed contacts, without the rule for collisions. */
 static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **state) {
     (void)state;
     double height = height_of("fcc") + 1e-7;
@@ -85,7 +85,7 @@ static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **sta
     }
 }
 
-/* 125 loose spheres that nothing touches at the start, in a box that closes (residual 5 before). */
+/* 125 loose spheres without contacts at the start, in a box that closes (residual 5 before). */
 static void a_closing_box_of_loose_spheres_keeps_its_ledger(void **state) {
     (void)state;
     text t = {0};
@@ -130,8 +130,9 @@ static void a_gas_keeps_its_energy_at_any_restitution(void **state) {
     }
 }
 
-/* A small sphere on a large one that is much heavier: c_r 1 gives its speed back; at 8 steps per
- * contact within some per cent of it whatever the phase (it was 3.9, 24 and 76 times the speed). */
+/* A small sphere hits a large one that is much heavier: with c_r 1 its speed is restored; at 8
+ * steps per contact within some per cent of it for any phase (it was 3.9, 24 and 76 times the
+ * speed). */
 static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
     (void)state;
     static const double ratio[] = {5.0, 30.0, 100.0};
@@ -157,8 +158,8 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
 
 /* --- the limit in flight and when lists are made --- */
 
-/* Nothing is near anything: the stiffest pair that there is counts, and not two of the smallest,
- * nor friction that the law does not have. */
+/* No objects are near each other: the stiffest existing pair counts, and neither two of the
+ * smallest radius, nor a friction that the law does not have. */
 static void one_tiny_particle_counts_as_it_is(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -268,7 +269,7 @@ static gn_world *loaded(const char *name) {
     return w;
 }
 
-/* Their steps were those before there was a rule for collisions and for contacts that may form. */
+/* Their steps equal those without the rules for collisions and for contacts that may form. */
 static void bonded_tests_keep_their_step(void **state) {
     (void)state;
     static const char *const names[] = {"ucs-rock.yaml", "ucs-discs.yaml"};
@@ -340,8 +341,8 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
             }
 }
 
-/* A sphere is torn off another: both are resolved from the next lists on. Where as many stay bonded
- * and one more, the step remains that of a bonded body. */
+/* A sphere is torn off another: the contacts of both are resolved from the next lists on. If other
+ * particles stay bonded and are more, the step remains that of a bonded body. */
 static void detached_particles_are_resolved_as_unbonded_ones(void **state) {
     (void)state;
     for (int more = 0; more < 2; more++) {
@@ -366,8 +367,8 @@ static void detached_particles_are_resolved_as_unbonded_ones(void **state) {
     }
 }
 
-/* A light sphere that tears off two heavy ones which are held, and rattles between them, beside a
- * bonded row that is most of the specimen and has 140 times its energy. */
+/* A light sphere that separates from two held heavy ones, and rattles between them, beside a bonded
+ * row that is most of the specimen and has 140 times its energy. */
 static gn_world *wedged(double speed, double strength, const char *more) {
     return world_of(
         "dimension: 3\nspecimen: {particles: [[-3e-3, 0, 0, 3e-3], [0.3e-3, 0, 0, 0.3e-3], "
@@ -406,14 +407,15 @@ static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
                              : wedged(1e-3, 5e-5, "");
         const double start = w->ctx.dt;
         residual_after(w, 1e-4);
-        assert_true(w->dem.broken_tension > 0); /* hangs on one bond at most */
+        assert_true(w->dem.broken_tension > 0); /* has one bond at most */
         assert_true(w->ctx.dt > 0.99 * start);
         world_end(w);
     }
 }
 
-/* A block without strength in a vice bursts at once, and then rattles in lists that stand for long:
- * the step is that of loose particles at the latest when the last bond has broken. */
+/* A block without strength in a vice breaks immediately, and its fragments then rattle in lists
+ * that remain valid for long: the step is that of loose particles at the latest when the last bond
+ * has broken. */
 static void bodies_that_break_between_lists_are_resolved_at_once(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -436,7 +438,7 @@ static void bodies_that_break_between_lists_are_resolved_at_once(void **state) {
     world_end(w);
 }
 
-/* A periodic fcc lattice of spheres that rattle or stand apart. */
+/* A periodic fcc lattice of spheres that rattle or are far apart. */
 static gn_world *rattling(double spacing, double restitution, double background) {
     double edge = 3.0 * 2e-3 * spacing * sqrt(2.0);
     return world_of(
@@ -489,7 +491,7 @@ static void contact_steps_can_be_asked_for(void **state) {
     world_end(w);
 }
 
-/* A free block is lighter than it seems where it can turn away. */
+/* The effective mass of a free block is smaller where it can rotate away. */
 static void a_wall_counts_as_immovable_and_a_light_body_gives_way(void **state) {
     (void)state;
     for (int body = 0; body < 2; body++) {

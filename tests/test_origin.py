@@ -14,7 +14,7 @@ def at(place, point):
 
 
 def bonded(place):
-    """A bonded block on a floor, a wall and a body that come, a set that is moved, one that was hit."""
+    """A bonded block on a floor, an approaching wall and body, a driven set, a set with an initial velocity."""
     return {
         "dimension": 3,
         "specimen": {"lattice": {"kind": "fcc", "radius": RADIUS, "cells": [3, 3, 4],
@@ -116,8 +116,8 @@ def a_bonded_model_has_the_same_bits_wherever_it_stands(folder):
 
 @fact
 def another_origin_changes_round_off_only(folder):
-    # Places 0.5 m from the origin are rounded to 1e-16 m, and that adds up over 100 steps. Damping is
-    # viscous: the direction in which the other one pulls a particle at rest is a matter of round-off.
+    # Positions 0.5 m from the origin are rounded to 1e-16 m, and that accumulates over 100 steps. Damping is viscous:
+    # the direction of the force on a particle at rest depends on round-off.
     scene = {**bonded(MAP), "time": {"end": 2e-4, "step": 2e-6},
              "damping": {"background": {"model": "viscous", "coefficient": 1e3}}}
     one = done(folder, scene, "one")
@@ -370,7 +370,7 @@ def check_shows_the_origin_and_the_coordinates_of_the_scene(folder):
 
 @fact
 def a_body_at_rest_enters_the_next_stage(folder):
-    """However slow it has become: of that only what is set at the start has to be more than rounding."""
+    """However slow it has become: only values set at the start have to exceed rounding."""
     block = {"name": "block", "origin": [-0.01, -0.01, 0.001], "stiffness": 1e6, "friction": 0.5, "kratio": 2, "free": True, "density": 2500,
              "box": {"size": [0.02, 0.02, 0.02]}}
     scene = {"dimension": 3, "law": {"stiffness": "uniform"}, "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 2, "friction": 0.3}],

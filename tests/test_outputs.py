@@ -1,4 +1,4 @@
-"""Contacts, bursts and fragments in files on request, held against closed forms and against each other. Speaks TAP."""
+"""Contacts, bursts and fragments in files on request, compared with closed forms and with each other. Speaks TAP."""
 from program import *  # noqa: F403
 
 ALL = ("--set", "output.contacts=on")
@@ -55,7 +55,7 @@ def contacts_of_a_broken_rock_have_the_force_of_their_overlap(folder):
         weak = two & held & (kn * -c["overlap"] > 0.99 * 40e6 * c["area"])  # which break in the next step
         assert np.abs(c["normal_force"] + kn * c["overlap"])[two & ~weak].max() < share * largest
         assert (c["overlap"][two & ~held] > 0).all()
-        # At walls it is the force of the last step, in which they and the particles moved on.
+        # At walls it is the force of the last step, after which they and the particles have moved.
         assert np.abs(c["normal_force"] + kn * c["overlap"])[~two].max() < 15e6 * 2 * 5 * 3e-7
         assert np.allclose(c["area"], 4 * np.minimum(ri, rj) ** 2, rtol=1e-12)
         assert np.count_nonzero(weak) < 0.01 * len(two)
@@ -206,7 +206,7 @@ def contacts_are_refused_where_there_are_no_particles(folder):
 # --- bursts --------------------------------------------------------------------------------------------
 
 def bursts_by_hand(folder, period=None):
-    """The burst of each break, by comparing all with all."""
+    """The burst of each break, found by comparing all pairs."""
     e = at_end(folder, "events")
     with results(folder) as file:
         reach, window = (float(file["bursts"].attrs[name]) for name in ("reach", "window"))

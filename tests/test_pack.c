@@ -229,7 +229,7 @@ static void the_mean_radius_asked_for_comes_out(void **state) {
     }
 }
 
-/* Mean of radius over the size asked for, of the particles with y (3D: z) in that range. */
+/* Mean ratio of radius to requested size, of the particles with y (3D: z) in that range. */
 static double mean_size(const gn_scene *s, const gn_pack_result *r, double from, double to,
                         bool relative) {
     gn_pack_shape body;

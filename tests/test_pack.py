@@ -241,13 +241,12 @@ def quiet_prints_the_figures_and_nothing_else(folder):
 @fact
 def a_log_as_json_has_valid_lines(folder):
     out, done = pack(folder, request(folder, particles=3000), "--log", "json", "--threads", 1)
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
-    last = lines[-1]
+    last, = logged(done.stdout)
     assert last["particles"] == 3000 and last["in_time"] is True and last["from_cache"] is False
     with h5py.File(os.path.join(out, "packing.h5")) as file:
         for name in ("porosity", "coordination_1", "radius_mean", "overlap_max", "anisotropy"):
             assert last[name] == float(file["quality/" + name][0]), name
-    for line in lines[:-1]:
+    for line in logged(done.stdout, "progress"):
         assert line["packing"] in ("spread", "compress", "decompress", "close", "separate"), line
         assert 0 < line["fraction"] <= 1 and line["particles"] == 3000 and line["iteration"] > 0, line
     assert not done.stderr, done.stderr
@@ -342,7 +341,8 @@ def a_scene_runs_the_particles_that_pack_writes(folder):
 
 @fact
 def a_specimen_may_come_from_the_folder_of_a_packing(folder):
-    """The bits and the volume of the scene that packs it, also after a stop; at rest, and without bonds of its own."""
+    """The bits and the volume are those of the scene that makes the packing, also after a stop; at rest, and without bonds
+    of its own."""
     own = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 200", "own.yaml")
     path, _ = pack(folder, own)
     other = scene_of_specimen(folder, f"from: {path}", "other.yaml")
@@ -407,7 +407,7 @@ def interrupted(folder, *arguments):
     with subprocess.Popen(command(*arguments, "--log", "json"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, env=environment) as process:
         line = process.stdout.readline()
-        assert json.loads(line)["packing"], line
+        assert json.loads(line)["progress"]["packing"], line
         process.send_signal(signal.SIGINT)
         stdout, stderr = process.communicate(timeout=120)
     assert process.returncode == 6, f"exit code {process.returncode}: {stderr}"
@@ -461,7 +461,7 @@ def a_folder_in_the_place_of_a_file_is_an_error(folder):
 
 
 def in_namespace(script, *arguments, cache):
-    """A shell script with a mount table of its own; `$1` is a folder on a small disk."""
+    """A shell script with its own mount table; `$1` is a folder on a small disk."""
     try:
         if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:
             raise Skip("no mount namespaces for this user")
@@ -654,7 +654,7 @@ test: {kind: compression, axis: z, lower: low, upper: up, length: 20 mm}
 
 @fact
 def a_mean_stress_is_over_the_volume_of_the_shape(folder):
-    """The file says so, and the run that packs by itself (no file of particles) agrees."""
+    """The file says so, and a run that makes the packing itself (without a file of particles) agrees."""
     scene, volume = concave(folder)
     out = os.path.join(folder, "out")
     run(scene, out, **cached(folder))
@@ -670,7 +670,7 @@ def particles_from_a_file_have_the_volume_of_their_hull_and_say_so(folder):
     shutil.copy(os.path.join(made, "packing.txt"), folder)
     checked = expect(gneiss("check", scene_of_specimen(folder, "file: packing.txt")), 0).stdout
     assert "of the convex hull of the particles" in checked, checked
-    # The hull of spheres inside the L: less than the hull of the L, more than half way to it.
+    # The hull of spheres inside the L: smaller than the hull of the L, and nearer to it than to the L.
     assert 0.5 * (L_AREA + L_HULL) < found(r"volume +(\S+) m3", checked) / 20e-3 < L_HULL, checked
 
 
@@ -686,8 +686,8 @@ def sized(folder, packing, name):
 
 
 def check_law(radii, law):
-    """Radii that may change by a tenth of themselves have the quantiles of the law, in some unit, to a tenth; 1200 draws are within 5 %
-    of the range of theirs."""
+    """Radii that may change by a tenth of themselves have the quantiles of the law, in some unit, to a tenth; the
+    quantiles of 1200 draws are within 5 % of their range."""
     unit = np.median(radii / law)
     assert np.all(np.abs(radii / unit - law) < 0.1 * law + 0.05 * (law.max() - law.min())), np.abs(radii / unit / law - 1).max()
 
@@ -725,7 +725,7 @@ def no_size_that_is_asked_for_changes_by_more_than_a_tenth(folder):
 
 @fact
 def normal_sizes_come_out_normal(folder):
-    """A deviation of a fifth of the mean: the ratio of 4 cuts at three of them."""
+    """A standard deviation of a fifth of the mean: the ratio of 4 truncates at three of them."""
     radii, quality = sized(folder, {"sizes": "normal", "size_ratio": 4, "size_variation": 0.2}, "normal")
     assert abs(quality["radius_variation"] - 0.2) < 0.03, quality["radius_variation"]
     assert abs(quality["radius_skewness"]) < 0.3 and abs(quality["radius_kurtosis"] - 3) < 0.5, quality
@@ -797,7 +797,7 @@ def files_of_others_are_replaced_by_a_packing_only_with_force(folder):
         expect(gneiss("pack", scene, "--out", out, "--force"), 0)
         expect(gneiss("pack", scene, "--out", out), 0)  # own files are replaced
         os.remove(os.path.join(out, "packing.h5"))
-        expect(gneiss("pack", scene, "--out", out), 0)  # as a call that was killed leaves them
+        expect(gneiss("pack", scene, "--out", out), 0)  # as killed calls leave them
         shutil.rmtree(out)
         os.mkdir(out)
 

@@ -216,7 +216,7 @@ static void a_damaged_file_is_not_used_and_is_replaced(void **state) {
         gn_pack_result r;
         char note[512];
         ok(gn_pack_obtain(&s, NULL, NULL, &r, note, sizeof note, error));
-        /* Bytes that nothing is kept in may change unseen; numbers may not. */
+        /* Unused bytes may change undetected; numbers may not. */
         if (!same_bits(&good, &r) || r.trace_count != good.trace_count)
             fail_msg("byte %zu of %zu changed unseen", at, size);
         assert_true(r.from_cache == !*note);

@@ -1,4 +1,4 @@
-/* Packings that end early, are given up, or cannot be made. */
+/* Packings that end early, are interrupted, or cannot be made. */
 #include "pack_help.h"
 
 static int setup(void **state) {

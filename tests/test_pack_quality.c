@@ -1,4 +1,4 @@
-/* The figures of a packing, against packings that are known. */
+/* The measures of a packing, compared with known packings. */
 #include "test.h"
 
 #include "measure/measure.h"

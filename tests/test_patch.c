@@ -1,4 +1,4 @@
-/* Pressure over a deforming surface: a plane as one contact, and a potential. */
+/* Pressure over a deforming surface: a plane acts as one contact, and there is a potential. */
 #include "surface_helpers.h"
 
 #include "surfaces/patch.h"
@@ -36,7 +36,8 @@ static void make_sheet(int corners, double rough, uint64_t seed, sheet *s) {
         }
 }
 
-/* Over k: the force on the surface, the potential, and forces on vertices (NULL: not asked for). */
+/* Divided by k: the force on the surface, the potential, and forces on vertices (NULL: not
+ * requested). */
 static double press(const sheet *s, const double centre[3], double radius, double force[3],
                     double (*on)[3]) {
     double sum = 0.0;
@@ -78,8 +79,8 @@ static void a_plane_however_it_is_cut_is_one_contact(void **state) {
         }
 }
 
-/* The force is the gradient of the potential, for the particle; and for vertices along the normal
- * but for what stretches the surface. */
+/* The force is the gradient of the potential, for the particle, and for vertices along the normal
+ * except for the stretch of the surface. */
 static void the_force_is_that_of_the_potential(void **state) {
     (void)state;
     const double step = 1e-6;
@@ -150,7 +151,7 @@ static void contacts_share_force_and_potential(void **state) {
 enum { BLOCK_CELLS = 8 };
 
 /* Upper face of 2 m x 2 m at height 0 and its sides, 1 m deep (2D: the same in the plane); all
- * places of nodes are exact in binary numbers. */
+ * coordinates are exact in binary. */
 static void make_block(int corners, soup *s) {
     const double h = 2.0 / BLOCK_CELLS;
     const int down = BLOCK_CELLS / 2;

@@ -1,5 +1,5 @@
 /* Bodies, walls and nodes that move so fast that they would pass through particles between two
- * steps: the run stops and says which. */
+ * steps: the run stops and names them. */
 #include "world_helpers.h"
 
 /* A sphere of radius 1 mm at the origin, 1 us a step: half a radius a step is 500 m/s. */
@@ -83,7 +83,7 @@ static void a_wall_may_slide_along_itself(void **state) {
     passes(LID("motion: {vx: 1e6}"));
 }
 
-/* Whoever is measured first has the initial spins. */
+/* The first measured bodies have the initial spins. */
 static void a_particle_may_turn_half_a_radian_in_a_step(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -105,7 +105,7 @@ static void a_node_may_move_half_a_radius_in_a_step(void **state) {
 }
 
 /* At the automatic step a free grain flies a part of its radius in a step, and touches for one or
- * two of these: from any direction, the step is that of the contact when it begins. */
+ * two steps: from any direction, the step is that of the contact when it begins. */
 static void a_flight_ends_with_the_step_of_the_contact(void **state) {
     (void)state;
     for (int k = 0; k < 40; k++) {

@@ -96,7 +96,7 @@ static void biases_of_one_sense_add_up(void **state) {
     c.cause[2].bias = -0.01;
     assert_near(gn_causes_total(&c), hypot(0.05, 0.04), 1e-16);
     assert_near(gn_causes_without_scatter(&c), 0.05, 1e-16);
-    /* Half of one is the doubt of its law. */
+    /* The uncertainty of its law is half of one cause. */
     c.cause[1].bias = 0.015;
     assert_near(gn_causes_without_scatter(&c), hypot(0.035, sqrt(0.03 * 0.03 - 0.015 * 0.015)),
                 1e-16);
@@ -271,7 +271,7 @@ static void an_error_below_the_floor_is_not_reached(void **state) {
     free(w);
 }
 
-/* One that hangs on a single bond rolls about its neighbour. */
+/* A particle with a single bond rolls about its neighbour. */
 static void a_start_at_the_first_break_needs_bonds_that_hold_every_particle(void **state) {
     (void)state;
     gneiss_error error = {0};

@@ -50,7 +50,7 @@ def plan(scene, *arguments, code=0):
 
 
 def reported(scene, *arguments):
-    return json.loads(plan(scene, "--log", "json", *arguments).stdout.splitlines()[-1])
+    return logged(plan(scene, "--log", "json", *arguments).stdout)[-1]
 
 
 def proposed(scene, *arguments):
@@ -256,7 +256,7 @@ def the_causes_in_the_error_budget_of_a_finished_run_add_up(folder):
 
 @fact
 def a_peak_between_two_rows_has_an_error_of_that(folder):
-    """As much as the stress rose to the row of the largest from the one before."""
+    """The rise of stress to the row of the largest one from the row before."""
     out, b = budget(folder, "--set", "output.history_rows=60")
     with results(out) as file:
         stress = file["history/stress"][()]
@@ -268,12 +268,12 @@ def a_peak_between_two_rows_has_an_error_of_that(folder):
 
 @fact
 def a_plan_has_rows_enough_for_its_peak(folder):
-    """Ten rows over the whole path, of which the peak takes a part."""
+    """Ten rows over the whole path, a part of which is up to the peak."""
     path = os.path.join(folder, "few.yaml")
     expect(gneiss("plan", rock(folder), "--set", "output.history_rows=10", "--error", "10%", "--write", path), 0)
     said = expect(gneiss("plan", path, "--error", "10%", "--log", "json"), 0)
     rows = int(re.search(r"history_rows: (\d+)", open(path, encoding="utf-8").read()).group(1))
-    estimate = json.loads(said.stdout.splitlines()[-1])["estimate"]
+    estimate = logged(said.stdout)[-1]["estimate"]
     assert rows * estimate["strain"] / estimate["path"] >= 99, (rows, estimate)
 
 

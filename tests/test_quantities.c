@@ -1,5 +1,5 @@
-/* docs/quantities.md agrees with the tables of quantities, and a history has the quantities of the
- * tables. `test_quantities FILE` writes the page. */
+/* docs/quantities*.md agree with the tables of quantities, and a history has the quantities of the
+ * tables. `test_quantities docs` writes the pages. */
 #include "world_helpers.h"
 
 #include "run/history_rows.h"
@@ -63,43 +63,48 @@ static const char *tests_of(gn_reading which, char *of, size_t size) {
     return of;
 }
 
-static char *page(void) {
-    char *made = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&made, &size);
-    assert_non_null(file);
-    fprintf(
-        file,
-        "# Quantities\n\nWritten by `build/tests/test_quantities docs/quantities.md` from the "
-        "tables that also drive what is measured and\nwritten (src/run/quantities.c, "
-        "src/run/output_fields.c, output_contacts.c, events.c, output_fragments.c, "
-        "output_elements.c, output_bodies.c, "
-        "src/measure/energy.h, "
-        "src/test_kinds/readings.h). Where they "
-        "stand:\n[results.md](results.md).\n\n## History\n\nA row is of the instant at which a "
+#define HEAD(TITLE, SOURCES)                                                                       \
+    "# " TITLE                                                                                     \
+    "\n\nWritten by `build/tests/test_quantities docs` from the tables that also drive "           \
+    "what is measured and written\n(" SOURCES ").\n\n"
+
+static void write_history(FILE *file) {
+    fputs(HEAD("Quantities", "src/run/quantities.c, src/measure/energy.h"), file);
+    fputs(
+        "[Readings](quantities-readings.md) and [fields](quantities-fields.md) have pages of their "
+        "own; [results-h5.md](results-h5.md) says where they stand.\n\n"
+        "## History\n\nA row is of the instant at which a "
         "step starts. `_x ..` stands for the components that the dimension has: `_x _y _z`,\nof "
         "moments in 2D `_z`; `_xx ..` for `_xx _yy _zz _xy _yz _xz`.\n\n| column | unit | is | "
-        "there |\n| --- | --- | --- | --- |\n");
+        "there |\n| --- | --- | --- | --- |\n",
+        file);
     for (int g = 0; g < GN_QUANTITY_GROUPS; g++)
         for (size_t k = 0; k < gn_quantity_groups[g].quantity_count; k++)
             history_row(file, &gn_quantity_groups[g], &gn_quantity_groups[g].quantities[k]);
     gn_energy_figure figure[GN_ENERGY_FIGURES];
     gn_energy_figures(&(gn_energy){0}, figure);
-    fprintf(file, "\n## Energy\n\nThe ledger at the last measured instant: that of the last step, "
-                  "or of a row that ended the run.\n\n| term | kind | unit | "
-                  "is |\n| --- | --- | --- | --- |\n");
+    fputs("\n## Energy\n\nThe ledger at the last measured instant: that of the last step, or of a "
+          "row that ended the run.\n\n| term | kind | unit | is |\n| --- | --- | --- | --- |\n",
+          file);
     for (int k = 0; k < GN_ENERGY_FIGURES; k++)
         fprintf(file, "| `%s` | %s | %s | %s |\n", figure[k].name,
                 figure[k].kind ? figure[k].kind : "", figure[k].unit, figure[k].text);
-    fprintf(file, "\n## Readings\n\nWhen they are there: "
-                  "[results.md](results.md#readings).\n\n| reading | unit | is | of |\n| --- | "
-                  "--- | --- | --- |\n");
+}
+
+static void write_readings(FILE *file) {
     char of[256];
+    fputs(HEAD("Readings, a table", "src/test_kinds/readings.h"), file);
+    fputs("When they are there, and how they are read: [readings.md](readings.md).\n\n"
+          "| reading | unit | is | of |\n| --- | --- | --- | --- |\n",
+          file);
 #define X(name, unit, text)                                                                        \
     fprintf(file, "| `%s` | %s | %s | %s |\n", #name, unit, text,                                  \
             tests_of(GN_READING_##name, of, sizeof of));
     GN_READINGS(X)
 #undef X
+}
+
+static void write_fields(FILE *file) {
     static const struct {
         const char *title;
         const gn_output_table *table;
@@ -115,32 +120,51 @@ static char *page(void) {
                   {"Bodies", &gn_body_outputs},
                   {"Vertices of bodies", &gn_vertex_outputs},
                   {"Facets of bodies", &gn_facet_outputs}};
+    fputs(HEAD("Fields", "src/run/output_fields.c, output_contacts.c, events.c, "
+                         "output_fragments.c, output_elements.c, output_bodies.c"),
+          file);
+    fputs("Data of particles, bonds, elements and bodies in results.h5 and snapshots "
+          "([results-h5.md](results-h5.md)).\n",
+          file);
     for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) {
         fprintf(file, "\n## %s\n", tables[k].title);
         field_rows(file, tables[k].table);
         if (tables[k].table == &gn_body_outputs) owner_rows(file, "bodies");
     }
-    fprintf(file,
-            "\n## Motions\n\n| field | components | unit | is | in |\n| --- | --- | --- | --- "
-            "| --- |\n");
+    fputs("\n## Motions\n\n| field | components | unit | is | in |\n| --- | --- | --- | --- | --- "
+          "|\n",
+          file);
     owner_rows(file, "motions");
-    assert_int_equal(fclose(file), 0);
-    return made;
 }
 
-static void docs_quantities_md_is_up_to_date(void **state) {
+static const struct {
+    const char *name;
+    void (*write)(FILE *file);
+} pages[] = {{"quantities.md", write_history},
+             {"quantities-readings.md", write_readings},
+             {"quantities-fields.md", write_fields}};
+enum { PAGES = sizeof pages / sizeof *pages };
+
+static void docs_quantities_are_up_to_date(void **state) {
     (void)state;
     enum { MOST = 1 << 16 };
-    char path[4096], *wanted = page(), *there = calloc(1, MOST);
-    snprintf(path, sizeof path, "%s/docs/quantities.md", test_source());
-    FILE *file = fopen(path, "r");
-    if (!file) fail_msg("%s is missing", path);
-    there[fread(there, 1, MOST - 1, file)] = 0;
-    fclose(file);
-    if (strcmp(wanted, there) != 0)
-        fail_msg("stale: build/tests/test_quantities docs/quantities.md");
-    free(wanted);
-    free(there);
+    for (int k = 0; k < PAGES; k++) {
+        char path[4096], *wanted = NULL, *there = calloc(1, MOST);
+        size_t size = 0;
+        FILE *made = open_memstream(&wanted, &size);
+        assert_non_null(made);
+        pages[k].write(made);
+        assert_int_equal(fclose(made), 0);
+        snprintf(path, sizeof path, "%s/docs/%s", test_source(), pages[k].name);
+        FILE *file = fopen(path, "r");
+        if (!file) fail_msg("%s is missing", path);
+        there[fread(there, 1, MOST - 1, file)] = 0;
+        fclose(file);
+        if (strcmp(wanted, there) != 0)
+            fail_msg("%s: stale: build/tests/test_quantities docs", path);
+        free(wanted);
+        free(there);
+    }
 }
 
 static const char scene[] =
@@ -213,7 +237,7 @@ static void results_have_the_final_quantities_of_bodies(void **state) {
     assert_int_equal(gn_h5_get(file, "bodies/displacement", GN_F64, 2, 3, 0, displacement, &error),
                      GNEISS_OK);
     assert_near(displacement[0][0], 0.0, 0.0);
-    /* Ten steps, each rounds a place of 9 mm by half of 1.7e-18 m. */
+    /* Ten steps, each of which rounds a coordinate of 9 mm by half of 1.7e-18 m. */
     assert_near(displacement[1][0], 1e-6, 9e-18);
     assert_near(displacement[1][1], 0.0, 0.0);
     for (size_t g = 0; g < GN_QUANTITY_GROUPS; g++)
@@ -231,15 +255,18 @@ static void results_have_the_final_quantities_of_bodies(void **state) {
 
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(docs_quantities_md_is_up_to_date),
+        cmocka_unit_test(docs_quantities_are_up_to_date),
         cmocka_unit_test(columns_follow_the_table),
         cmocka_unit_test(results_have_the_final_quantities_of_bodies),
     };
     if (argc < 2) return cmocka_run_group_tests(tests, NULL, NULL);
-    FILE *file = fopen(argv[1], "w");
-    char *made = page();
-    bool bad = !file || fputs(made, file) < 0;
-    if (file && fclose(file)) bad = true;
-    free(made);
-    return bad;
+    for (int k = 0; k < PAGES; k++) {
+        char path[4096];
+        snprintf(path, sizeof path, "%s/%s", argv[1], pages[k].name);
+        FILE *file = fopen(path, "w");
+        if (!file) return 1;
+        pages[k].write(file);
+        if (fclose(file) != 0) return 1;
+    }
+    return 0;
 }

@@ -20,9 +20,9 @@ static void history_make(gn_history *h) {
                          GNEISS_OK);
 }
 
-/* A test to the strain 2e-3 at 64 MPa and down again. `sign` +1 tension: the average axial strain
- * is 0.9 of the platen strain, the lateral ones 0.15 and 0.25 of the average. Below 1 % and above
- * 50 % of the peak the curve has other slopes, so that a reading from there would show. */
+/* A test to the strain 2e-3 at 64 MPa and unloading. `sign` +1 tension: the average axial strain is
+ * 0.9 of the platen strain, the lateral ones 0.15 and 0.25 of the average. Below 1 % and above 50 %
+ * of the peak the curve has other slopes, so that a reading from there would differ. */
 static void history_of_test(gn_history *h, int axis, int sign, int rows) {
     const double modulus = 40e9, peak = 64e6;
     history_make(h);
@@ -49,7 +49,7 @@ static gn_readings read_history(const gn_history *h, int dimension, int axis, in
     return r;
 }
 
-/* Before half of the largest stress, which the platen strain does not show; and after it. */
+/* Before half of the largest stress, which is not visible in the platen strain; and after it. */
 static void a_specimen_of_which_too_little_is_left_has_no_average_strain(void **state) {
     (void)state;
     for (int late = 0; late < 2; late++) {
@@ -434,7 +434,7 @@ static void a_missing_share_of_the_load_shows_and_waves_do_not(void **state) {
     add_column(&h, "stress_lower", waved);
     add_column(&h, "stress_upper", whole);
     r = read_history(&h, 3, 2, -1);
-    assert_true(r.end_imbalance < 1.1e6 / (100 * 32e6)); /* one wave at most is not made up for */
+    assert_true(r.end_imbalance < 1.1e6 / (100 * 32e6)); /* at most one wave is not corrected */
     gn_history_free(&h);
 }
 
@@ -536,7 +536,7 @@ static void work_that_is_taken_back_still_counts_as_passed(void **state) {
 
 static void energy_from_nowhere_cannot_hide_behind_itself(void **state) {
     (void)state;
-    /* 1 J came in, 10 J are stored and 20 J were dissipated: 29 of 20 that passed. */
+    /* 1 J was supplied, 10 J are stored and 20 J were dissipated: 29 of 20 that passed. */
     gn_energy e = {.work_walls = 1, .elastic_normal = 12, .kinetic = -2, .friction = 20};
     assert_close(gn_energy_scale(&e), 20, 1e-15);
     assert_close(gn_energy_residual(&e), 29.0 / 20, 1e-15);

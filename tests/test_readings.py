@@ -78,7 +78,7 @@ def particles_have_force_and_deflection_as_elements_have(folder):
 
 @fact
 def a_reaction_goes_to_the_set_that_drives_the_channel(folder):
-    """A pin that holds a support sideways does not take its vertical force."""
+    """A pin that holds a support sideways does not carry its vertical force."""
     pin = part("pin", [0, 0], [2e-3, 2e-3], vx=0)
     out, _ = run_scene(folder, bending(["left", "right"], [pin]), "--quiet")
     rows = history(out)
@@ -88,7 +88,7 @@ def a_reaction_goes_to_the_set_that_drives_the_channel(folder):
 
 @fact
 def bodies_and_walls_make_an_end_together(folder):
-    """Two blocks below, a wall above; each part has its share, the travel is the mean over the parts."""
+    """Two blocks below, a wall above; each part carries its share, the travel is the mean over the parts."""
     def foot(name, x, speed):
         corners = [[x, -2e-3], [x + 6e-3, -2e-3], [x + 6e-3, 0], [x, 0]]
         return {"name": name, "polygon": corners, "stiffness": 1e6, "motion": {"vy": speed}}
@@ -145,8 +145,8 @@ def between(cells, sides=None, **more):
 
 @fact
 def one_axis_gives_a_modulus_and_poissons_ratio(folder):
-    """A square lattice along its bonds: k_n per unit of width, nothing sideways, in series with two walls of k_n
-    per column, as stiff as a bond each: 12 discs have 11 bonds and 12 diameters."""
+    """A square lattice along its bonds: k_n per unit of width, no lateral strain, in series with two walls of k_n per
+    column, as stiff as a bond each: 12 discs have 11 bonds and 12 diameters."""
     out, _ = run_scene(folder, between([6, 12]), "--quiet")
     readings = summary(out)["readings"]
     assert abs(readings["young_modulus"] / (1e6 * 12 / 13) - 1) < 0.02, readings
@@ -189,7 +189,7 @@ def soft_walls_leave_the_modulus_over_the_mean_strain(folder):
     run(UCS, soft, "--set", "walls.bottom.stiffness=1e6", "--set", "walls.top.stiffness=1e6")
     read = summary(soft)["readings"]
     assert read["young_modulus"] is None and "soft ends" in absent(soft)["young_modulus"], absent(soft)
-    # Loaded 5 times slower, it is less of a wave than the other: a few percent.
+    # Loaded 5 times slower, its wave is smaller than that of the other: a few percent.
     assert abs(read["young_modulus_average"] / stiff["young_modulus_average"] - 1) < 0.05, (read, stiff)
     assert abs(read["poisson_ratio"] - stiff["poisson_ratio"]) < 0.01, (read, stiff)
 
@@ -232,7 +232,7 @@ def without_a_test_every_reading_is_absent_for_that(folder):
 
 @fact
 def a_peak_from_few_rows_is_reported_with_its_range(folder):
-    """A brittle block with the same bits, read off many rows and off few."""
+    """A brittle block whose readings are formed from many and from few rows, with the same bits."""
     peaks = {}
     for rows in (300, 6, 3):
         out = os.path.join(folder, str(rows))
@@ -251,8 +251,9 @@ def a_peak_from_few_rows_is_reported_with_its_range(folder):
 
 
 def packed(kind, **more):
-    """A packed prism between frictionless walls whose contacts are four times as weak pulled as sheared: cracks open from a fifth of
-    the strength on, along the load, and the sides move by more than those of a whole specimen."""
+    """A packed prism between frictionless walls whose contacts have a quarter of their shear strength in tension:
+    cracks open from a fifth of the strength on, along the load, and the sides move by more than those of an intact
+    specimen."""
     height, width = 30e-3, 15e-3
     plane = kind == "biaxial"
     shape = {"rectangle": {"width": width, "height": height}} if plane else {"cylinder": {"diameter": width, "height": height}}
@@ -299,8 +300,8 @@ def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
 
 @plain_fact
 def the_modulus_of_a_body_with_a_waist_is_that_of_its_material(folder):
-    """Stress over the waist and closing over the whole length belong to no one length: a third too much was read of discs packed in
-    such a shape. Against a strip of the same width and density."""
+    """Stress of the waist and closing over the whole length do not refer to the same length: readings of discs packed
+    in such a shape were a third too large. Compared with a strip of the same width and density."""
     length, waist = 60e-3, 10e-3
     sides = [(0.0, 1.0), (0.1, 1.0), (0.3, 0.5), (0.7, 0.5), (0.9, 1.0), (1.0, 1.0)]  # of the length; half widths over the waist
     corners = [[sign * w * waist, y * length] for sign, line in ((1, sides), (-1, sides[::-1])) for y, w in line]
@@ -343,7 +344,7 @@ def mirrored(sides):
 
 @fact
 def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(folder):
-    """The area of a body that tapers was taken for that of its narrowest place whatever it was, and the modulus scaled by that."""
+    """The area of every tapered body was taken as that of its narrowest section, and the modulus scaled by it."""
     length = 40e-3
     scene = pressed(mirrored([(0, 10e-3), (length, 5e-3)]), length, 800)
     out, _ = run_scene(folder, {**scene, "time": {"end": 1e-8}}, "--quiet", "--force")
@@ -368,7 +369,8 @@ def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(fold
 
 @plain_fact
 def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
-    """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. Against a strip without steps."""
+    """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. Compared
+    with a strip without steps."""
     length, waist = 60e-3, 6e-3
     found = {}
     for name, sides, count in (("strip", [(0, waist), (length, waist)], 1000),
@@ -386,7 +388,7 @@ def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
 
 @plain_fact
 def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
-    """Platens begin away from the specimen: walls or bodies, on one side or both."""
+    """Platens start at a distance from the specimen: walls or bodies, on one side or both."""
     def closing(gap_below, gap_above, kind="wall", **more):
         scene = packed("compression", **more)
         for wall, gap in zip(scene["walls"], (-gap_below, gap_above)):
@@ -402,7 +404,8 @@ def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
         out, _ = run_scene(folder, scene, "--quiet", "--force")
         return history(out), summary(out)["readings"]
 
-    # Grains stand a little proud of the end planes, into platens that touch these: the first of them is the contact otherwise.
+    # Grains protrude slightly beyond the end planes, into platens that touch these planes: without an allowance the
+    # first of them would form the only contact.
     _, flush = closing(0, 0)
     _, there = closing(0.2e-3, 0.2e-3)
     assert abs(there["peak_strain"] / flush["peak_strain"] - 1) < 0.25, (there["peak_strain"], flush["peak_strain"])
@@ -412,14 +415,15 @@ def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
         assert abs(found["peak_strain"] / there["peak_strain"] - 1) < 0.05, (gaps, kind, found["peak_strain"], there["peak_strain"])
         touched = np.argmax((rows["stress_lower"] != 0) & (rows["stress_upper"] != 0))
         assert np.all(rows["strain"][: touched] == 0) and rows["deflection"][touched] > 0.8 * sum(gaps), (gaps, kind, rows["deflection"][touched])
-    # The statics before the first break have few rows in the air.
+    # The static states before the first break have few rows without contact.
     rows, found = closing(0.2e-3, 0.2e-3, time={"start": "first_break", "stop": {"peak_drop": 0.4}})
     assert abs(found["peak_strain"] / there["peak_strain"] - 1) < 0.05, (found["peak_strain"], there["peak_strain"])
 
 
 @fact
 def a_gap_to_unbonded_grains_that_counts_as_strain_is_reported(folder):
-    """They touch the ends no more than each other: within their spacing the strain counts from the start, beyond it from contact."""
+    """They touch the ends no more than each other: within their spacing the strain counts from the start, beyond it
+    from contact."""
     height = 30e-3
     for gap, said in ((0.5e-3, "strain counts from the start"), (5e-3, "strain counts from contact")):
         scene = packed("compression", bonds={"enabled": "off"}, time={"end": 1e-3}, gravity=[0, 0, 0])

@@ -51,7 +51,8 @@ static double rebound(const meeting *m, double restitution, double steps) {
     if (m->other == HELD) add(&t, "  - {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0}}\n");
     add(&t, "time: {step: %.17g, end: 1, on_unstable: warn}\nrun: {threads: 1}\n", dt);
     gn_world *w = world_of("%s", t.s);
-    /* The slowest to part, at critical damping, are at 1 % of the speed after eight of 1/w. */
+    /* At critical damping, the slowest separation, they are at 1 % of the speed after eight times
+     * 1/w. */
     run_steps(w, (int64_t)(steps * 4.0 + m->phase + 2.0));
     double parts = vel_of(w, moving)[0] - (m->other == WALL ? 0.0 : vel_of(w, 0)[0]);
     world_end(w);
@@ -78,8 +79,9 @@ static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     }
 }
 
-/* Two equal spheres that pass each other: `sideways` over the speed at which they near each other.
- * The speed at which they part over that, along the line on which they met. */
+/* Two equal spheres that pass each other; `sideways`: tangential speed relative to the speed of
+ * approach. Returns the speed of separation relative to the speed of approach, along the line of
+ * their first contact. */
 static double oblique(double restitution, double sideways, double depth, double phase,
                       double steps) {
     double r = 1e-3, m = sphere_mass(2500, r), k = 1e6, w0 = sqrt(2.0 * k / m),
@@ -118,8 +120,8 @@ static void restitution_is_kept_beside_sideways_motion(void **state) {
         }
 }
 
-/* A sphere held along x alone is hit along a normal at `angle` to x. Returns the speed of
- * separation along the normal over that of approach. */
+/* A sphere restrained along x only is hit along a normal at `angle` to x. Returns the speed of
+ * separation along the normal relative to that of approach. */
 static double held_along_x(double angle, double restitution) {
     double n[2] = {cos(angle), sin(angle)}, r = 1e-3, m = sphere_mass(2500, r);
     double w0 = sqrt(1e6 / m * (1.0 + n[1] * n[1])), dt = pi / w0 / GN_STEPS_PER_CONTACT;
@@ -247,9 +249,9 @@ static void spinning_clusters_keep_their_energy(void **state) {
     }
 }
 
-/* Along the normal of the end of a step the ends of a turning bond part by d W^2 dt/2; the distance
- * does not change. Taken from the former, 0.2 (W dt)^2 w/W of the energy is booked per radian: 8 %
- * here. */
+/* Along the normal of the end of a step the ends of a rotating bond separate by d W^2 dt/2; the
+ * distance does not change. With the former, 0.2 (W dt)^2 w/W of the energy is booked per radian: 8
+ * % here. */
 static void a_damped_cluster_that_turns_dissipates_nothing(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -265,7 +267,7 @@ static void a_damped_cluster_that_turns_dissipates_nothing(void **state) {
     double kinetic = e.kinetic + e.rotational;
     run_steps(w, 100000);
     e = measured_step(w);
-    /* The start, without the centrifugal strain (W/w)^2 = 2e-6, swings and is damped. */
+    /* Starting without the centrifugal strain (W/w)^2 = 2e-6 excites a damped oscillation. */
     assert_true(e.contact_damping < 1e-5 * kinetic);
     assert_true(fabs(gn_energy_residual(&e)) * gn_energy_scale(&e) < 1e-5 * kinetic);
     world_end(w);

@@ -1,18 +1,18 @@
-/* Particles that elements turn into are brought into balance within the instant. */
+/* Released particles are relaxed within the instant of conversion. */
 #include "conversion/conversion_private.h"
 #include "conversion_helpers.h"
 #include "particles/particles.h"
 #include "run_helpers.h"
 
 /* A block of elements of 2 mm, held all around, and a lattice in it whose particles are shifted by
- * up to a quarter of their radius: a packing that knows no affine equilibrium. */
+ * up to a quarter of their radius: a packing without an affine equilibrium. */
 typedef struct packed {
     int cells[3]; /* of elements */
     bool space;
     double jitter;         /* of a radius */
     double range;          /* of bonds, of a radius; 0: 0.35, all neighbours */
     const char *convert;   /* keys in addition to box and width; NULL: none */
-    const char *strength;  /* of bonds, N; NULL: none that counts */
+    const char *strength;  /* of bonds, N; NULL: unlimited */
     const char *materials; /* keys besides */
     const char *rest;      /* NULL: one thread */
     bool loose;            /* not held all around */
@@ -248,9 +248,9 @@ static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
 
 /* --- what is in balance --- */
 
-/* Except for the force that the edge of a zone leaves, spacing/(4 width) of a bond's, as the rows
- * beside it have half a spacing to it; at a corner from each side. Such a force moves less than
- * over half of the 8 mm that convert. */
+/* Except for the force at the edge of a zone, spacing/(4 width) of that of a bond, because the rows
+ * beside it are half a spacing away; at a corner from each side. Such a force moves less than over
+ * half of the 8 mm that convert. */
 static void a_lattice_in_uniform_strain_stays(void **state) {
     (void)state;
     const double ghost = sqrt(3.0) * 1e-3 / (4.0 * width);
@@ -498,8 +498,8 @@ static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
     world_end(w);
 }
 
-/* Their bonds, which have it as their length, are stored: a stiffness next to none and all of an
- * overlap would be energy that nothing made, however small the strain. */
+/* Their bonds, with the initial distance as length, are stored: as contacts of almost zero
+ * stiffness with a full overlap they would add spurious energy, however small the strain. */
 static void overlaps_of_dormant_particles_are_no_contacts(void **state) {
     (void)state;
     const double hardly[9] = {1e-9, 4e-10, 0, -2e-10, -3e-10, 0, 0, 0, 0};
@@ -539,7 +539,7 @@ static void threads_precision_and_resumption_give_the_same_bits(void **state) {
     }
 }
 
-/* Whatever kernels the steps before were made with. */
+/* Independent of the kernels with which earlier steps were made. */
 static void instruction_sets_give_the_same_bits(void **state) {
     (void)state;
     uint64_t first = 0;

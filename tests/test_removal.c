@@ -15,7 +15,7 @@ static gn_energy run_until_lost(gn_world *w, int64_t count) {
 
 static const double g0 = 9.81;
 
-/* Lies on the wall as deep as its weight presses it, and drifts across x = 10 mm. */
+/* On the wall with the overlap of its weight, drifting across x = 10 mm. */
 static void the_elastic_energy_at_a_wall_leaves_with_the_grain(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -33,7 +33,7 @@ static void the_elastic_energy_at_a_wall_leaves_with_the_grain(void **state) {
             dimension, space ? ", 0" : "", 1e-3 - depth, space ? ", 0" : "", space ? ", 0" : "",
             space ? ", 0" : "", k, v, space ? ", 0" : "", space ? ", -1" : "", space ? ", 1" : "");
         gn_energy e = run_until_lost(w, 1);
-        /* The overlap is rounded by some ulps of the radius, 1e-19 m; it swings by as much. */
+        /* The overlap is rounded by some ulps of the radius, 1e-19 m; it oscillates by as much. */
         double pressed = 0.5 * k * depth * depth, allowed = 100 * 2.2e-16 * 1e-3 / depth;
         assert_close(e.removed, 0.5 * m * v * v + pressed, allowed);
         assert_near(gn_energy_residual(&e), 0.0, allowed);
@@ -71,7 +71,7 @@ static double column(const gn_history *h, const char *name) {
     return value[h->row_count - 1];
 }
 
-/* Three in a row, and the last leaves without any force: one bond is removed, one stays. */
+/* Three in a row, and the last leaves without any force: one bond is removed, the other remains. */
 static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -100,8 +100,8 @@ static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     world_end(w);
 }
 
-/* A particle that moves while it is removed is in the middle of a step. The ledger is off by no
- * more than rounding (some 1e-16 of the scale per step) after it, whatever part of the contacts
+/* A particle that moves while it is removed is in the middle of a step. The error of the ledger
+ * after it is at most rounding (some 1e-16 of the scale per step), whichever part of the contacts
  * stores the energy; the steps before may have errors of their order. */
 static void closes(const char *what, const char *scene, int64_t lost) {
     gn_world *w = world_of("%stime: {end: 1, safety: 0.1}\nrun: {threads: 1}\n", scene);
@@ -188,7 +188,7 @@ static void a_collision_that_is_left_closes_the_ledger(void **state) {
     }
 }
 
-/* Slides and rolls, and swings upon it. */
+/* Slides and rolls, and oscillates on it. */
 static void slides_over(const char *what, const char *floor) {
     char scene[2048];
     snprintf(scene, sizeof scene,

@@ -18,7 +18,7 @@ from make_results import KINDS, PACKINGS, WITH_EVENTS, figures_of_quality, make,
 
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
-import report  # noqa: E402  (it stands in another folder)
+import report  # noqa: E402  (it is in another folder)
 import report_beside  # noqa: E402
 import report_curves  # noqa: E402
 import report_envelope  # noqa: E402
@@ -29,8 +29,8 @@ import report_tests  # noqa: E402
 
 
 def run_report(folder):
-    """As from the command line, in this process: loading matplotlib takes longer than the report. Any warning
-    is an error."""
+    """Runs the report as from the command line, but in this process, because loading matplotlib takes longer than the report.
+    Any warning is an error."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -180,7 +180,7 @@ def names_of_stages_and_legends_do_not_lie_over_each_other(folder):
 
 
 def the_line_of_the_modulus_lies_on_the_curve(folder):
-    """Where the section of the body varies E is another number than the slope of the curve, which the line has."""
+    """If the section of the body varies, E differs from the slope of the curve, which the line has."""
     path = os.path.join(folder, "results.h5")
     for factor in (1.0, 0.7):
         make("cylinder", path)

@@ -423,7 +423,7 @@ def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
 
 @fact
 def a_fast_body_takes_steps_that_grains_resolve(folder):
-    """A plate at 30 m/s into grains at rest, whose speed says nothing yet."""
+    """A plate at 30 m/s hits grains at rest, whose own speed gives no information yet."""
     r = 1e-3
     places = [[2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for i in range(3) for j in range(3) for k in range(3)]
     given = {"dimension": 3, "specimen": {"particles": places},
@@ -434,7 +434,7 @@ def a_fast_body_takes_steps_that_grains_resolve(folder):
     out = os.path.join(folder, "out")
     run(write_scene(folder, given), out)
     assert abs(summary(out)["energy_residual"]) < 0.01
-    with results(out) as file:  # the plate is at 24 mm: all of them are before it
+    with results(out) as file:  # the plate is at 24 mm: all of them are in front of it
         assert (file["particles/position"][:, 0] > 0.024).all()
 
 

@@ -46,7 +46,7 @@ def threads_that_follow_the_load_of_the_machine_change_no_bit(folder):
 
 
 def same_with_isa(folder, isa):
-    """Only energies are summed over lanes, in an order of each width's own; the state is the same for all."""
+    """Only energies are summed over lanes, in an order that depends on the width; the state is the same for all."""
     if not isas()[isa]:
         raise Skip(f"no {isa} on this machine")
     run(UCS, folder, "--threads", 2, environment={"GNEISS_ISA": isa})
@@ -75,7 +75,7 @@ def how_often_is_written_does_not_change_the_state(folder):
 
 @fact
 def mixed_precision_agrees_with_double_until_something_breaks(folder):
-    # Without background damping, whose direction at rest is that of rounding, so that it differs from the first step
+    # Without background damping, whose direction at rest depends on rounding, so that it differs from the first step
     # on.
     undamped = ("--set", "damping.background.model=none", "--set", "damping.background.coefficient=0")
     stress = {}

@@ -1,4 +1,4 @@
-"""Files whose lengths are taken for metres and are probably millimetres. Speaks TAP."""
+"""Files whose lengths are read as metres and are probably millimetres. Speaks TAP."""
 from program import *  # noqa: F403
 
 SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
@@ -17,7 +17,7 @@ def box_file(folder, name, *size):
 
 
 def core(folder, size=100, speed=0.05, end=0.01, depth=10, density=2500, **more):
-    """A block of half its height, pressed between its ends."""
+    """A block of half its height, loaded between its ends."""
     box_file(folder, "core.stl", size / 2, size / 2, size)
     ends = [{"name": side, "select": {"end": {"axis": "z", "side": side, "depth": depth}}, "motion": {"vz": v}}
             for side, v in (("lower", 0), ("upper", -speed))]

@@ -43,7 +43,7 @@ static void normal_numbers_have_the_deviation_asked_for(void **state) {
         const gn_scatter scatter = {GN_SCATTER_NORMAL, 0.0, deviation[k]};
         double mean, s;
         drawn(&scatter, 5, &mean, &s);
-        /* Cut at 0 and 2, three deviations away where it matters at all. */
+        /* Cut at 0 and 2, where it matters three deviations away. */
         double density = exp(-0.5 * cut * cut) / sqrt(2.0 * pi), inside = erf(cut / sqrt(2.0));
         double want = deviation[k] * sqrt(1.0 - 2.0 * cut * density / inside);
         assert_near(mean, 1.0, 4.0 * want / sqrt(DRAWS));
@@ -96,7 +96,7 @@ static void nothing_is_drawn_for_what_is_no_bond(void **state) {
 
 /* --- bonds --- */
 
-/* A row of bonded spheres along x; the last pulls. */
+/* A row of bonded spheres along x; the last one is pulled. */
 static gn_world *chain(int count, const char *material, const char *law, const char *more) {
     text *t = calloc(1, sizeof *t);
     add(t, "specimen: {particles: [");
@@ -141,7 +141,7 @@ static void bonds_draw_by_the_ids_of_their_ends(void **state) {
             assert_close(b->kt[c], a->kt[c] * stiffness, 1e-15);
             assert_true(strength != 1.0 && stiffness != 1.0);
         }
-        /* The step is that of the stiffest: the limit falls with it. */
+        /* The step is that of the stiffest bond: the limit decreases with it. */
         assert_true(w->ctx.choice.limit.sharp < plain->ctx.choice.limit.sharp);
         world_end(plain);
         world_end(w);

@@ -1,4 +1,5 @@
-/* Specimens that are packed: shapes, how much of what, and scenes read for their specimen only. */
+/* Packed specimens: shapes, numbers and sizes of particles, and scenes read for their specimen
+ * only. */
 #include "scene_text.h"
 
 #include <unistd.h>

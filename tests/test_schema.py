@@ -48,7 +48,7 @@ SCHEMA = validator("scene")
 
 
 def problems(data, of=SCHEMA):
-    """Paths and messages of what a schema refuses."""
+    """Paths and messages of the refusals by a schema."""
     return [(list(error.absolute_path), error.message[:200]) for error in of.iter_errors(data)]
 
 
@@ -239,9 +239,14 @@ def schemas_of_other_files_refuse_misspelt_keys_and_wrong_values(_):
     for kind, name, wrong in (("sweep", "sweep-strength", {"combine": "all"}), ("sweep", "sweep-strength", {"parameter": {}}),
                               ("calibrate", "calibrate-sandstone", {"targets": {"youngs_modulus": "20 GPa"}}),
                               ("calibrate", "calibrate-sandstone", {"dimension": 4}), ("calibrate", "calibrate-sandstone", {"scene": "rock.yaml"}),
+                              ("calibrate", "calibrate-sandstone", {"parameters": {"friction": [1]}}),
+                              ("calibrate", "calibrate-sandstone", {"targets": {"curve": {"confinement": "9 MPa"}}}),
                               ("pack", "pack-uniform", {"specimen": {"particles": "many"}})):
         data, of = read(f"{ROOT}/scenes/{name}.yaml"), validator(kind)
         assert not problems(data, of) and problems({**data, **wrong}, of), (kind, wrong)
+    data = {"scene": "base.yaml", "parameters": {"friction": [0.1, 1], "yield_stress_1": ["5 MPa", "50 MPa"]},
+            "targets": {"curve": ["a.csv", {"file": "b.csv", "confinement": "9 MPa", "tolerance": "5 %"}]}}
+    assert not problems(data, validator("calibrate")), data
 
 
 # --- explain -------------------------------------------------------------------------------------------

@@ -1,5 +1,5 @@
-/* A wall that a servo moves: whatever relaxation is asked for, the loop of wall and particles is
- * stable, also near the limit of the step. */
+/* A wall with a servo: for any requested relaxation the loop of wall and particles is stable, also
+ * near the limit of the step. */
 #include "boundary/boundary.h"
 #include "world_helpers.h"
 
@@ -40,9 +40,9 @@ static double unrest(gn_world *w, double time) {
     return most;
 }
 
-/* The force settles with the slowest of what damps it; after 10 ms (about 200 periods of a sphere
- * between its walls, 40 of a column of three) less than 1 % of the start is left. An unstable loop
- * swings between no contact and twice the force. */
+/* The force settles at the rate of the slowest damping; after 10 ms (about 200 periods of a sphere
+ * between its walls, 40 of a column of three) less than 1 % of the initial deviation is left. An
+ * unstable loop oscillates between no contact and twice the force. */
 static void settles(const char *particles, double top, double time) {
     const char *const dampings[] = {"", "contact: {restitution: 0.9}",
                                     "contact: {restitution: 0.5}", "contact: {restitution: 0.05}"};
@@ -70,7 +70,7 @@ static void a_lattice_settles_at_any_relaxation(void **state) {
     settles(cubes, 3 * 2e-3 * 0.9999, 10e-3);
 }
 
-/* A small relaxation is taken as it is: the first step moves the wall by it. */
+/* A small relaxation is used unchanged: the first step moves the wall by it. */
 static void the_default_is_not_touched(void **state) {
     (void)state;
     const char *const dampings[] = {"", "contact: {restitution: 0.5}"};
@@ -105,8 +105,8 @@ static void a_servo_approaches_a_crowd_of_grains_softly(void **state) {
         }
 }
 
-/* A box of spheres between six walls of which three hold a stress: in the end all walls do, by the
- * sections that they stand in then, and so does the mean stress. */
+/* A box of spheres between six walls, three of which are held at a stress: in the end all walls
+ * have it, relative to their present sections, and so does the mean stress. */
 static gn_world *box_of(const char *servos) {
     return world_of(
         "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1 mm, cells: [4, 3, 3], "

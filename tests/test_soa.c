@@ -132,8 +132,8 @@ static void the_hash_sees_state_and_nothing_else(void **state) {
     gn_soa_destroy(&gn_contact_record, &k);
 }
 
-/* A contact's past is what a rebuild must not lose: all of its state but the ends, by which it is
- * found again. */
+/* A rebuild must not lose the history of a contact: all of its state except the ends, by which it
+ * is found again. */
 static void all_state_of_a_contact_is_kept(void **state) {
     (void)state;
     const gn_record *records[] = {&gn_contact_record, &gn_wall_contact_record};
@@ -147,7 +147,7 @@ static void all_state_of_a_contact_is_kept(void **state) {
         }
 }
 
-/* One that stands in place of a double is there exactly when that is not. */
+/* A column that replaces a double exists exactly when the double does not. */
 static void a_column_has_one_form_or_the_other_or_both(void **state) {
     (void)state;
     const gn_record *records[] = {&gn_contact_record, &gn_element_record};
@@ -155,7 +155,8 @@ static void a_column_has_one_form_or_the_other_or_both(void **state) {
         for (size_t f = 0; f < records[r]->field_count; f++) {
             const gn_field *single = &records[r]->fields[f], *wide = single;
             if (!single->single_of) continue;
-            while (wide->offset != single->single_of) wide--; /* it stands before */
+            while (wide->offset != single->single_of)
+                wide--; /* the double column precedes its copy */
             assert_true(single->type == GN_F32 && wide->type == GN_F64);
             assert_int_equal(single->components, wide->components);
             gn_effects asked = single->needs | single->unless | wide->needs;

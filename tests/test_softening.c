@@ -1,5 +1,5 @@
-/* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths against
- * formulas and an integrator written down anew, and scenes. */
+/* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths compared with
+ * formulas and an independent integrator, and scenes. */
 #include "particles/bond_sections.h"
 #include "softening_bond.h"
 
@@ -7,7 +7,7 @@ static const double uf = 6e-6, us = 9e-6, mu1 = 0.8, mu2 = 0.3;
 
 /* --- tension --- */
 
-/* The force of a bond that has been pulled to `most` at most, from the line alone. */
+/* The force of a bond that has been stretched up to `most`, from the line alone. */
 static double pulled(double u, double most) {
     double limit = rn / kn;
     if (u < 0.0) return kn * u;
@@ -36,7 +36,7 @@ static void softening_in_tension_is_linear_and_unloads_on_the_secant(void **stat
     end(t);
 }
 
-/* Steps end where the line bends: then trapezoids are the areas. */
+/* Steps end where the line has a kink: trapezoids are then the exact areas. */
 static void linear_softening_dissipates_the_fracture_energy(void **state) {
     (void)state;
     for (int steps = 1; steps <= 64; steps *= 8) {
@@ -51,7 +51,7 @@ static void linear_softening_dissipates_the_fracture_energy(void **state) {
     }
 }
 
-/* Closed from the damaged state: all of k_n again. */
+/* Compressed in the damaged state: the full k_n again. */
 static void a_damaged_bond_closes_with_all_of_its_stiffness(void **state) {
     (void)state;
     bond *t = make(&concrete, 0);
@@ -63,9 +63,9 @@ static void a_damaged_bond_closes_with_all_of_its_stiffness(void **state) {
     end(t);
 }
 
-/* Random ways to and fro until past u_f, in steps of any size that end where the spring is free of
- * force. (One from pressure to beyond the strength has a trapezoidal work that is below what the
- * damaged spring has less, as for bonds that break at once.) */
+/* Random paths back and forth until past u_f, in steps of any size that end where the spring is
+ * free of force. (A step from compression to beyond the strength has a trapezoidal work below the
+ * energy that the damaged spring loses, as for bonds that break in one step.) */
 static void random_pulls_follow_the_line(void **state) {
     (void)state;
     uint64_t at = 5;
@@ -119,8 +119,8 @@ static double across(const bond *t) {
     return hypot(t->force[1], t->force[2]);
 }
 
-/* 1000 paths, each under a pressure or pull of its own: across in all directions, to and fro; and
- * every so often along, which the surface follows. */
+/* 1000 paths, each under its own pressure or tension: shear in all directions, to and fro; and
+ * occasionally normal motion, which the surface follows. */
 static void random_shear_follows_the_surface(void **state) {
     (void)state;
     uint64_t at = 17;
@@ -147,7 +147,7 @@ static void random_shear_follows_the_surface(void **state) {
             bool onward = f[0] * trial[0] + f[1] * trial[1] >= 0.0;
             for (int a = 0; a < 2; a++) f[a] = size > 0.0 ? trial[a] * left / size : 0.0;
             damaged += d > 0.0;
-            /* The speed across goes through dt; the slope of the surface takes rounding up by
+            /* The tangential speed is divided by dt; the slope of the surface amplifies rounding by
              * k_t/(k_t - H) < 3. */
             assert_near(t->force[1], f[0], 1e-11 * (1.0 + size));
             assert_near(t->force[2], f[1], 1e-11 * (1.0 + size));
@@ -224,7 +224,7 @@ static double line_at(double c) {
     return force;
 }
 
-/* Independent of the kernel's form: the state is how far it was pressed at most. */
+/* Independent of the form of the kernel: the state is the largest compression so far. */
 static void random_presses_follow_the_three_slopes(void **state) {
     (void)state;
     uint64_t at = 23;
@@ -245,8 +245,8 @@ static void random_presses_follow_the_three_slopes(void **state) {
     }
 }
 
-/* Tension counts from the permanent stretch; plastic work is what lies between the line and the
- * way back. */
+/* Tension counts from the permanent stretch; plastic work is the area between the loading line and
+ * the unloading line. */
 static void pressing_leaves_a_permanent_stretch(void **state) {
     (void)state;
     bond *t = make(&crushed, GN_FX_YIELD);
@@ -273,8 +273,8 @@ static void pressing_leaves_a_permanent_stretch(void **state) {
 
 /* --- what the ledger keeps --- */
 
-/* All at once, in steps of all sizes: work is stored or lost to rounding, but for the steps in
- * which the pushing part of a damaged bond closes or opens, which leave little. */
+/* All modes at once, in steps of all sizes: work is stored or lost up to rounding, except for the
+ * steps in which the compressive part of a damaged bond closes or opens, whose error is small. */
 static void work_is_stored_or_lost(void **state) {
     (void)state;
     gn_material both = concrete;
@@ -328,7 +328,7 @@ static void softening_ends_by_energy_strain_or_ratio(void **state) {
     check_end(&m, GN_SOFTENING_RATIO, true, 2.5 * 3e-6);
 }
 
-/* Without softening the law breaks bonds at once, at R_n and C + mu_1 N. */
+/* Without softening the law breaks bonds in one step, at R_n and C + mu_1 N. */
 static void without_softening_bonds_that_yield_are_brittle(void **state) {
     (void)state;
     gn_material m = crushed;
@@ -423,9 +423,9 @@ static void a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_partic
     assert_near(dissipated_by_bar(2, 1e-3, "double", "bilinear"), 1.0, 0.03);
 }
 
-/* Damaged, it swings on through 0 undamped, harder where it pushes: 700 times, 30 steps each. The
- * share of a step for which its pushing part acts is right to a high order of the step: half the
- * step leaves a thirtieth of the residual. */
+/* Damaged, it oscillates undamped through 0, stiffer in compression: 700 periods of 30 steps each.
+ * The fraction of a step for which its compressive part acts is accurate to a high order of the
+ * step: half the step gives a thirtieth of the residual. */
 static void a_damaged_bond_keeps_its_energy_while_it_swings(void **state) {
     (void)state;
     const double mass = sphere_mass(2650, 1e-3), speed = 5e-6 * sqrt(1e7 / mass);
@@ -512,7 +512,7 @@ static void yielding_on_closure_is_in_the_ledger(void **state) {
     assert_true(worst < 0.05);
 }
 
-/* With all that can be beside it. */
+/* With all features that it allows. */
 static const char *const busy =
     "dimension: %d\n"
     "specimen: {lattice: {kind: %s, radius: 1e-3, cells: [4, 4, 5], spacing: 0.99, jitter: 0.02},"
@@ -596,7 +596,7 @@ static void sections_are_those_of_the_law(void **state) {
 }
 
 /* A periodic lattice whose sections fill it: a plane of any direction cuts 3/2 of its own area in
- * bonds in the mean, 4/pi in 2D; 2 mm of disc or (2 mm)^2 of a cube's face each. */
+ * bonds on average, 4/pi in 2D; 2 mm of disc or (2 mm)^2 of a cube's face each. */
 static void a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_cut(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++)
@@ -636,7 +636,7 @@ static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
 
 /* --- coupled by squares --- */
 
-/* Alone, either is the softening of bonds that are not coupled. */
+/* Each alone equals the softening of uncoupled bonds. */
 static void coupled_by_squares_either_alone_softens_as_uncoupled(void **state) {
     (void)state;
     for (int sheared = 0; sheared < 2; sheared++) {
@@ -665,8 +665,8 @@ static pure begin_pure(void) {
 }
 
 /* Opened and slipped along a straight line from the ellipse to (a u_f, b u_s): the forces keep
- * their ratio and fall linearly with the way, so that a^2 G_n + b^2 G_t goes, whatever the steps.
- */
+ * their ratio and fall linearly with the path, so that a^2 G_n + b^2 G_t is dissipated, whatever
+ * the steps. */
 static void a_fixed_mix_of_both_dissipates_its_share_of_both_energies(void **state) {
     (void)state;
     for (int k = 1; k < 12; k++) {
@@ -692,7 +692,7 @@ static void a_fixed_mix_of_both_dissipates_its_share_of_both_energies(void **sta
     }
 }
 
-/* Shares of what is left of both strengths once kappa has gone from `from` to `to`, with the
+/* Fractions of both strengths that remain after kappa has grown from `from` to `to`, with the
  * stretch u and the trial force across: openings and slips are a u_f and b u_s a kappa. */
 static double shares2(double from, double to, double u, double across_trial) {
     double a = kn * u / (rn + (kn * uf - rn) * to);
@@ -700,8 +700,8 @@ static double shares2(double from, double to, double u, double across_trial) {
     return a * a + b * b;
 }
 
-/* 1000 paths at random, pulled and slipped at once, to and fro, some of the way under pressure:
- * kappa by halving, the forces from it. */
+/* 1000 random paths, opening and slipping at the same time, back and forth, in part under
+ * compression: kappa by bisection, the forces from it. */
 static void random_paths_coupled_by_squares_follow_the_ellipse(void **state) {
     (void)state;
     uint64_t at = 29;
@@ -744,9 +744,9 @@ static void random_paths_coupled_by_squares_follow_the_ellipse(void **state) {
     assert_true(together > 5000 && pressed > 300 && broken > 300);
 }
 
-/* Whatever is done, pressed or pulled: never outside what is left of the ellipse, and what is lost
- * never comes back but where a step leads from pressure past the strength or turns a force round.
- * Damage in shear is damage in tension. */
+/* For any path in tension and compression: the state is never outside the remaining ellipse, and
+ * dissipated energy is never recovered except where a step leads from compression past the strength
+ * or reverses a force. Damage in shear is damage in tension. */
 static void coupled_by_squares_forces_stay_within_what_is_left(void **state) {
     (void)state;
     uint64_t at = 29;
@@ -779,8 +779,9 @@ static void coupled_by_squares_forces_stay_within_what_is_left(void **state) {
 
 /* --- the cause of a break --- */
 
-/* A straight way from nothing until the bond breaks: opening and slip per unit of it, each over
- * where it would end by itself (u_f and u_s, brittle R_n/k_n and C/k_t), or slip under pressure. */
+/* A straight path from zero until the bond breaks: opening and slip per unit of it, each relative
+ * to its own value at failure (u_f and u_s, brittle R_n/k_n and C/k_t), or slip under compression.
+ * */
 typedef struct way_to_break {
     gn_effects coupling;
     double tension_energy, shear_energy; /* J/m2; 0: brittle */
@@ -789,7 +790,7 @@ typedef struct way_to_break {
 } way_to_break;
 
 static const way_to_break ways_to_break[] = {
-    /* Apart: what comes to its end first. */
+    /* Uncoupled: the component that fails first. */
     {0, 15, 13.5, 0.8, 1.0, 0.0, 0.0, GN_BROKEN_TENSION},
     {0, 15, 13.5, 0.8, 0.0, 1.0, 0.0, GN_BROKEN_SHEAR},
     {0, 15, 13.5, 0.8, 1.0, 0.5, 0.0, GN_BROKEN_TENSION},
@@ -803,7 +804,7 @@ static const way_to_break ways_to_break[] = {
      * a brittle bond is reached at 0.70. */
     {0, 15, 0, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_SHEAR},
     /* Linear: C - mu_1 f_n with mu_1 R_n = C/2. Brittle at x (across + along/2) = 1 or x along = 1;
-     * softening, the slip that is left over ends at u_s whatever the surface was. */
+     * with softening the remaining slip ends at u_s for any surface. */
     {GN_FX_COUPLED_LINEAR, 0, 0, 0.3, 3.0, 1.0, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_LINEAR, 0, 0, 0.3, 1.0, 1.0, 0.0, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_LINEAR, 15, 13.5, 0.3, 1.0, 0.0, 0.0, GN_BROKEN_TENSION},
@@ -820,16 +821,16 @@ static const way_to_break ways_to_break[] = {
     {GN_FX_COUPLED_QUADRATIC, 15, 13.5, 0.8, 0.0, 1.0, 2e-6, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_QUADRATIC, 0, 0, 0.8, 1.0, 0.9, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_QUADRATIC, 0, 0, 0.8, 0.9, 1.0, 0.0, GN_BROKEN_SHEAR},
-    /* One of them brittle: where the other has a third of its way, the share of that stays the
-     * smaller one, sqrt(1 - x^2) in the end. */
+    /* One of them brittle: at a third of the other's displacement at failure the share of that one
+     * remains the smaller one, sqrt(1 - x^2) at the end. */
     {GN_FX_COUPLED_QUADRATIC, 15, 0, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_QUADRATIC, 15, 0, 0.8, 0.1, 1.0, 0.0, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_QUADRATIC, 0, 13.5, 0.8, 1.0, 0.1, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_QUADRATIC, 0, 13.5, 0.8, 0.3, 1.0, 0.0, GN_BROKEN_SHEAR},
 };
 
-/* In steps of any size that end anywhere: however little is left when the last one begins, the way
- * as a whole names the cause. */
+/* In steps of any size that end anywhere: the cause is determined by the whole path, however small
+ * the remainder at the start of the last step. */
 static void check_cause(const way_to_break *way, gn_effects softening, uint64_t *at) {
     gn_material m = concrete;
     m.bond_friction = way->friction;

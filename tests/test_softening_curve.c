@@ -1,5 +1,5 @@
-/* Bonds that soften along two lines (law.softening_curve: bilinear): against the curve over the
- * opening as it is published, and what it dissipates. */
+/* Bonds that soften along two lines (law.softening_curve: bilinear), compared with the published
+ * curve over the opening and its dissipation. */
 #include "softening_bond.h"
 
 /* Petersson (1981): a third of the strength R is left at the opening 0.8 G/R, nothing at 3.6 G/R.
@@ -21,8 +21,8 @@ static double left_at(double w, const double at[2]) {
     return w < at[1] ? (at[1] - w) / (at[1] - at[0]) / 3.0 : 0.0;
 }
 
-/* The force of a bond at the stretch u that was never further apart: the stretch is the opening and
- * what the force makes elastic, found by halving. */
+/* The force of a bond at the largest stretch u so far: the stretch is the opening plus the elastic
+ * stretch under the force, found by bisection. */
 static double first_pull(double u) {
     if (u <= rn / kn) return kn * u;
     double low = 0.0, high = opening[1];
@@ -79,8 +79,8 @@ static void both_lines_dissipate_the_fracture_energies(void **state) {
     }
 }
 
-/* Opened and slipped in a fixed ratio of the shares of the strengths: they keep it, and
- * a^2 G_n + b^2 G_t goes, in any number of steps along each line. */
+/* Opened and slipped in a fixed ratio of the fractions of the strengths: the forces keep it, and
+ * a^2 G_n + b^2 G_t is dissipated, in any number of steps along each line. */
 static void a_fixed_mix_dissipates_its_share_of_both_energies(void **state) {
     (void)state;
     for (int k = 1; k < 12; k++) {
@@ -115,8 +115,8 @@ static void a_fixed_mix_dissipates_its_share_of_both_energies(void **state) {
     }
 }
 
-/* A step across the kink at once: what is left is on the ellipse of what is left of the strengths,
- * nothing comes back, and the bond goes on along the second line. */
+/* A single step across the kink: the force is on the ellipse of the remaining strengths, no
+ * dissipated energy is recovered, and the bond continues along the second line. */
 static void steps_across_the_kink_stay_on_the_ellipse(void **state) {
     (void)state;
     uint64_t at = 23;
@@ -138,7 +138,8 @@ static void steps_across_the_kink_stay_on_the_ellipse(void **state) {
     assert_true(across > 300);
 }
 
-/* Where the first line would have to lead back the bond breaks at once, as by a single one. */
+/* Where the first line would have to lead back the bond breaks in one step, as along a single line.
+ * */
 static void a_bond_with_too_much_stored_energy_breaks_at_once(void **state) {
     (void)state;
     for (int quadratic = 0; quadratic < 2; quadratic++) {

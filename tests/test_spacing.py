@@ -1,4 +1,5 @@
-"""Rows of the history, snapshots and the time left follow the end of a test, which time.end only bounds. Speaks TAP."""
+"""Rows of the history, snapshots and the remaining time follow the end of a test, which time.end only bounds. Speaks
+TAP."""
 import signal
 
 from run_reference import *  # noqa: F403
@@ -40,7 +41,7 @@ def a_test_that_ends_early_has_as_many_rows_as_are_wanted(folder):
 
 @plain_fact
 def rows_between_looks_do_not_change_the_step_of_the_end(folder):
-    """A run whose rows are as far apart as time.end asks for, which one is that resume gave the same number of rows."""
+    """A run whose rows have the spacing of time.end, because a resume with the same number of rows sets it."""
     wide, close = os.path.join(folder, "wide"), os.path.join(folder, "close")
     early(close)
     run(UCS, wide, "--threads", 1, *LATE, "--set", "time.stop=none", "--set", "time.end=1 us")
@@ -146,7 +147,7 @@ def threads_and_interruptions_leave_the_same_rows_and_snapshots(folder):
 
 @plain_fact
 def rows_are_evenly_apart_when_a_resumed_run_has_no_stop_any_more(folder):
-    """The rows that are close at first are thinned as before, and those that come later are at the same steps."""
+    """The close rows of the beginning are thinned as before, and later rows are at the same steps."""
     arguments = ("--threads", 1, "--set", "time.end=0.3 ms", "--set", "output.history_rows=50", "--set", "output.snapshots=10")
     expect(stop_at_snapshot(folder, 2, signal.SIGINT, *arguments, "--set", "time.stop.peak_drop=0.9999"), 6)
     resume(folder, "--set", "time.stop=none")
@@ -158,8 +159,7 @@ def rows_are_evenly_apart_when_a_resumed_run_has_no_stop_any_more(folder):
 def the_time_left_is_that_to_the_end_which_is_expected(folder):
     """The peak is predicted from the specimen; behind that, and without a prediction, it is at most the time to time.end."""
     done = expect(gneiss("run", UCS, "--out", folder, "--threads", 1, "--log", "json", *LATE, "--set", "time.end=15 ms"), 0)
-    lines = [json.loads(line) for line in done.stdout.splitlines()[:-1]]
-    for line in lines:
+    for line in logged(done.stdout, "progress"):
         left = line["end"] - line["time"]
         bound = line["seconds"] / line["time"] * left
         assert line["eta_at_most"] or line["eta"] < 0.2 * bound, line

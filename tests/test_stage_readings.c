@@ -20,8 +20,8 @@ static void run_end(gn_run *run) {
     free(run);
 }
 
-/* A row for every step: 20 of a stage, 40 of the next, and what is read of that is no more up to
- * the world but to the rows. */
+/* A row for every step: 20 of a stage, 40 of the next; the readings of the second depend on its
+ * rows only. */
 static const char block[] =
     "specimen: {lattice: {kind: cubic, radius: 1 mm, cells: [4, 4, 4]}}\n"
     "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 0.5, friction: 0.3, "
@@ -42,8 +42,8 @@ static const char *const tests[] = {
     "opening: {axis: x, lower: low, upper: top}}\n",
 };
 
-/* Rows as a test might have: the stress rises and falls, all else grows, bonds break from the 11th
- * row of the stage on, beside as many as had broken before. */
+/* Rows as in a test: the stress rises and falls, all other columns grow, bonds break from the 11th
+ * row of the stage on, in addition to as many before. */
 static void write_rows(gn_run *run, double before) {
     const size_t first = (size_t)run->world.stages.state[1].row,
                  last = (size_t)run->world.stages.state[2].row;

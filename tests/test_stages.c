@@ -1,5 +1,5 @@
-/* Stages of a run: each changes what it says, ends when it says, and the next goes on from the
- * state that it left. */
+/* Stages of a run: each changes the given keys, ends at the given condition, and the next continues
+ * from its state. */
 #include "parts.h"
 #include "world_helpers.h"
 
@@ -59,7 +59,7 @@ static gn_stage_cause cause_of(const gn_run *run, size_t stage) {
 
 /* --- scenes --- */
 
-/* A sphere by itself, far from anything, with a step that is given. */
+/* A single sphere, far from everything, with a given step. */
 static const char lone[] =
     "specimen: {particles: [[0, 0, 0, 1 mm]]}\n"
     "materials: [{name: m, density: 2000, normal_stiffness: 1e6, kratio: 0}]\n"
@@ -84,7 +84,7 @@ static const char heap[] =
     "test: {kind: compression, axis: z, lower: floor, upper: lid, length: 8 mm, area: 1 cm2}\n"
     "output: {history_rows: 100}\n";
 
-/* Every part of it changes something, and every kind of change is there. */
+/* Every part of it changes a quantity, and all kinds of changes are included. */
 static const char changes[] =
     "stages:\n"
     "- {name: settle, gravity: [0, 0, -9.81], end: {time: 4 ms}}\n"
@@ -143,8 +143,8 @@ static void a_short_stage_takes_a_step(void **state) {
     run_end(run);
 }
 
-/* Fall for 1 ms, flight for 1 ms, fall for 0.5 ms with half the weight: leap-frog has the
- * velocities of constant forces exactly, but for half a step of each change. */
+/* Fall for 1 ms, flight for 1 ms, fall for 0.5 ms with half the weight: leap-frog has the exact
+ * velocities for constant forces, up to half a step at each change. */
 static void gravity_is_that_of_the_stage(void **state) {
     (void)state;
     gn_run *run = run_of(joined(lone, "stages:\n",
@@ -161,7 +161,7 @@ static void gravity_is_that_of_the_stage(void **state) {
     run_end(run);
 }
 
-/* The second stage gives a table, the third one inherits it, and goes on along it. */
+/* The second stage gives a table, the third one inherits it and continues along it. */
 static void tables_count_from_the_stage_that_gives_them(void **state) {
     (void)state;
     gn_run *run =
@@ -191,7 +191,8 @@ static void a_stage_of_no_steps_changes_what_comes_after_it(void **state) {
     run_end(run);
 }
 
-/* Fifty stages of ten steps each: as many changes of gravity as one of five hundred steps sees. */
+/* Fifty stages of ten steps each: as many changes of gravity as in a single stage of five hundred
+ * steps. */
 static void fifty_stages_are_gone_through(void **state) {
     (void)state;
     text *t = calloc(1, sizeof *t);
@@ -217,7 +218,7 @@ static const char *whole(const char *run) {
     return s;
 }
 
-/* Grains meet and part within steps, which the ledger follows to some parts in ten thousand. */
+/* Contacts open and close within steps, which the ledger follows to some parts in ten thousand. */
 static void the_ledger_closes_over_all_changes(void **state) {
     (void)state;
     gn_run *run = run_of(whole("threads: 1"));
@@ -237,7 +238,7 @@ static void threads_do_not_matter(void **state) {
 
 /* --- bonds --- */
 
-/* Two spheres that overlap by 10 um, both held; then one is drawn away. */
+/* Two spheres that overlap by 10 um, both held; then one is pulled away. */
 static const char pair[] =
     "specimen: {particles: [[0, 0, 0, 1 mm], [1.99 mm, 0, 0, 1 mm]], group: 1}\n"
     "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: 0.3, "
@@ -277,9 +278,9 @@ static void bonds_begin_without_force_where_they_form(void **state) {
     force_in(run, 2, &e);
     steps(run, 38);
     assert_near(run->world.dem.set_reaction[6], spring * 3.8e-6, 1e-6 * spring * 3.8e-6);
-    assert_near(force_in(run, 3, &e), 0.0, 1e-9); /* nothing pulls any more, and it is no contact */
-    /* The work of the tension over the last 0.1 um, from 3.9 to 4.0, is booked for half of it
-     * only. */
+    assert_near(force_in(run, 3, &e), 0.0,
+                1e-9); /* there is no tension any more, and it is no contact */
+    /* The work of the tension over the last 0.1 um, from 3.9 to 4.0, is booked by half only. */
     assert_near(e.stage_change, -held - 0.5 * spring * 3.9e-6 * 4e-6, 1e-6 * held);
     assert_near(gn_energy_residual(&e), 0.0, 1e-9);
     assert_int_equal(run->world.dem.broken_tension, 0);
@@ -287,7 +288,7 @@ static void bonds_begin_without_force_where_they_form(void **state) {
 }
 
 /* Ten steps of 0.1 um into a bond, then three times its stiffness: however few steps there are, all
- * of the energy that appears is booked, so that nothing but rounding is left. */
+ * of the energy that appears is booked, so that the residual is rounding only. */
 static void a_change_of_stiffness_books_all_that_appears(void **state) {
     (void)state;
     gn_run *run = run_of(
@@ -304,8 +305,8 @@ static void a_change_of_stiffness_books_all_that_appears(void **state) {
     run_end(run);
 }
 
-/* A sphere that is pressed into what it slides on, by Hertz's law; %s: a wall or a body of its
- * material. */
+/* A sphere pressed against the surface on which it slides, by Hertz's law; %s: a wall or a body of
+ * its material. */
 static char *pressed_on(const char *what, const char *run) {
     static char s[4096];
     snprintf(s, sizeof s,
@@ -328,9 +329,9 @@ static const char *const under[] = {
     "bodies: [{name: b, material: m, box: {size: [0.1, 0.1, 0.01]}, origin: [-0.04, -0.05, "
     "-0.01]}]"};
 
-/* The force is that of the materials of the stage, of half of E/(1 - nu^2), and what the contact,
- * pressed, sheared and rolled, holds more by it is in the ledger. It was that of the first stage.
- */
+/* The force is that of the materials of the present stage, with half of E/(1 - nu^2), and the
+ * change of the energy stored in the contact, under compression, shear and rolling, is in the
+ * ledger. Formerly the force was that of the first stage. */
 static void walls_and_bodies_follow_materials_that_change(void **state) {
     (void)state;
     static const double young[] = {1e7, 3e7, 2e7, 2e7}, poisson[] = {0.3, 0.3, 0.1, 0.1};
@@ -353,8 +354,8 @@ static void walls_and_bodies_follow_materials_that_change(void **state) {
     }
 }
 
-/* A bond that is stretched and sheared carries nothing once it is dissolved: that is no sliding.
- * The normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
+/* A stretched and sheared bond carries no force once it is dissolved, which is no sliding. The
+ * normal rotates by 0.05 mrad per step, a first-order error in the residual of the last step. */
 static void dissolving_a_bond_is_no_friction(void **state) {
     (void)state;
     gn_run *run =
@@ -382,7 +383,7 @@ static void bonds_may_form_under_their_force(void **state) {
     run_end(run);
 }
 
-/* A row of four with a wider gap in its middle, which only the second look bridges. */
+/* A row of four with a wider gap in its middle, which only the second forming of bonds closes. */
 static void bonds_form_beside_bonds(void **state) {
     (void)state;
     gn_run *run =
@@ -497,8 +498,8 @@ static void a_resumed_run_has_the_same_bits(void **state) {
 
 /* --- bonds that have gone through something --- */
 
-/* A block is pulled and pressed, so that bonds soften and yield, gets more bonds across wider gaps
- * meanwhile, loses all of them and falls apart; with all that can stand beside. */
+/* A block is pulled and compressed, so that bonds soften and yield, gets more bonds across wider
+ * gaps meanwhile, then loses all of them and falls apart; with all features that this allows. */
 static char *worn(const char *coupling, const char *run) {
     static char s[16384];
     snprintf(
@@ -633,8 +634,7 @@ static void bonds_that_form_beside_worn_ones_leave_them_as_they_are(void **state
     run_end(after);
 }
 
-/* Planes cut the bonds that there are when the new ones form, not when the run began without any.
- */
+/* Planes cut the bonds that exist when the new ones form, not those at the start of the run. */
 static void a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage(void **state) {
     (void)state;
     const char *const parts[] = {"contact", "body"}, *const when[] = {"off", "on"};
@@ -681,7 +681,7 @@ static void a_settled_heap_goes_on(void **state) {
     size_t first = (size_t)run->world.stages.state[2].row,
            after = (size_t)run->world.stages.state[3].row;
     assert_true(strain[after - 1] - strain[first] >= 0.005);
-    /* The row before, of those at which ends are looked for. */
+    /* The previous one of the rows at which ends are checked. */
     assert_true(strain[after - 1 - (1 << GN_ROW_HALVINGS)] - strain[first] < 0.005);
     gn_readings r;
     gneiss_error error = {0};
@@ -813,7 +813,7 @@ static void the_scene_of_stages_goes_through_all_of_them(void **state) {
     run_end(run);
 }
 
-/* The scene that checkpoints have: its stages come back as they were. */
+/* The scene stored in checkpoints: its stages are restored unchanged. */
 static void a_written_scene_has_the_same_stages(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -871,8 +871,8 @@ static void finish_in(const char *scene_text, const char *folder) {
     run_end(run);
 }
 
-/* Two bonds between three spheres, the last of which is drawn away, by 40 um in all, turning; and a
- * fourth that leaves. */
+/* Two bonds between three spheres, the last of which moves away by 40 um in total, with rotation;
+ * and a fourth that leaves. */
 static const char drawn[] =
     "specimen: {particles: [[0, 0, 0, 1 mm], [0, 9 mm, 0, 1 mm], [2 mm, 0, 0, 1 mm], [4 mm, 0, 0, "
     "1 mm]], group: 1}\nbonds: {interaction_range: 0.01}\n"
@@ -892,7 +892,7 @@ static char *again(const char *folder, const char *more, const char *bonds) {
     return s;
 }
 
-/* Spheres of 1 mm that overlap by 0.1 mm: two in a bond, and a third of another group. */
+/* Spheres of 1 mm that overlap by 0.1 mm: two with a bond, and a third of another group. */
 static const char overlapping[] =
     "specimen: {particles: [[0, 0, 0, 1 mm], [1.9 mm, 0, 0, 1 mm], [0, 1.9 mm, 0, 1 mm]]}\n"
     "bonds: {}\nsets:\n- {name: other, select: {ids: [2]}, group: 2}\n";
@@ -933,7 +933,7 @@ static void overlaps_of_a_packing_wait_for_their_bonds(void **state) {
     assert_near(run->world.ledger.reading.kinetic, 0.0, 1e-20);
     finish(run);
     assert_true(run->world.dem.bonds.contacts.soa.count >=
-                overlaps); /* and those that hardly touch */
+                overlaps); /* and those at the limit of contact */
     assert_int_equal(run->world.dem.bonds_at_start, run->world.dem.bonds.contacts.soa.count);
     for (size_t c = 0; c < run->world.dem.bonds.contacts.soa.count; c++)
         assert_true(gn_contact_bonded(&run->world.dem.bonds.contacts, c));
@@ -959,7 +959,7 @@ static void a_run_begins_where_another_ended(void **state) {
     }
     assert_int_equal(run->world.dem.bonds.contacts.soa.count, 2);
     steps(run, 1);
-    /* Both bonds go on with what they carried: 20 um each. */
+    /* Both bonds continue with their previous stretch: 20 um each. */
     assert_near(run->world.ledger.reading.elastic_normal, 2 * 0.5 * 1e5 * 400e-12, 0.02 * 4e-5);
     run_end(run);
 
@@ -969,7 +969,7 @@ static void a_run_begins_where_another_ended(void **state) {
     for (int k = 0; k < 3; k++) assert_near(length3(vel_of(&run->world, k)), 0.0, 0.0);
     steps(run, 1);
     assert_near(run->world.ledger.reading.elastic_normal, 0.0,
-                0.0); /* formed anew, free of stress */
+                0.0); /* formed again, free of stress */
     run_end(run);
     run_end(other);
 
@@ -1121,7 +1121,7 @@ static void a_stage_that_never_ends_is_refused(void **state) {
             nothing);
     accepted("stages:\n- {name: a, end: {stress: 1 kPa}, sets: {top: {force: [0, 0, -1]}}}\n");
     accepted("membrane: {pressure: 1 kPa}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n");
-    /* Nothing to hold: another condition has to end it, or a membrane is without pressure. */
+    /* No servo: another condition has to end it, or a membrane is without pressure. */
     refused("stages:\n- {name: a, end: {held: 1 %}}\n- {name: b}\n",
             "s.yaml:18:25: stages[0].end.held: expected a wall or a periodic box with a servo");
     accepted("stages:\n- {name: a, end: {held: 1 %, time: 1 ms}}\n- {name: b}\n");
@@ -1129,7 +1129,7 @@ static void a_stage_that_never_ends_is_refused(void **state) {
     refused("membrane: {pressure: 0}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n", nothing);
     accepted("stages:\n- {name: a, end: {stress: 1 kPa}, walls: {lid: {motion: {vz: [[0, 0], [1, "
              "-1]]}}}}\n");
-    /* Held as it is, with what the stage before has left in it. */
+    /* Held at its position, with the forces that the previous stage has left in it. */
     accepted("stages:\n- {name: a, walls: {lid: {motion: {vz: -1}}}, end: {strain: 1 %}}\n"
              "- {name: b, walls: {lid: {motion: {vz: 0}}}, end: {stress: 1 kPa}}\n");
 
@@ -1140,7 +1140,7 @@ static void a_stage_that_never_ends_is_refused(void **state) {
     accepted("stages:\n- {name: a, gravity: [0, 0, -9], end: {stress: 1 kPa}, walls: {lid: "
              "{motion: {vz: 1}}}}\n");
 
-    /* A table whose last value is 0 is over once its stage was long enough. */
+    /* A table whose last value is 0 has ended when its stage was long enough. */
     snprintf(parting, sizeof parting,
              "s.yaml:19:27: stages[1].end.strain: expected ends that close");
     refused("stages:\n- {name: a, end: {time: 1 ms}, walls: {lid: {motion: {vz: [[0, -1], [1 ms, "
@@ -1180,7 +1180,8 @@ static void steps_that_outlast_the_run_are_refused(void **state) {
             "s.yaml:19:46: stages[1].end.steps: expected an end before time.end");
     accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000000}}\n");
     accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000001, time: 0.1}}\n");
-    accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* of no known step */
+    accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* too many for an integer
+                                                                          step number */
 }
 
 int main(int argc, char **argv) {

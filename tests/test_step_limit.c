@@ -1,4 +1,5 @@
-/* The stability limit seen in runs: below it the energy stays, above it the model blows up. */
+/* The stability limit tested in runs: below it the energy is conserved, above it the model becomes
+ * unstable. */
 #include "parts.h"
 #include "world_helpers.h"
 
@@ -38,8 +39,8 @@ static double limit_of(const assembly *a, const char *damping) {
     return stable;
 }
 
-/* Largest stored energy over that at the start; stops when it has grown a thousandfold, or when the
- * engine says that a particle flew off. */
+/* Largest stored energy relative to that at the start; stops when it has grown a thousandfold, or
+ * when the engine reports a particle that moves too far. */
 static double growth(const assembly *a, const char *damping, double dt, int64_t steps,
                      double *residual) {
     gn_world *w = shaken(a, damping, dt);
@@ -61,8 +62,9 @@ static double growth(const assembly *a, const char *damping, double dt, int64_t 
     return largest;
 }
 
-/* The sharp limit is Lanczos' to 1e-3; the energy 1/2 m v(-) v(+) + U of a linear system is kept to
- * round-off. Turning normals (velocities of 0.1 mm/s move by 1e-10 m) leave less than 1e-5. */
+/* The sharp limit agrees with Lanczos to 1e-3; the energy 1/2 m v(-) v(+) + U of a linear system is
+ * conserved to round-off. Rotating normals (velocities of 0.1 mm/s move by 1e-10 m) contribute less
+ * than 1e-5. */
 static void holds_below_and_fails_above(const assembly *a) {
     double limit = limit_of(a, ""), residual;
     assert_true(growth(a, "", 0.99 * limit, a->steps, &residual) < 1.0 + 1e-5);
@@ -85,7 +87,7 @@ static void a_rock_is_stable_up_to_the_sharp_limit(void **state) {
     holds_below_and_fails_above(&rock);
 }
 
-/* Undamaged, which is the stiffest that bonds of these laws can be. (Bonds with moments:
+/* Undamaged, the stiffest state of bonds with these laws. (Bonds with moments:
  * tests/test_bond_moments.c.) */
 static void by_every_law_of_bonds_a_body_is_stable_up_to_the_sharp_limit(void **state) {
     (void)state;
@@ -107,9 +109,10 @@ static void by_every_law_of_bonds_a_body_is_stable_up_to_the_sharp_limit(void **
     }
 }
 
-/* With non-viscous damping the resultant is up to 1 + a times as stiff: the limit falls by sqrt(1 +
- * a). Below it energy only falls; 5 % above it the fastest mode grows. (Measured thresholds: from
- * sqrt(1 + a) to 3 % above it, exactly it on assemblies of a few particles, for both forms.) */
+/* With non-viscous damping the resultant is up to 1 + a times as stiff: the limit decreases by
+ * sqrt(1 + a). Below it energy only decreases; 5 % above it the fastest mode grows. (Measured
+ * thresholds: from sqrt(1 + a) to 3 % above it, exactly it on assemblies of a few particles, for
+ * both forms.) */
 static void damped_holds_below_and_fails_above(const assembly *a, const char *model,
                                                double fraction) {
     char damping[160];
@@ -131,7 +134,7 @@ static void nonviscous_vector_damping_lowers_the_limit_by_its_root(void **state)
     damped_holds_below_and_fails_above(&rock_end, "nonviscous_vector", 0.7);
 }
 
-/* Dashpots of bonds are in the resultant as well. Below the limit energy only falls. */
+/* Dashpots of bonds are part of the resultant as well. Below the limit energy only decreases. */
 static void the_limit_holds_with_dashpots_beside_nonviscous_damping(void **state) {
     (void)state;
     const char *models[] = {"nonviscous_vector", "nonviscous_component"};
@@ -187,9 +190,10 @@ static void a_step_above_the_limit_is_refused(void **state) {
     assert_non_null(strstr(error.message, "time.step"));
 }
 
-/* Three discs bonded at a right angle, turning as a whole: the bonds do not bend, so the angle
- * opens and closes. Without tangential springs w^2 = (k/m)(2 + |cos|) of it: 1.253e-4 s at a right
- * angle, 1.023e-4 s stretched out. The centrifugal force of 2e-3 N stores 2e-12 J in each bond. */
+/* Three discs bonded at a right angle, rotating as a whole: the bonds do not bend, so that the
+ * angle opens and closes. Without tangential springs w^2 = (k/m)(2 + |cos|) of it: 1.253e-4 s at a
+ * right angle, 1.023e-4 s in a straight line. The centrifugal force of 2e-3 N stores 2e-12 J in
+ * each bond. */
 static gn_world *hinge(const char *time) {
     return world_of(
         "dimension: 2\nspecimen: {particles: [[0, 0, 1e-3], [2e-3, 0, 1e-3], [2e-3, 2e-3, 1e-3]]}\n"

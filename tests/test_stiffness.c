@@ -9,7 +9,7 @@
 
 static const double kn = 3e6;
 
-/* A specimen, bonded, by the uniform law. `rho`: k_t/k_n. */
+/* A bonded specimen with the uniform law. `rho`: k_t/k_n. */
 static gn_world *bonded(int dimension, const char *specimen, double rho, double stiffness,
                         const char *more) {
     char ratio[64] = "0";
@@ -234,8 +234,8 @@ static void a_row_of_bonds_with_moments_bends_as_a_beam(void **state) {
 
 /* --- loose parts, and what has no constants --- */
 
-/* A slab with a gap above it in a periodic box resists nothing but a strain along it; a lone
- * particle and a lone pair in the gap resist nothing. */
+/* A slab with a gap above it in a periodic box resists only strain along it; a single particle and
+ * a single pair in the gap have no stiffness. */
 static void loose_parts_resist_nothing(void **state) {
     (void)state;
     text t = {0};
@@ -253,8 +253,8 @@ static void loose_parts_resist_nothing(void **state) {
     const double *c = x.network.c;
     assert_true(c[0] > 0.1 * x.strained.c[0]);
     for (int a = 1; a < 9; a++) assert_near(c[a], 0.0, 1e-9 * c[0]);
-    /* Four rows of free width: without stress across, each bond along x takes the strain, and
-     * those between the rows what is left of it. */
+    /* Four rows of free width: without lateral stress, each bond along x has the whole strain, and
+     * those between the rows the corresponding part. */
     assert_true(c[0] < x.strained.c[0] - x.strained.c[1] * x.strained.c[1] / x.strained.c[4] +
                            1e-9 * c[0]);
 }

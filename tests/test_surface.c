@@ -206,9 +206,9 @@ static void surfaces_that_lie_on_each_other_are_refused(void **state) {
 
 /* ---- boundaries in 3D */
 
-/* Cubes of side 1 from cell (0 0 0) on, each cut into six tetrahedra along the diagonal (Kuhn
- * 1960), which fits from cube to cube; every third of them inside out. Nodes on a grid of `side`.
- */
+/* Cubes of side 1 beginning at cell (0 0 0), each cut into six tetrahedra along the diagonal (Kuhn
+ * 1960), a division that is continuous across cubes; every third tetrahedron has inverted
+ * orientation. Nodes on a grid of `side`. */
 static gn_mesh cubes(const int (*cell)[3], int count, int side) {
     static const int way[6][2] = {{0, 1}, {0, 2}, {1, 0}, {1, 2}, {2, 0}, {2, 1}};
     gn_mesh m = new_mesh();

@@ -16,7 +16,7 @@ static gn_world *over(int dimension, double height, const char *support, const c
 
 /* --- a plane of triangles is a plane --- */
 
-/* Largest deviations so far, of what is compared step by step. */
+/* Largest deviations so far of the quantities compared step by step. */
 typedef struct deviation {
     double force, force_size, shear_size, speed, speed_size;
 } deviation;
@@ -41,16 +41,17 @@ static void compare_step(gn_world *flat, gn_world *facets, deviation *d) {
     d->speed_size = fmax(d->speed_size, sqrt(speed));
 }
 
-/* Returns true if a contact begins or ends with a step, to rounding: a step later on one of the
- * two. The effect of its dashpot in such a bounce differs by some hundredths. */
+/* Returns true if a contact begins or ends with a step, to rounding: then one of the two has it a
+ * step later. The effect of its dashpot in such a bounce differs by some hundredths. */
 static bool are_split(const gn_world *flat, const gn_world *facets) {
     const double *f = flat->boundary.walls[0].force, *g = facets->boundary.bodies[0].force;
     return (gn_dot3(f, f) > 0.0) != (gn_dot3(g, g) > 0.0);
 }
 
-/* Bounces that become smaller and smaller multiply what rounding left. By how much is seen on a
- * second `shaken` particle over the same wall that starts a few roundings higher; NULL: it does not
- * grow. One of the last bounces, of less than a thousandth of the force, may split them. */
+/* A series of bounces that become smaller and smaller amplifies rounding. The amplification is
+ * measured by a second `shaken` particle over the same wall that starts a few roundings higher;
+ * NULL: there is no amplification. One of the last bounces, of less than a thousandth of the force,
+ * may separate them. */
 static void same_run(gn_world *flat, gn_world *facets, gn_world *shaken, int64_t steps) {
     deviation d = {0};
     double grown = 0.0;
@@ -102,7 +103,7 @@ static void plane_of_triangles(uint64_t seed, const char *damping) {
     gn_world *shaken = over(3, 1.05e-3 * (1.0 + 4e-16), wall, more);
     same_run(flat, facets, shaken, 60000);
     world_end(shaken);
-    /* It came from one end to the other. */
+    /* It has moved from one end to the other. */
     assert_true(length3(pos_of(flat, 0)) > 0.01);
     world_end(flat);
     world_end(facets);
@@ -265,9 +266,9 @@ static void a_groove_is_two_walls(void **state) {
     groove_is_two_walls(1.2, 0.9);
 }
 
-/* Inside a box, and at the three walls of its corner. Sliding and sticking in turns, each bounce in
- * the corner multiplies what rounding left by some 30: by how much in all is seen on a sphere at
- * the same walls that starts a few roundings higher. */
+/* Inside a box, and at the three walls of its corner. While it alternates between sliding and
+ * sticking, each bounce in the corner amplifies rounding by about 30: the total is measured by a
+ * sphere at the same walls that starts a few roundings higher. */
 static void the_corner_of_a_box_is_three_walls(void **state) {
     (void)state;
     const char *more = "gravity: [-3, -4, -10]\ndamping: {contact: {restitution: 0.1}}\nsets: "
@@ -332,7 +333,7 @@ static void slide_over(const char *profile, double speed, double dt_allowed) {
         assert_near(now, scale, 1e-3 * scale);
     }
     assert_true(pos_of(w, 0)[0] > 8e-3);
-    /* k v dt is what a spring gains in a step. */
+    /* k v dt is the change of the force of a spring in a step. */
     assert_true(jump <= dt_allowed * kn * 2.0 * speed * w->ctx.dt);
     assert_true(most > 0.0);
     world_end(w);

@@ -30,8 +30,8 @@ static double correlation(const double *a, const double *b, size_t count) {
     return 12.0 * sum / (double)count; /* the variance of a uniform number is 1/12 */
 }
 
-/* For independent coordinates the correlation has the deviation 1/sqrt(n): 0.01 here, and none of
- * 190 exceeds five of them except once in ten thousand seeds. */
+/* For independent coordinates the correlation has the standard deviation 1/sqrt(n): 0.01 here, and
+ * none of 190 exceeds five of them except once in ten thousand seeds. */
 static void coordinates_of_a_latin_hypercube_are_independent(void **state) {
     (void)state;
     enum { N = 10000, D = 20 };
@@ -224,7 +224,7 @@ static void a_path_leads_to_its_key(void **state) {
         assert_null(gn_scene_key_at(absent[k]));
 }
 
-/* The tables of docs/sweep.md are those that the reader goes by. */
+/* The tables of docs/sweep.md are those of the reader. */
 static void docs_sweep_md_has_the_keys(void **state) {
     (void)state;
     char path[4096], *docs = calloc(1, 1 << 20), *table = NULL;

@@ -1,4 +1,4 @@
-"""Sweeps: what is run, what is kept, what kills and failures cost, what the summary says. Speaks TAP."""
+"""Sweeps: the runs that are made, the files that are kept, the effect of kills and failures, the summary. Speaks TAP."""
 import contextlib
 import csv
 import random
@@ -382,7 +382,7 @@ def stamps_of_outcomes(out):
 
 @fact
 def a_run_that_went_bad_is_not_tried_again(folder):
-    # A ledger that does not close: the limit is far below what rounding leaves.
+    # A ledger that does not close: the limit is far below rounding.
     keys = {"parameters": {"run.residual_limit": ["1e-30", "10 %"]}}
     table = sweep(folder, keys)
     assert [row["status"] for row in table] == ["failed", "done"] and "ledger" in table[0]["message"], table
@@ -660,7 +660,7 @@ def run_with_seeds_prints_mean_and_interval_of_every_reading(folder):
 @fact
 def json_lines_report_every_event_and_the_means(folder):
     done = expect(gneiss("sweep", sweep_file(folder, seeds=2, **FRICTIONS), "--out", os.path.join(folder, "out"), "--log", "json", *QUICK), 0)
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    lines = logged(done.stdout, "progress") + logged(done.stdout)
     assert [line["sweep"] for line in lines].count("done") == 6 and [line["sweep"] for line in lines].count("started") == 6
     assert lines[-1]["sweep"] == "summary" and len(lines[-1]["combinations"]) == 3
     assert lines[-1]["combinations"][0]["largest_stress"]["count"] == 2
@@ -735,7 +735,7 @@ def jobs_says_how_many_runs_there_are_at_a_time(folder):
 
 # --- what cannot be read ----------------------------------------------------------------------------------
 
-BROKEN = [  # (text behind the line `scene: ...`, what the message says)
+BROKEN = [  # (text after the line `scene: ...`, message)
     ("parameters: {materials.block.frictoin: [0.1]}", r":2:14: parameters.materials.block.frictoin: unknown key; did you mean 'friction'"),
     ("parameters: {materials.blok.friction: [0.1]}", r":2:40: parameters.materials.blok.friction: no element 'blok' .*did you mean 'block'"),
     ("parameters:\n  materials.block.friction: [0.1, -1]", r":3:35: parameters.materials.block.friction: materials\[0\].friction: expected a value in \[0, 1e30\], found '-1'"),

@@ -1,5 +1,6 @@
-/* Parallel regions may get fewer threads than they ask for (OMP_THREAD_LIMIT, OMP_DYNAMIC, the
- * caller's own region), from one step to the next: in every kind of loop the same bits follow. */
+/* Parallel regions may get fewer threads than requested (OMP_THREAD_LIMIT, OMP_DYNAMIC, the
+ * caller's own region), and the number may change from step to step: every kind of loop gives the
+ * same bits. */
 #include "smaller_team.h"
 #include "world_helpers.h"
 
@@ -53,13 +54,13 @@ static const team_case cases[] = {
     {"a box that moves", "scenes/periodic-box.yaml", 20, 5, {{0}}},
 };
 
-/* A world under way, whose regions get fewer threads round by round. */
+/* A running world, whose regions get fewer threads round by round. */
 typedef struct course {
     const team_case *of;
     bool alone; /* made with teams of one thread */
     int limits[5], limit_count;
     gn_world *w;
-    int came; /* the largest team at the last look */
+    int came; /* the largest team since the last reset */
 } course;
 
 static void make(void *context) {

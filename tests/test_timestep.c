@@ -182,7 +182,7 @@ static void contacts_act_by_their_state(void **state) {
     s->bonds.length0[0] = 2e-3;
     assert_close(limits_of(s, 1e-10).sharp, normal, 1e-12); /* pressed, frictionless */
     s->bonds.mu[0] = 0.3;
-    assert_close(limits_of(s, 1e-10).sharp, shear, 1e-12); /* pressed, with friction */
+    assert_close(limits_of(s, 1e-10).sharp, shear, 1e-12); /* compressed, with friction */
     s->p.vel[3] = 0.0;
     assert_int_equal(limits_of(s, 1e-10).springs, 0); /* one particle removed */
     destroy(s);
@@ -428,7 +428,7 @@ static void few_particles_have_the_limit_of_all(void **state) {
     }
 }
 
-/* In a lattice every particle could. */
+/* In a lattice this could be every particle. */
 static void a_lattice_has_no_limit_by_few_particles(void **state) {
     (void)state;
     specimen *s = lattice_specimen(&lattices[3], 1e-3);
@@ -514,7 +514,7 @@ static void a_new_contact_is_found_where_it_is(void **state) {
     gn_step_contact_hashes(&s->spectrum, before);
     for (int p = 0; p < 20; p++) assert_int_equal(before[p], 0); /* intact bonds do not count */
     s->bonds.cause[7] = GN_BROKEN_TENSION;
-    s->bonds.length0[7] *= 1.001; /* broken and pressed */
+    s->bonds.length0[7] *= 1.001; /* broken and in compression */
     gn_step_contact_hashes(&s->spectrum, after);
     for (int p = 0; p < 20; p++) assert_int_equal(after[p] != 0, p == 7 || p == 8);
     double sharp = limits_of(s, 1e-8).sharp;

@@ -1,4 +1,4 @@
-/* The stable step where most particles are dormant: no vector is as long as all of them. */
+/* The stable step if most particles are dormant: no vector has an entry for every particle. */
 #include "limit/springs.h"
 #include "timestep_specimen.h"
 
@@ -18,7 +18,7 @@ static size_t lull(specimen *s, double low, double high) {
     return active;
 }
 
-/* By vectors of all particles. */
+/* With vectors that have entries for all particles. */
 static gn_step_limit full_limit(const specimen *s, double tolerance) {
     gn_springs all;
     gn_step_limit limit;

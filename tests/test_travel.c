@@ -46,11 +46,12 @@ static int64_t lists_of(gn_world *w, int steps) {
         run_steps(w, 25);
         look_at_all_pairs(w, &touching);
     }
-    assert_true(touching > 100); /* or nothing is shown */
+    assert_true(touching > 100); /* otherwise the test proves nothing */
     return w->dem.verlet.rebuilds;
 }
 
-/* 5 m/s are 20 skins in 400 steps by twice the way of one; 0.3 m/s past each other one or two. */
+/* 5 m/s is 20 skins in 400 steps for twice the travel of one particle; at a relative speed of 0.3
+ * m/s one or two. */
 static void a_uniform_stream_keeps_its_lists(void **state) {
     (void)state;
     gn_world *still = stream(0.0, 0.3, false, box), *flows = stream(5.0, 0.3, false, box);
@@ -58,14 +59,14 @@ static void a_uniform_stream_keeps_its_lists(void **state) {
     const double way = 800 * 4e-6 * 5.0;
     print_message("# lists: %lld at rest, %lld in a stream that goes %g skins far\n",
                   (long long)few, (long long)more, way / 4e-4);
-    /* 8 skins at most between two lists, and what they need at rest. */
+    /* At most 8 skins between two lists, and the number of lists that they need at rest. */
     assert_true(more <= few + (int64_t)(way / (7.2 * 4e-4)) + 1);
     assert_true((double)more < 0.25 * 2.0 * way / 4e-4);
     world_end(still);
     world_end(flows);
 }
 
-/* Where two streams meet lists are needed for every skin that they pass each other by. */
+/* Where two streams pass each other, lists are rebuilt once for every skin of relative travel. */
 static void streams_that_pass_each_other_have_their_lists_made(void **state) {
     (void)state;
     gn_world *w = stream(2.0, 0.2, true, box);
@@ -73,13 +74,13 @@ static void streams_that_pass_each_other_have_their_lists_made(void **state) {
     int64_t lists = lists_of(w, 800);
     print_message("# lists: %lld where streams pass each other by %g skins\n", (long long)lists,
                   way / 4e-4);
-    /* Collisions take most of it in the end. */
+    /* Collisions dissipate most of it in the end. */
     assert_true((double)lists > 0.25 * way / 4e-4);
     world_end(w);
 }
 
-/* Two that are not listed meet head on, wherever the sides of the cells are and along any axis;
- * each by itself has come no way past those around it. */
+/* Two particles that are not in the list collide head on, wherever the boundaries of the cells are
+ * and along any axis; neither has moved relative to its own neighbours. */
 static void two_distant_particles_are_listed_before_they_touch(void **state) {
     (void)state;
     for (int k = 0; k < 36; k++) {
@@ -112,7 +113,8 @@ static void two_distant_particles_are_listed_before_they_touch(void **state) {
     }
 }
 
-/* A domain is looked at, and walls are near, for every skin of one's own way. */
+/* Lists are rebuilt for every skin of a particle's own travel if there is a domain, or walls are
+ * near. */
 static void walls_and_domains_are_looked_at_after_a_skin_of_way(void **state) {
     (void)state;
     static const char *const more[] = {

@@ -19,7 +19,7 @@ def change(path, name, place, value, anew):
 
 
 def interrupted(folder, scene=LATTICE, end="0.1 ms"):
-    """The only checkpoint of a run that can go on."""
+    """The only checkpoint of a run that can continue."""
     run(scene, folder, "--set", f"time.end={end}", "--set", "output.snapshots=0", "--threads", 1)
     (name,) = checkpoints(folder)
     return os.path.join(folder, name)
@@ -150,7 +150,7 @@ MATTER = re.compile(r"(kn|kt|cn|lag|fade|crush|lambda|mu|gradient\d|tau|volume)$
 
 
 def edits(checkpoint, pick, count):
-    """[(data set, place, value)] of other values than are there."""
+    """[(data set, index, value)] of values that differ from the stored ones."""
     with h5py.File(checkpoint) as file:
         names = []
         file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) and item.size
@@ -168,8 +168,8 @@ def edits(checkpoint, pick, count):
 
 
 def try_values(folder, scene, end, later, count, seed):
-    """Makes every edit twice: with the digest as it was, and with digests anew, so that ranges are tried as well. What goes wrong in
-    memory is seen under a sanitizer; without one a quarter of the edits is made."""
+    """Makes every edit twice: with the old digest, and with new digests, so that range checks are tested as well.
+    Errors of memory access are found under a sanitizer; without one a quarter of the edits is made."""
     count = count if SANITIZED else count // 4
     checkpoint = interrupted(folder, scene, end)
     whole = open(checkpoint, "rb").read()
@@ -180,7 +180,7 @@ def try_values(folder, scene, end, later, count, seed):
             change(checkpoint, name, place, value, anew)
             done = go_on(folder, later)
             said = f"{name}{list(place)} = {value}: exit code {done.returncode}: {done.stderr.strip()[:300]}"
-            if anew:  # it may as well be a state that there is, or one that goes bad
+            if anew:  # the edit may result in a valid state, or in one that fails later
                 assert done.returncode in (0, 2, 5), said
             else:
                 assert done.returncode == 2 and f"{name} is {CHANGED}" in done.stderr, said
@@ -304,7 +304,7 @@ QUICK = ("--set", "time.end=0.1 ms", "--set", "output.snapshots=0", "--set", "ou
 
 
 def sweep(folder, *arguments, code=0):
-    """(what was said, rows of sweep.csv, folder) of one call."""
+    """(message, rows of sweep.csv, folder) of one call."""
     out = os.path.join(folder, "out")
     done = expect(gneiss("sweep", write_scene(folder, SWEEP, "sweep.yaml"), "--out", out, "--quiet", *QUICK, *arguments), code)
     with open(os.path.join(out, "sweep.csv"), newline="") as file:
@@ -504,7 +504,7 @@ def a_report_follows_no_link_when_it_writes(folder):
     run(LATTICE, out, "--set", "time.end=0.1 ms", "--set", "output.snapshots=0")
     os.mkdir(os.path.join(out, "report"))
     for name in ("report.html", "report.html.tmp", "report.csv", "report.csv.tmp", "report/stress_strain.png", "report/surface.png", "report/profile.png"):
-        os.symlink(victim, os.path.join(out, name))  # to nothing, which opening would make
+        os.symlink(victim, os.path.join(out, name))  # truncated, which opening it for writing would do
     expect(gneiss("report", out), 0)
     assert not os.path.exists(victim)
     assert not os.path.islink(os.path.join(out, "report.html"))

@@ -20,7 +20,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* A scene text under construction. */
+/* A scene text that is being composed. */
 typedef struct text {
     size_t used;
     char s[65536];
@@ -34,7 +34,7 @@ __attribute__((format(printf, 2, 3))) static inline void add(text *t, const char
     assert_true(t->used < sizeof t->s);
 }
 
-/* The world of a scene text; `folder` is where its files are (NULL: none). */
+/* Creates the world of a scene text; `folder` has its files (NULL: none). */
 static inline gneiss_status world_try(gn_world *w, const char *scene_text, const char *folder,
                                       gneiss_error *error) {
     gn_scene scene;
@@ -86,7 +86,8 @@ static inline gn_energy measured_step(gn_world *w) {
     return w->ledger.reading;
 }
 
-/* `count` steps; the first of a run is measured, so that the ledger knows what was stored. */
+/* Takes `count` steps; the first one of a run is measured, so that the ledger has the initially
+ * stored energy. */
 static inline void run_steps(gn_world *w, int64_t count) {
     gneiss_error error = {0};
     for (int64_t k = 0; k < count; k++)

@@ -30,7 +30,7 @@ def count_program(entry):
 
 
 def failures(entry, most=12):
-    """Names of the subtests that failed, with the last lines of what each said before its own line."""
+    """Names of the failed subtests, with the last lines that each printed before its result."""
     said = []
     for line in (entry.get("stdout") or "").splitlines():
         if line.startswith("not ok"):

@@ -12,12 +12,12 @@ ANCHOR = re.compile(r"[^\w\- ]")
 
 
 def keys_of(page):
-    """Paths of the generated reference, such as walls[].motion.vz."""
+    """Returns the paths of the generated reference, such as walls[].motion.vz."""
     return re.findall(r"^\| `([^`*]+)` \|", page.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def mentions(text):
-    """{words in code: the heading above the first of them}"""
+    """Returns {words in code: heading above their first occurrence}."""
     heading, found, fenced = "", {}, False
     for line in text.splitlines():
         if line.startswith("```"):

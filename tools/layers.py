@@ -29,7 +29,8 @@ POINTER_WRITE = re.compile(rf"(?<![\w.>])(\w+)->{WRITTEN}")
 
 
 def uses_of(cell, above):
-    """The names of a cell, with those of `A to B` written out; `above`: the folders of the rows above, in their order."""
+    """Returns the names in a cell, with those of `A to B` written out; `above`: the folders of the rows above, in
+    their order."""
     for use in (use.strip() for use in cell.split(",")):
         first, between, last = use.partition(" to ")
         if between and first in above and last in above:
@@ -39,7 +40,7 @@ def uses_of(cell, above):
 
 
 def rows(text):
-    """{folder: (line, [what it may use])}, in the order of the table."""
+    """Returns {folder: (line, [folders that it may use])}, in the order of the table."""
     found = {}
     for number, line in enumerate(text.splitlines(), 1):
         cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
@@ -81,7 +82,8 @@ def check_includes(path, table):
 
 
 def check_declarations(sources):
-    """A function that is declared in one folder and defined in another would let calls pass by the includes."""
+    """Lists functions that are declared in one folder and defined in another: calls of them would bypass the
+    includes."""
     texts = {path: COMMENT.sub("", path.read_text()) for path in sources}
     defined = {name: path for path, text in texts.items() if path.suffix == ".c" for name, end in FUNCTION.findall(text) if end == "{"}
     for path, text in texts.items():

@@ -2,7 +2,8 @@
 
 links.py [ROOT]: every relative link and picture of README.md, CONTRIBUTING.md and docs/ is there, with the heading that it
 names; every page and picture under docs/ that a source, a script or a page names is there, and every source that a page
-names, also by its folder in src and its name alone; every picture is shown on a page. Prints file:line of whatever is not so.
+names, also by its folder in src and its name alone; every picture is shown on a page; no page outside docs/evidence is too long to be
+read at once. Prints file:line of whatever is not so.
 """
 import re
 import sys
@@ -64,11 +65,19 @@ def check_names(path, root):
                 yield f"{path.relative_to(root)}:{number}: {name} is not there"
 
 
+def check_length(page, root):
+    name, text = page.relative_to(root), page.read_text()
+    lines, words = len(text.splitlines()), len(text.split())
+    most = 120 if str(name) == "README.md" else 300
+    if name.parts[:2] != ("docs", "evidence") and (lines > most or words > 3000):
+        yield f"{name}:1: expected at most {most} lines and 3000 words, found {lines} and {words}"
+
+
 def main(root):
     problems, shown = [], set()
     for path in texts(root):
         if path.suffix == ".md":
-            problems += check_links(path, root, shown)
+            problems += [*check_links(path, root, shown), *check_length(path, root)]
         problems += check_names(path, root)
     for picture in sorted((root / "docs").rglob("*.png")):
         if picture not in shown:

@@ -26,7 +26,7 @@ LARGEST = {"largest_stress": "largest stress (no peak)", "largest_strain": "stra
 
 
 def error_text(name, column):
-    """"± 3.1 MPa" of the error budget; nothing where there is none."""
+    """Returns "± 3.1 MPa" of the error budget, "" without an estimate."""
     if not np.isfinite(column.error):
         return ""
     if column.unit in ("", "1"):
@@ -49,7 +49,7 @@ def readings_table(results):
     for name, column in results.readings.items():
         value = float(np.asarray(column.value, float).reshape(-1)[0])
         if not results.test_kind and not np.isfinite(value):
-            continue  # a scene that is no test has none of them
+            continue  # Scenes without a test have none of them.
         si = f"{value:.6g} {'' if column.unit == '1' else column.unit}".strip() if np.isfinite(value) else ""
         meaning = f"absent: {column.absent}. ({column.text})" if column.absent else column.text
         rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (error_text(name, column), "number"), (si, "si"), meaning))
@@ -57,7 +57,8 @@ def readings_table(results):
 
 
 def stages_table(results):
-    """A column for each stage that has rows, what none of them gives left out; nothing where there is one stage alone."""
+    """A column for each stage that has rows; quantities without a value in any stage are left out. Empty for a single
+    stage."""
     names = [name for name, _, rows in results.stages if rows and name in results.stage_readings]
     listed = [results.stage_readings[name] for name in names]
     if len(names) < 2:
@@ -147,7 +148,7 @@ def residual_text(results):
 # --- figures -------------------------------------------------------------------------------------------
 
 def draw_figures(results, folder):
-    """{name: caption} of what could be drawn into folder/report; old pictures are removed."""
+    """Removes old pictures and draws all possible ones into folder/report; returns {name: caption}."""
     specimen = Specimen(results) if results.particle_count and results.particle("position") is not None else None
     there = specimen is not None and specimen.count > 0
     jobs = {name: (lambda path, plot=plot: plot(results, path) if results.rows or plot is CURVES["profile"] else None)
@@ -180,7 +181,7 @@ def percent(share):
 
 
 def in_unit_of(column):
-    """The causes of an error, "(packing 2.4e+06 estimated, ...)", as shares of it: what matters is which is the largest."""
+    """The causes of an error as shares of it, "(packing 2.4e+06 estimated, ...)", so that the largest is seen."""
     parts = [part.split() for part in column.error_causes.strip("()").split(", ") if part]
     value = abs(float(np.asarray(column.value, float).reshape(-1)[0]))
     named = [(" ".join(words[:-2]), float(words[-2]) / value, words[-1]) for words in parts if len(words) > 2]
@@ -204,7 +205,7 @@ def cards_without_test(results):
 
 
 def cards(results):
-    """The main readings; what is absent says why, and a stress that is no peak stands under its own name."""
+    """The main readings. A missing reading is shown with the reason; a stress that is no peak has a name of its own."""
     shown = []
     for name, title in cards_of(results):
         other = name.replace("peak", "largest")

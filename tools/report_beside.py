@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from report_files import DAMAGE, values
 
 BODY, WALL = "#3f5f77", "#5d5b55"
-FOLD = np.cos(np.radians(20))  # edges between facets that are turned by less are not drawn
+FOLD = np.cos(np.radians(20))  # edges between facets at a smaller angle are not drawn
 
 
 def _numbers(text):
@@ -53,7 +53,8 @@ def _edges(facet, corner):
 
 
 class Beside:
-    """`order`, `sign`: see Specimen. `snapshot`: the file of the particles that are drawn; None: those of the end."""
+    """`order`, `sign`: see Specimen. `snapshot`: the file of the particles that are drawn; None: the particles at the
+    end."""
 
     def __init__(self, results, order, sign, snapshot=None, time=None):
         self.turn = lambda x: np.asarray(x, float).reshape(-1, 3)[:, order] * [1, 1, sign]
@@ -80,14 +81,14 @@ class Beside:
             self.vertex = self.turn(vertex)
 
     def bounds(self, lower, upper):
-        """With the bodies in them."""
+        """Returns the limits of the picture extended to contain the bodies."""
         if not len(self.facet):
             return lower, upper
         used = self.vertex[np.unique(self.facet)]
         return np.minimum(lower, used.min(axis=0)), np.maximum(upper, used.max(axis=0))
 
     def draw_cut(self, axes, depth, window, flat):
-        """Where the plane z = depth cuts bodies and walls; in 2D all of them."""
+        """Sections of bodies and walls with the plane z = depth; in 2D their outlines."""
         if len(self.facet):
             axes.add_collection(LineCollection(self._cut(depth, flat), colors=BODY, linewidths=1.4, capstyle="round", zorder=3))
         left, right, bottom, top = window
@@ -141,7 +142,8 @@ class Beside:
         return np.array(found).reshape(-1, 4, 3)
 
     def draw_seen(self, axes, turn, middle, panes=()):
-        """Bodies and walls before what is there already: folds and a breath of their facets, so that grains inside are seen."""
+        """Draws edges and translucent facets of bodies and walls before the rest, so that grains inside remain
+        visible."""
         if len(panes):
             seen = ((np.asarray(panes) - middle) @ turn.T)[:, :, :2]
             axes.add_collection(PolyCollection(seen, facecolors=WALL, edgecolors="none", alpha=0.05, zorder=2))

@@ -1,4 +1,5 @@
-"""Particles and finite elements that are one body, in one picture: the plane, or a section through the middle of a body in space."""
+"""Draws particles and finite elements that form one body in one picture: the plane, or a section through the middle
+of a body in space."""
 import matplotlib
 
 matplotlib.use("Agg")
@@ -49,7 +50,7 @@ class Section:
         start, radius = np.asarray(results.particle("position"), float) - moved, np.asarray(results.particle("radius"), float).reshape(-1)
         removed = results.particle("removed")
         there = np.isfinite(start).all(axis=1) if removed is None else np.asarray(removed).reshape(-1) == 0
-        there &= ~results.dormant  # the elements that they are in are drawn
+        there &= ~results.dormant  # the elements that contain them are drawn
         order, self.where = [0, 1, 2], ""
         if not mesh.flat:
             both = np.concatenate([mesh.start, start[there]])
@@ -74,7 +75,7 @@ class Section:
 
 
 def quantities(results, mesh):
-    """Title, values of the mesh's elements (None: they have none), values of the particles, unit, colors, symmetric."""
+    """Title, values of the elements of the mesh (None: no values), values of the particles, unit, colors, symmetric."""
     moved = np.linalg.norm(mesh.displacement, axis=1)[mesh.element].mean(axis=1)
     displacement = np.asarray(results.particle("displacement"), float)
     yield "Displacement", moved, np.linalg.norm(displacement, axis=1), "m", plt.cm.viridis, False
@@ -94,7 +95,7 @@ def draw_panel(figure, axes, section, what):
     both = np.concatenate([of_particles] + ([] if of_mesh is None else [of_mesh[section.owner]]))
     factor, text = scale_of(both, unit)
     norm = norm_of(both / factor)
-    if unit == "1":  # a share, of which all may be 0 but a few
+    if unit == "1":  # A share, which may be zero except at a few times.
         factor, text, norm = 1.0, "1", Normalize(0, 1)
     if symmetric:
         top = max(abs(norm.vmin), abs(norm.vmax))

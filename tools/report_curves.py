@@ -28,7 +28,8 @@ plt.rcParams.update({
 
 
 def abscissa(results):
-    """(values, label): strain in per cent with a test, else time; with stages time, which always goes on."""
+    """Returns (values, label) of the abscissa: strain in per cent of a test, otherwise time; with stages time, which
+    always increases."""
     strain = results.column("strain")
     if strain is not None and not results.stages:
         return 100 * strain, f"{results.words[0]} [%]"
@@ -48,7 +49,7 @@ def new_axes(title, x_label, y_label, height=3.9):
 
 
 def mark_stages(results, axes, x):
-    """Where a stage begins, by its name, if x goes on."""
+    """Marks where a stage begins, with its name, if x increases throughout."""
     for name, first, count in results.stages:
         axes.axvline(x[first], color=GREY, lw=0.8, dashes=(2, 2), zorder=0)
         if count:
@@ -57,7 +58,8 @@ def mark_stages(results, axes, x):
 
 
 def place_legend(results, axes, loc="best"):
-    """Out of the curves where the names of stages stand along the upper edge: above it beside the title if that is short, else at the right."""
+    """Places the legend clear of the curves if names of stages are drawn along the upper edge: above it beside a
+    short title, otherwise at the right."""
     names = axes.get_legend_handles_labels()[1]
     if not results.stages:
         axes.legend(loc=loc)
@@ -68,7 +70,7 @@ def place_legend(results, axes, loc="best"):
 
 
 def style_for(values):
-    """One or two rows are drawn as points, since their line would be invisible."""
+    """One or two rows are drawn as points, because their line would be invisible."""
     return {"marker": "o", "markersize": 4} if np.isfinite(values).sum() < 3 else {}
 
 
@@ -145,7 +147,7 @@ def plot_stress(results, path):
 
 
 def draw_stress_beside(axes, x, stress, label):
-    """A thin line with an axis of its own at the right; `label` has a place for the unit."""
+    """Draws a thin line with an axis of its own at the right; the unit is inserted into `label`."""
     factor, unit = scale_of(stress, "Pa")
     other = axes.twinx()
     other.grid(False)
@@ -201,7 +203,7 @@ def plot_events(results, path):
 
 
 def plot_bursts(results, path):
-    """Bursts per span of the run beside the stress, and what each broke."""
+    """Plots bursts per interval of the run beside the stress, with the numbers of broken bonds."""
     x, label = abscissa(results)
     time, stress = results.column("time"), results.column("stress")
     if x is None or time is None or "time" not in results.bursts or not len(results.bursts["time"].value):
@@ -268,7 +270,7 @@ def plot_energy(results, path):
     axes.plot(x, inputs / factor, color=INK, lw=1.4, dashes=(5, 2), label="put in (work, stored at the start)")
     axes.set_ylabel(f"energy [{unit}]")
     handles, names = axes.get_legend_handles_labels()
-    # Beside the curves, which fill all of the picture, and the names of stages along its upper edge.
+    # The legend is beside the plot, because the curves fill it and the names of stages are along its upper edge.
     axes.legend(handles[::-1], names[::-1], loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     if residual is not None:
         below.plot(x, residual, color=RED, lw=1.2, **style_for(residual))
@@ -347,7 +349,8 @@ def plot_strains(results, path):
 
 
 def plot_force_over(results, path, way, caption):
-    """The force of a test over a way of its history: what bending shows, where stress and strain are nominal."""
+    """Plots the force of a test over a displacement of its history, as for bending, where stress and strain are
+    nominal."""
     force, length = results.in_last_stage("force"), results.in_last_stage(way)
     if force is None or length is None:
         return None
@@ -366,7 +369,7 @@ def plot_deflection(results, path):
 
 
 def plot_forces(results, path):
-    """Forces on walls and reactions of sets over time: what there is to see without a test."""
+    """Plots forces on walls and reactions of sets over time, for scenes without a test."""
     time = results.column("time")
     names = [n for n in results.history if "_force_" in n or "_reaction_" in n]
     names = [n for n in names if results.column(n) is not None]
@@ -389,7 +392,7 @@ def plot_forces(results, path):
 
 
 def plot_conversion(results, path):
-    """Elements that turn into particles, over time."""
+    """Plots the conversion of elements into particles over time."""
     time, elements, particles = (results.column(name) for name in ("time", "elements", "particles"))
     if time is None or elements is None or particles is None:
         return None

@@ -59,7 +59,7 @@ def of_attributes(item):
 
 
 def written(item, name):
-    """None: there is none."""
+    """None: the data set has no digest."""
     return int(item.attrs[name]) & WORD if name in item.attrs else None
 
 
@@ -94,7 +94,7 @@ def put(item, name, value):
 
 
 def seal(file):
-    """Writes the digests of what is there now."""
+    """Writes the digests of the present contents."""
     for item in objects(file):
         if isinstance(item, h5py.Dataset):
             put(item, OF_VALUES, of_values(item)[0])

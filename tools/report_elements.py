@@ -11,8 +11,8 @@ from report_curves import GREY, save
 from report_pictures import color_bar, oblique, panels, scale_bar
 from report_results import scale_of
 
-LINES_UP_TO = 4000    # Up to this number of facets their edges are drawn.
-SHOWN = 0.05          # of the body's size: how large the largest displacement looks at least
+LINES_UP_TO = 4000    # Largest number of facets that are drawn with their edges.
+SHOWN = 0.05          # Least apparent size of the largest displacement, relative to the size of the body.
 FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 
 
@@ -34,7 +34,7 @@ class Mesh:
         self.facet, self.owner = self.facets()
 
     def facets(self):
-        """Corners and the element behind each facet."""
+        """Returns the corners of each facet and the element to which it belongs."""
         owner = np.flatnonzero(self.keep)
         if self.flat:
             return self.element[owner], owner
@@ -45,7 +45,7 @@ class Mesh:
         return faces[outside], owner[outside]
 
     def scale(self):
-        """A round factor by which displacements are drawn so that they can be seen; 1 when they can anyway."""
+        """Returns a round factor that makes displacements visible in a picture; 1 if they are visible without it."""
         moved = np.linalg.norm(self.displacement, axis=1)
         largest = float(moved[np.isfinite(moved)].max(initial=0.0))
         wanted = SHOWN * self.size / largest if largest > 0 else 1.0
@@ -56,7 +56,7 @@ class Mesh:
 
 
 def view(mesh, position):
-    """Right, up, toward the viewer: the plane itself, or from an oblique side."""
+    """Returns the directions right, up and towards the viewer: normal to the plane in 2D, otherwise oblique."""
     if mesh.flat:
         return position
     order = ([1, 0, 2], [0, 1, 2], [0, 2, 1])[mesh.up]
@@ -109,7 +109,7 @@ def draw_panel(figure, axes, mesh, place, title, name, colors, symmetric):
 
 
 def outline(mesh, axes):
-    """The boundary at the start, 2D only."""
+    """Draws the boundary at the start, 2D only."""
     edges = np.sort(mesh.facet[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     edges, count = np.unique(edges, axis=0, return_counts=True)
     axes.add_collection(LineCollection(mesh.start[edges[count == 1]][:, :, :2], colors=GREY, linewidths=0.8, zorder=0))

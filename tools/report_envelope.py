@@ -18,7 +18,8 @@ TEXTS = {"friction_angle": "friction angle", "cohesion": "cohesion", "hoek_brown
 
 
 def read(group):
-    """Envelopes in the group `envelope` of sweep.h5: a list of (label, {name: (value, unit) or (None, reason)})."""
+    """Returns the envelopes of the group `envelope` of sweep.h5 as a list of (label, {name: (value, unit) or (None,
+    reason)})."""
     values = {name: np.asarray(group[name][()], float).reshape(-1) for name in TEXTS}
     count = max(len(column) for column in values.values())
     labels = _text(group["of"][()]).split("\n") if "of" in group else []
@@ -48,7 +49,7 @@ def curves(found):
 
 
 def rows_of(label, found):
-    """Rows of a table: what it is of, what, value or why there is none."""
+    """Returns rows of a table: label, quantity, value or the reason why there is no value."""
     rows = []
     for name, (value, unit) in found.items():
         if value is None:
@@ -59,7 +60,7 @@ def rows_of(label, found):
 
 
 def plot(confinement, strength, place, envelopes, path):
-    """`place`: of each run the envelope that it is part of, -1 of none."""
+    """`place`: the envelope to which each run belongs, -1: none."""
     s3, s1, place = (np.asarray(v, float).reshape(-1) for v in (confinement, strength, place))
     factor, unit = scale_of(s1, "Pa")
     figure, axes = plt.subplots(figsize=(5.6, 4.0), constrained_layout=True)

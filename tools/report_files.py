@@ -20,14 +20,14 @@ class Unreadable(Exception):
 
 
 def printable(text):
-    """Without characters that control a terminal."""
+    """Returns the text without control characters of terminals."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in str(text))
 
 
 # --- reading -------------------------------------------------------------------------------------------
 
 def fault_of_values(dataset):
-    """Why the values of a data set are not to be had; "" where they are."""
+    """Returns the reason why the values of a data set cannot be read; "" if they can."""
     created = dataset.id.get_create_plist()
     if dataset.is_virtual or created.get_external_count():
         return "stored in another file"
@@ -76,7 +76,7 @@ def faults_below(group, seen):
 
 
 def check(path, file, remedy):
-    """Refuses a file that is not whole: what is left of it would be taken for all there is."""
+    """Refuses a truncated file, because its remainder could be mistaken for the complete contents."""
     fault = faults_of(file)
     found = ([f"/ ({fault})"] if fault else []) + faults_below(file, set())
     if not found and report_digest.is_sealed(file) and \
@@ -89,7 +89,7 @@ def check(path, file, remedy):
 
 @contextlib.contextmanager
 def opened(path, kind, remedy):
-    """The file, checked; whatever goes wrong within is Unreadable."""
+    """Opens and checks the file; every error on the way becomes Unreadable."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise Unreadable(f"{path}: expected a file, found something else")
@@ -103,7 +103,7 @@ def opened(path, kind, remedy):
 
 
 def values(file, path):
-    """Values of a data set in the file itself; KeyError if there is none."""
+    """Returns the values of a data set of the file itself; KeyError if there is none."""
     item = file
     for name in path.split("/"):
         if not isinstance(item, h5py.Group) or not isinstance(item.get(name, getlink=True), h5py.HardLink):
@@ -117,7 +117,7 @@ def values(file, path):
 # --- writing -------------------------------------------------------------------------------------------
 
 def folder_within(folder, name):
-    """Made if it is not there."""
+    """Creates the folder unless it exists."""
     path = os.path.join(folder, name)
     if os.path.islink(path):
         raise OSError(f"{path}: expected a folder, found a symbolic link, which is not followed")
@@ -126,13 +126,13 @@ def folder_within(folder, name):
 
 
 def remove(path):
-    """A file or a link, if it is there."""
+    """Removes a file or a link if it exists."""
     if os.path.lexists(path):
         os.remove(path)
 
 
 def write(path, data):
-    """A new file in the place of what has the name, whole or not at all."""
+    """Replaces the file of this name atomically by a new one."""
     data = data.encode() if isinstance(data, str) else data
     descriptor, temporary = tempfile.mkstemp(dir=os.path.dirname(path) or ".", prefix=".report-")
     try:

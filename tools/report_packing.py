@@ -1,4 +1,4 @@
-"""The report on a packing: reads packing.h5 (docs/packing.md), draws it and how good it is."""
+"""The report on a packing: reads packing.h5 (docs/packing.md), draws the packing and measures of its quality."""
 import io
 import os
 
@@ -23,7 +23,7 @@ STAGES = (("spread", "#dbe7f3"), ("compress", "#fbe3d6"), ("decompress", "#e4efd
 CARDS = (("porosity", "porosity"), ("coordination_1", "contacts per particle at 1 %"),
          ("radius_mean", "mean radius"), ("radius_ratio", "largest / smallest radius"),
          ("anisotropy", "anisotropy of contacts"), ("overlap_max", "largest overlap"))
-# Some texts speak of the figure before; the file has them by name.
+# Some texts refer to the preceding figure; the file orders figures by name.
 ORDER = ("porosity", "porosity_net", "void_ratio", "coordination_01", "coordination_1", "coordination_5", "floating",
          "radius_mean", "radius_volume", "radius_min", "radius_max", "radius_ratio", "radius_ratio_98",
          "radius_variation", "radius_median", "radius_deviation", "radius_skewness", "radius_kurtosis", "fabric_max", "fabric_min", "anisotropy", "distance_mean", "overlap_median",
@@ -35,12 +35,12 @@ NEEDED = {"particles": ("position", "radius"), "contacts": ("pair", "gap"), "qua
 TRACE = ("iteration", "stage", "energy", "gap_rms", "overlap_max")
 TOUCHING = 1e-9   # of r_i + r_j: less is rounding and neither gap nor overlap
 CONTACT = 0.01    # tolerance of contacts in the pictures and directions
-WIDE = 5000       # discs from which on the whole picture shows no outlines
+WIDE = 5000       # Number of discs above which the picture of the whole packing has no outlines.
 DETAIL = 900      # discs in the picture of the contacts
 
 
 class Packing(Results):
-    """packing.h5, read at once and checked; what it has in common with results.h5 reads the same."""
+    """packing.h5, read completely and checked; data that it shares with results.h5 have the same names."""
 
     def __init__(self, path):
         with opened(path, "a packing file", "`gneiss pack` writes it anew") as file:
@@ -154,7 +154,7 @@ class View:
         scale_bar(axes, low, high)
 
     def plane(self, axes, window):
-        """Axes in mm or so around left, right, bottom, top [m]; returns the factor."""
+        """Sets axes in mm (or another suitable unit) around left, right, bottom, top [m]; returns the factor."""
         factor, unit = scale_of([max(window[1] - window[0], window[3] - window[2])], "m")
         axes.set_aspect("equal")
         axes.grid(False)
@@ -259,7 +259,7 @@ def scatter(count):
 def draw_rose(packing, axes):
     count = packing.histogram["angle_count"].value
     axes.set_title("Directions of contacts, x–y" if packing.dimension == 3 else "Directions of contacts", pad=14)
-    axes.set_axisbelow("line")  # the numbers stand on the bars
+    axes.set_axisbelow("line")  # The numbers are written above the bars.
     axes.set_xticks(np.radians(np.arange(0, 360, 45)))
     if not count.sum():
         axes.text(0.5, 0.5, "no contacts", transform=axes.transAxes, ha="center", va="center")
@@ -299,7 +299,7 @@ def draw_polar(packing, axes):
     if not count.sum():
         axes.text(0.5, 0.5, "no contacts", transform=axes.transAxes, ha="center", va="center")
         return "There are no contacts at 1 %."
-    # Each contact is counted twice, for both ways, but is one direction here.
+    # Each contact is counted in both directions but is one axis here.
     density, band = scatter(np.asarray(count) / 2)
     step = 1 / len(density)
     axes.bar((np.arange(len(density)) + 0.5) * step, density, step, color=BLUE, alpha=0.75, edgecolor="white", lw=0.5)
@@ -378,7 +378,7 @@ def draw_trace(packing, axes):
 
 
 def figures_of(packing):
-    """{name: (function, projection)} of what can be drawn of this packing."""
+    """Returns {name: (function, projection)} of the pictures that this packing allows."""
     plots = {"radii": (draw_radii, None), "gaps": (draw_gaps, None), "directions": (draw_rose, "polar")}
     if packing.dimension == 3:
         plots["polar"] = (draw_polar, None)
@@ -395,7 +395,7 @@ def plot_one(packing, plot, projection, path):
 
 
 def plot_overview(packing, view, path):
-    """All at a glance: two rows of pictures, 3 columns, or 4 where there is that much to show."""
+    """Draws the overview: two rows of pictures with 3 columns, or 4 if there are enough pictures."""
     plots = figures_of(packing)
     columns = 4 if len(plots) > 4 else 3
     figure_ = plt.figure(figsize=(5.4 * columns, 9.8), constrained_layout=True)

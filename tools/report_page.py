@@ -29,17 +29,17 @@ pre { background: #f6f8f9; padding: 1rem; overflow-x: auto; font-size: .85rem; }
 
 
 def escape(text):
-    """Control characters have no meaning in a page, and a terminal that shows its text takes them for commands."""
+    """Control characters have no meaning in a page, and a terminal that prints its text would execute them."""
     return html.escape("".join(c if c.isprintable() or c in "\n\t" else "?" for c in str(text)))
 
 
 def is_inside(path):
-    """True if a path stays below the folder that it is relative to."""
+    """True if a path is inside the folder to which it is relative."""
     return not re.match(r"/|\w+:", path) and ".." not in path.split("/")
 
 
 def linked(text, to):
-    """Only to places below the page's folder, whatever a file says."""
+    """Allows links only to files below the folder of the page, whatever a file contains."""
     return f'<a href="{escape(quote(to))}">{escape(text)}</a>' if to and is_inside(to) else escape(text)
 
 
@@ -62,8 +62,8 @@ def figure(name, captions, kind=""):
 
 
 def draw(jobs, folder):
-    """{name: caption} of what the jobs {name: function of a path} drew into folder/report; a job that draws
-    nothing returns None. Old pictures of these names are removed."""
+    """Runs the jobs {name: function of a path}, which draw into folder/report, and returns {name: caption}; a job
+    without a picture returns None. Old pictures of these names are removed."""
     pictures = folder_within(folder, "report")
     paths = {name: os.path.join(pictures, name + ".png") for name in jobs}
     for path in paths.values():
@@ -73,7 +73,7 @@ def draw(jobs, folder):
 
 
 def embed(folder, text):
-    """Pictures go into the page, so that it can be sent alone; `data-file` says which file each is."""
+    """Embeds the pictures in the page, so that it can be sent as one file; `data-file` names the file of each."""
     def data(match):
         with open(os.path.join(folder, match[1]), "rb") as file:
             coded = base64.b64encode(file.read()).decode("ascii")

@@ -18,8 +18,8 @@ MARGIN = 0.05         # of the specimen's size, shown around it; fragments furth
 
 
 def quantiles(values, unit):
-    """(factor, unit, norm): colours span the 2nd to the 98th percentile, from zero where that is not far, so that a few fragments do
-    not hide the rest, nor what all have in common."""
+    """Returns (factor, unit, norm). Colours span the 2nd to the 98th percentile, so that a few fragments do not hide
+    differences among the rest; the span starts from zero if zero is near."""
     low, high = np.percentile(values, (2, 98))
     high = float(high) or float(np.max(values))
     low = float(low) if low > 0.5 * high else 0.0
@@ -29,7 +29,7 @@ def quantiles(values, unit):
 
 
 def extend_of(values, norm):
-    """Which end of the colour bar values lie beyond."""
+    """Returns at which ends of the colour bar there are values beyond its range."""
     beyond = values.min() < norm.vmin - 1e-9 * abs(norm.vmin), values.max() > norm.vmax * (1 + 1e-9)
     return {(True, True): "both", (True, False): "min", (False, True): "max"}.get(beyond, "neither")
 
@@ -57,7 +57,7 @@ class Specimen:
         toward = 3 - up - right
         self.names = "xyz"[right], "xyz"[up], "xyz"[toward]
         order = [right, up, toward]
-        # The viewer looks along `toward` from its negative side when that makes a right-handed picture.
+        # The viewer looks along `toward` from its negative side if this makes a right-handed picture.
         self.sign = 1.0 if (right, up, toward) in ((0, 1, 2), (1, 2, 0), (2, 0, 1)) else -1.0
         self.keep = keep
         self.all_position = position[:, order] * [1, 1, self.sign]
@@ -69,7 +69,8 @@ class Specimen:
         self.damage = None if damage is None else np.nan_to_num(np.asarray(damage, float).reshape(-1)[keep])
         self.has_bonds = len(results.bond_state) > 0
         self.count = len(self.radius)
-        # A specimen that broke is seen where it stood, without what flew off; loose particles where they went.
+        # A broken specimen is shown at its original place without the fragments that flew away; loose particles are
+        # shown where they are.
         self.framed = self.start if self.has_bonds else self.position
         self.beside = Beside(results, order, self.sign, snapshot, time)
         velocity = results.particle("velocity")
@@ -82,7 +83,7 @@ class Specimen:
             self.plane = self.plane_of_slice()
 
     def is_bed(self):
-        """Lower than wide: its upper side is what is to be seen."""
+        """A specimen that is lower than wide: its upper side is shown."""
         size = self.upper - self.lower
         return bool(not self.flat and size[1] < 0.7 * max(size[0], size[2]))
 
@@ -101,8 +102,8 @@ class Specimen:
         return factor, unit, norm.vmax
 
     def colorings(self):
-        """(title, values, colour map, norm, label of the colour bar): damage of what is bonded, heights of a bed that a body acts
-        on, speeds of what moves by itself, and displacements."""
+        """Returns (title, values, colour map, norm, label of the colour bar): damage of bonded particles, heights of
+        a bed under a body, speeds of freely moving particles, and displacements."""
         factor, unit, norm = quantiles(self.moved, "m")
         result = [("Displacement", self.moved / factor, plt.cm.viridis, norm, f"displacement [{unit}]")]
         if self.damage is not None and self.has_bonds:
@@ -118,7 +119,7 @@ class Specimen:
         return result
 
     def window(self):
-        """left, right, bottom, top of the slice and of 2D pictures, m."""
+        """Left, right, bottom and top of the slice and of 2D pictures, m."""
         lower, upper = self.beside.bounds(self.lower, self.upper)
         margin = MARGIN * (upper - lower)[:2].max()
         low, high = lower[:2] - margin, upper[:2] + margin
@@ -216,7 +217,7 @@ class Surface:
             self.shade = (0.42 + 0.62 * lambert) * (1 - 0.55 * dark)
 
     def colored(self, colors):
-        """An RGBA picture, one row of `colors` per particle; nothing where there is nothing."""
+        """Returns an RGBA picture with one row of `colors` per particle; transparent without particles."""
         hit = self.nearest >= 0
         picture = np.zeros(self.nearest.shape + (4,))
         picture[hit] = colors[self.nearest[hit]]
@@ -232,7 +233,7 @@ class Surface:
 
 
 def scale_bar(axes, low, high):
-    """A bar of a round length in the lower left corner, in place of axes."""
+    """Draws a scale bar of a round length in the lower left corner, in place of axes."""
     wanted = 0.3 * (high[0] - low[0])
     power = 10 ** np.floor(np.log10(wanted))
     length = max(m * power for m in (1, 2, 5) if m * power <= wanted)
@@ -301,7 +302,7 @@ def cracks(specimen, results, state):
     ri, rj = specimen.all_radius[i], specimen.all_radius[j]
     branch = xj - xi
     length = np.linalg.norm(branch, axis=1)
-    near = (length > 0) & (length < 2 * (ri + rj))  # fragments that flew apart leave no crack to draw
+    near = (length > 0) & (length < 2 * (ri + rj))  # Fragments that have separated leave no crack to draw.
     xi, branch, length, ri, rj = xi[near], branch[near], length[near], ri[near], rj[near]
     normal = branch / length[:, None]
     centre = xi + normal * (0.5 * (length + ri - rj))[:, None]
@@ -325,7 +326,7 @@ def draw_circles(axes, centres, radii, faces, edge):
                                           linewidths=0.25))
 
 
-# Bonds by state; those that still hold are thinner, under the others, and shown where there are some.
+# Draws bonds by state. Intact bonds are drawn thinner and below the others, if there are any.
 CRACKS = ((5, "#8c510a", 0.7, "yielded"), (4, "#d99a2b", 0.9, "softening"), (1, RED, 1.3, "broken in tension"),
           (2, BLUE, 1.3, "broken in shear"))
 

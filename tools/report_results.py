@@ -17,14 +17,14 @@ def _text(value):
 
 
 class Column:
-    """A data set with its unit and what it means."""
+    """A data set with its unit and its description."""
 
     def __init__(self, dataset):
         self.value = np.asarray(dataset[()])
         self.unit = _text(dataset.attrs.get("unit", ""))
         self.text = _text(dataset.attrs.get("description", dataset.attrs.get("text", "")))
         self.kind = _text(dataset.attrs.get("kind", ""))  # of a term of the ledger: stored, input, lost
-        self.absent = _text(dataset.attrs.get("absent", ""))  # why there is no number
+        self.absent = _text(dataset.attrs.get("absent", ""))  # Reason why there is no number.
         error = np.asarray(dataset.attrs.get("error", np.nan), float).reshape(-1)  # of a reading: its error budget
         self.error = float(error[0]) if error.size else float("nan")
         self.error_causes = _text(dataset.attrs.get("error_causes", ""))
@@ -38,7 +38,7 @@ def _group(file, name):
 
 
 def _without_free_overlaps(bonds):
-    """Rows of the bonds alone: state 7 are overlaps of the start that never were bonds."""
+    """Returns the rows of bonds; state 7 marks initial overlaps that never were bonds."""
     state = bonds.get("state")
     if state is None or not np.any(np.asarray(state.value) == 7):
         return bonds
@@ -48,7 +48,8 @@ def _without_free_overlaps(bonds):
     return bonds
 
 
-# Counted since the start of the run in the history, since that of the last stage in readings and in what is drawn of it.
+# Quantities that the history counts since the start of the run, and that readings and their pictures count since the
+# start of the last stage.
 FROM_START = ("strain", "volumetric_strain", "lateral_strain", "dilation", "deflection", "opening")
 
 
@@ -65,7 +66,7 @@ class Results:
         self._check_places(path)
 
     def _check_places(self, path):
-        """Rows of particles, nodes and bursts that others point to are there."""
+        """Checks that the rows of particles, nodes and bursts exist to which other data refer."""
         for group, name, count in (("bonds", "i", self.particle_count), ("bonds", "j", self.particle_count),
                                    ("elements", "node", len(getattr(self.nodes.get("position"), "value", ())))):
             column = getattr(self, group).get(name)
@@ -99,7 +100,8 @@ class Results:
             column.value = np.asarray(column.value, float).reshape(-1)[: self.rows]
 
     def check_summary(self, path):
-        """Refuses results beside the summary of another finished run. That of a run that goes on is older."""
+        """Refuses results that do not belong to the summary of a finished run. The summary of an unfinished run may
+        be older."""
         try:
             with open(path, encoding="utf-8") as file:
                 said = json.load(file)
@@ -122,7 +124,7 @@ class Results:
 
     @property
     def stages(self):
-        """(name, first row, rows) of those that have begun; empty without stages."""
+        """Returns (name, first row, rows) of the stages that have begun; empty without stages."""
         numbers, names = self.column("stage"), self.attribute("stages").split("\n")
         if numbers is None:
             return []
@@ -132,7 +134,7 @@ class Results:
 
     @property
     def last_stage(self):
-        """(name, slice of its rows) of the last one that has rows; ("", all rows) without stages."""
+        """Returns (name, slice of rows) of the last stage that has rows; ("", all rows) without stages."""
         name, first, count = ([s for s in self.stages if s[2]] or [("", 0, self.rows)])[-1]
         return name, slice(first, first + count)
 
@@ -141,14 +143,14 @@ class Results:
         return self.attribute("finished", "0") == "1"
 
     def column(self, name):
-        """Values of a history column, None when there is none or no row of it is finite."""
+        """Returns the values of a history column, None if there is no such column or none of its values is finite."""
         column = self.history.get(name)
         if column is None or not np.isfinite(column.value).any():
             return None
         return column.value
 
     def in_last_stage(self, name):
-        """Values of a column in the last stage alone; displacements and strains count from its start."""
+        """Returns the values of a column in the last stage; displacements and strains count from its start."""
         stage, rows = self.last_stage
         values = self.column(name)
         if values is None or not np.isfinite(values[rows]).any():
@@ -157,7 +159,7 @@ class Results:
 
     @property
     def of_stage(self):
-        """For titles: ", stage load"; "" without stages."""
+        """Returns the part of a title that names the stage, ", stage load"; "" without stages."""
         return self.last_stage[0] and ", stage " + self.last_stage[0]
 
     def scalar(self, group, name):
@@ -175,7 +177,7 @@ class Results:
 
     @property
     def dormant(self):
-        """True for dormant particles, those of elements that are still there. Their bonds are not included."""
+        """True for dormant particles, whose elements have not been converted. Their bonds are not included."""
         value = self.particle("asleep")
         return np.zeros(self.particle_count, bool) if value is None else np.asarray(value).reshape(-1) != 0
 
@@ -191,7 +193,7 @@ class Results:
 
     @property
     def test_kind(self):
-        """The kind of the test as the scene says; "" without one."""
+        """Returns the kind of test given by the scene; "" without a test."""
         block = re.search(r"^test:.*?(?=^\S|\Z)", self.scene, re.MULTILINE | re.DOTALL)
         kind = block and re.search(r"\bkind:\s*[\"']?(\w+)", block[0])
         return kind[1] if kind else ""
@@ -202,13 +204,14 @@ class Results:
         return self.attribute("test_strain", "axial strain"), self.attribute("test_stress", "axial stress")
 
     def test_axis(self):
-        """0, 1, 2: the axis of the test as the scene says, else what is up."""
+        """Returns the axis of the test given by the scene (0, 1, 2), otherwise the vertical axis."""
         block = re.search(r"^test:.*?(?=^\S|\Z)", self.scene, re.MULTILINE | re.DOTALL)
         axis = block and re.search(r"\baxis:\s*[\"']?([xyz])", block[0])
         return "xyz".index(axis[1]) if axis else self.up_axis()
 
     def up_axis(self):
-        """0, 1, 2: that of gravity, else z, in 2D y; of a specimen that is pressed or pulled along an axis this one stands up."""
+        """Returns the vertical axis (0, 1, 2): that of gravity, otherwise z, in 2D y; for a specimen loaded along an
+        axis this axis."""
         gravity = re.search(r"^gravity:\s*\[([^\]]*)\]", self.scene, re.MULTILINE)
         pull = [abs(float(g)) for g in gravity[1].split(",")] if gravity else [0.0]
         if max(pull) > 0:
@@ -242,7 +245,7 @@ def scale_of(values, unit):
 
 
 def quantity(value, unit, digits=4):
-    """`20.13 GPa`, `0.168`, `-` for what could not be read."""
+    """Returns `20.13 GPa`, `0.168`, or `-` for a reading without a value."""
     if not np.isfinite(value):
         return "–"
     factor, text = scale_for(value, unit)

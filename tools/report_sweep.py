@@ -23,7 +23,7 @@ STATES = ("new", "interrupted", "done", "failed")
 
 
 class Parameter:
-    """`value` a number for every run, SI; `names` the texts of one that takes no numbers."""
+    """`value`: a number for every run, SI; `names`: the texts of a parameter without numbers."""
 
     def __init__(self, key, dataset):
         self.key = key
@@ -80,12 +80,12 @@ class Sweep:
         return [p for p in self.parameters if len(p.levels) > 1]
 
     def shown_readings(self):
-        """Those worth a picture: with numbers, the best known first."""
+        """Returns the readings that are drawn: those with numbers, the most usual first."""
         return self.distinct()[:MOST_READINGS]
 
     def distinct(self):
-        """Readings with numbers, the best known first; of several that are the same in every run, as the axial strength and the
-        largest stress may be, the first alone."""
+        """Returns the readings with numbers, the most usual first. Of readings with equal values in every run (the
+        axial strength and the largest stress may be equal) only the first is returned."""
         there = [name for name, column in self.readings.items() if np.isfinite(column.value).any()]
         ordered = [name for name in FIRST if name in there] + [name for name in there if name not in FIRST]
         found = []
@@ -111,7 +111,7 @@ def scaled(sweep, name):
 
 
 def dress(parameter, axes, which):
-    """The axis x or y: texts for what takes no numbers, a tick for every value when there are few."""
+    """Sets the axis x or y: texts for parameters without numbers, a tick for every value if there are few."""
     shown, label, log, ticks = parameter.axis()
     axis = getattr(axes, which + "axis")
     axis.set_label_text(label)
@@ -129,7 +129,7 @@ def dress(parameter, axes, which):
 
 
 def groups(sweep, parameter):
-    """Combinations that differ in this parameter only: [(label, places of combinations)]."""
+    """Groups of combinations that differ only in this parameter: [(label, places of combinations)]."""
     found = {}
     others = [p for p in sweep.varied if p is not parameter]
     for place, run in enumerate(sweep.first):
@@ -200,7 +200,7 @@ def edges(x, log):
 
 
 def plot_map(sweep, name, pair, path):
-    """Means over two parameters: cells of a grid (mean over what else is varied), or points of a sample."""
+    """Plots means over two parameters: cells of a grid (averaged over the other parameters), or points of a sample."""
     mean, _, _, label = scaled(sweep, name)
     if not np.isfinite(mean).sum() > 3:
         return None
@@ -250,7 +250,7 @@ def draw_pictures(sweep, folder):
 # --- curves of the runs --------------------------------------------------------------------------------
 
 def curve_of(path):
-    """(strain, stress) of a run; None: it has no test, or its results cannot be read, which is said."""
+    """Returns (strain, stress) of a run; None, with a message, if it has no test or its results cannot be read."""
     try:
         with opened(path, "a results file", "`gneiss sweep` computes the run again") as file:
             history = file["history"]
@@ -294,7 +294,7 @@ def strengths(sweep):
 
 
 def envelope_part(sweep, folder):
-    """Friction angle, cohesion, m_i, with their picture; "" without."""
+    """Friction angle, cohesion and m_i with their picture; "" without an envelope."""
     if sweep.envelope is None:
         return ""
     envelopes, both = sweep.envelope, strengths(sweep)

@@ -19,7 +19,7 @@ from report_results import quantity, scale_of
 
 
 def cards_of(results):
-    """[(reading, title)]: what results of this test show first."""
+    """[(reading, title)]: the readings that a report on this test shows first."""
     tested = [tuple(line.split(": ", 1)) for line in results.attribute("test_figures").splitlines()]
     return (*tested, ("returned_energy", "energy returned by the zone"))
 
@@ -69,7 +69,7 @@ def plot_opening(results, path):
 
 
 def plot_centre(results, path):
-    """The stress about the middle of a disc, over the one that theory has there."""
+    """Ratio of the stress around the middle of a disc to the theoretical one."""
     stress = results.in_last_stage("stress")
     parts = [(n, results.in_last_stage("centre_stress_" + n)) for n in ("xx", "yy")]
     if stress is None or any(v is None for _, v in parts):
@@ -105,7 +105,7 @@ def plot_shear(results, path):
 
 
 def plot_breaking(results, path):
-    """Bonds that break per row, as the rate of acoustic events is shown, where no list of events was kept."""
+    """Plots the number of bonds broken per row, like the rate of acoustic events, if there is no list of events."""
     x, label = abscissa(results)
     tension, shear = results.column("broken_tension"), results.column("broken_shear")
     if x is None or tension is None or shear is None or results.rows < 3 or "time" in results.events:
@@ -379,7 +379,7 @@ def parameters(results):
 
 
 def write_columns(path, columns):
-    """A column each, with its unit in the head; vectors as x y z."""
+    """A table with a column each, and its unit in the header; vectors are shown as x y z."""
     table, heads = [], []
     for name, column in columns.items():
         values = np.asarray(column.value, float)

@@ -67,7 +67,8 @@ CLEAN = [
     "src/zones",
 ]
 # Pages that are written by a program from texts elsewhere: their words and lines are those of the texts.
-GENERATED = {"docs/keys.md", "docs/quantities.md"}
+GENERATED = {f"docs/{name}.md" for name in ("keys", "keys-particles", "keys-materials", "keys-walls", "keys-elements",
+                                               "quantities", "quantities-readings", "quantities-fields")}
 
 # First words of a comment: it then describes a thing without a sentence.
 OPENINGS = re.compile(r"(What|Who|Whose|Of|Whether|The same)\b")
@@ -162,7 +163,7 @@ def pieces_of_hash(text, strings):
 
 
 def finds_of_words(line, text, rules):
-    """Finds as (line, word, what to do), also where a line breaks between two words."""
+    """Returns findings (line, word, advice), also for words that are separated by a line break."""
     for pattern, instead in rules:
         for match in pattern.finditer(text):
             yield line + text.count("\n", 0, match.start()), " ".join(match.group(1).split()), instead

@@ -31,7 +31,8 @@ ROUNDS, LONGER = option("--rounds", 4), option("--step", 1.75)
 
 
 def ways():
-    """Name, program, scene, settings. Added mass: by the bound, for a step so many times the sharp one."""
+    """Name, program, scene, settings. Added mass: chosen by the bound, for a step that is this multiple of the sharp
+    one."""
     dt, proposed = planned()
     start, mixed = {"time.start": "first_break"}, {"run.precision": "mixed"}
     heavier = {"time.estimate": "bound", "time.mass_scaling.step": f"{LONGER * dt:.4g}"}
@@ -44,7 +45,7 @@ def ways():
 
 
 def planned():
-    """s that the scene takes as it is, at the start; the scene that is proposed for 4 %."""
+    """s: time of the unchanged scene at the start; the scene proposed for 4 %."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     scene = FOLDER / "proposed.yaml"
     kept = FOLDER / "plan.json"
@@ -52,14 +53,14 @@ def planned():
         said = study.call(["plan", study.ROCK, "--error", "4%", "--log", "json", "--threads", "1", "--write", str(scene), "--force"])
         if said.returncode != 0:
             sys.exit(said.stderr)
-        kept.write_text(next(line for line in said.stdout.splitlines() if line.startswith("{")))
+        kept.write_text(json.dumps(json.loads(said.stdout.splitlines()[-2])["result"]))
     plan = json.loads(kept.read_text())
     print(json.dumps(plan["proposed"]), file=sys.stderr, flush=True)
     return plan["dt"], scene
 
 
 def specimen(change):
-    """As first_break_study.py has them."""
+    """The readings of first_break_study.py."""
     path = FOLDER / f"rock-a-{change}.txt"
     if not path.exists():
         FOLDER.mkdir(parents=True, exist_ok=True)

@@ -17,7 +17,7 @@ DISCS = "scenes/elastic-discs.yaml"
 ROCKS = ("rock-a", "rock-b", "rock-c")
 YOUNG, POISSON = 20e6, 0.25
 FOLDER = study.RUNS / "areas"
-# From the source: discs, mean radius mm, n_c, e %. The fit of a packing is stopped early where contacts are few.
+# From the source: discs, mean radius mm, n_c, e %. The fit of a packing ends early where contacts are to be few.
 MESHES = [(2260, 0.72, 5.08, 11.0, 24), (1262, 1.02, 5.14, 9.4, 24), (725, 1.42, 5.24, 6.8, 24), (1343, 1.02, 5.79, 11.1, "auto"),
           (325, 2.0, 3.76, 18.3, None)]
 ALPHAS, BETAS = (1, 1.5, 2, 2.5), (0, 0.5, 1, 1.5, 2, 3)
@@ -75,7 +75,7 @@ def fill_table():
 # --- E and nu -------------------------------------------------------------------------------------------------
 
 def box_scene(law, seed, walls):
-    """A cube of 2 000 spheres between six frictionless platens, of which those named close."""
+    """A cube of 2 000 spheres between six frictionless platens, of which the named ones close."""
     side, names = 0.05, [(axis, end) for axis in "xyz" for end in (0, 1)]
     made = []
     for axis, end in names:

@@ -27,7 +27,7 @@ ONE = {"run.threads": 1}  # as costs are compared
 # --- shapes -------------------------------------------------------------------------------------------------------
 
 def surface():
-    """Closed surface of the beam with its notch."""
+    """Closed surface of the notched beam."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     left, right = MID - SLOT / 2, MID + SLOT / 2
     outline = [(0, 0), (left, 0), (left, NOTCH), (right, NOTCH), (right, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
@@ -35,7 +35,8 @@ def surface():
 
 
 def mesh(name, x, kept=lambda x, y: True, part=1.0):
-    """Tetrahedra between the places x, finer at the notch's tip, of cells with centres that are kept; `part`: of the usual height."""
+    """Tetrahedra between the coordinates x, finer at the tip of the notch; only cells whose centres satisfy `keep`
+    exist; `part`: factor of the usual height."""
     y, z = meshes.graded([0, NOTCH, HEIGHT], lambda y: part * np.minimum(2e-3 + 0.25 * np.abs(y - NOTCH), 6e-3)), np.linspace(0, BREADTH, 3)
     nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(1, len(nodes) + 1).reshape(len(x), len(y), len(z))
@@ -56,7 +57,7 @@ def whole_mesh(part):
 
 
 def side_meshes():
-    """Both sides, with cells of a quarter of the zone in it."""
+    """Elements at both sides, with cells of a quarter of the zone inside it."""
     half = meshes.graded([MIDDLE - ZONE, MIDDLE, SPAN / 2, LENGTH / 2], lambda x: np.clip(ZONE / 4 + 0.2 * (x - MIDDLE), ZONE / 4, 8e-3))
     return mesh("sides", both_sides(half), lambda x, y: abs(x - MID) > MIDDLE - ZONE)
 
@@ -64,7 +65,7 @@ def side_meshes():
 # --- scenes -------------------------------------------------------------------------------------------------------
 
 def box(x, y, half=0.0, room=0.0, depth=0.0):
-    """Over the whole breadth, about (x, y): x within `half`, y within `room`, and `depth` into the beam from there."""
+    """A region over the whole breadth, around (x, y): x within `half`, y within `room`, and `depth` into the beam."""
     low, high = sorted((y, y + depth))
     return {"min": [x - half, low - room, -1e-3], "max": [x + half, high + room, BREADTH + 1e-3]}
 
@@ -157,7 +158,7 @@ class Beam:
 # --- what elements have to have -----------------------------------------------------------------------------------
 
 def bar(seed):
-    """A bar of particles of the beam's section, twice as long as it is high, whose ends are pulled apart; no bond breaks."""
+    """A bar of particles with the section of the beam, twice as long as high, pulled at its ends; no bond breaks."""
     scene = base()
     scene["specimen"]["box"] = {"size": [2 * HEIGHT, HEIGHT, BREADTH]}
     del scene["specimen"]["surface"]
@@ -169,7 +170,7 @@ def bar(seed):
 
 
 def modulus(result):
-    """E in Pa and nu of the bar's middle half."""
+    """E in Pa and nu of the middle half of the bar."""
     u = result.results("particles/displacement")
     x = result.results("particles/position") - u
     middle = np.abs(x[:, 0] - HEIGHT) < HEIGHT / 2
@@ -196,7 +197,7 @@ def beam_table(found):
 
 
 def parted_table(found):
-    """Load at which so many bonds have broken, N: the same up to where a crack pauses or not."""
+    """Load at which this number of bonds has broken, N, which is comparable whether a crack pauses or not."""
     counts, rows = (5, 10, 20, 40), []
     for name, result in found:
         if name != conversion_study.NEVER:
@@ -224,12 +225,13 @@ FINER = 0.5  # of the usual height of cells
 
 
 def rounded(run, *chosen, note="", **more):
-    """Runs that differ by rounding alone: by their steps."""
+    """Runs that differ only by rounding, obtained by slightly different steps."""
     return [run(*chosen, note, **more) if k == SAFETIES[0] else run(*chosen, f"{note}-{k}", **more, **{"time.safety": k}) for k in SAFETIES]
 
 
 def rounding_table(beam):
-    """Peaks of the same runs with steps a little shorter, N, and by how much their means differ, with the error of that."""
+    """Peaks of the same runs with slightly shorter steps, N, and the difference of their means with its standard
+    error."""
     kinds = [("particles alone", rounded(beam.alone))]
     kinds += [(f"adaptive, {limit} MPa, {width} mm", rounded(beam.adaptive, limit, width)) for limit, width in CHOSEN]
     kinds.append(("adaptive, 3.0 MPa, 9 mm, cells half as high", rounded(beam.adaptive, 3.0, 9, note="-finer", part=FINER)))

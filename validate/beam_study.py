@@ -17,15 +17,15 @@ PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "beams-gregoire.png"
 FOLDER = study.RUNS / "beams"
 SEEDS = (1, 2, 3)
 RADII = (0.5e-3, 0.25e-3)
-COUNT = {RADII[0]: 3, RADII[1]: 2}  # packings; one of the smaller particles takes some minutes
-# Measured, of the concrete (37 GPa, 3.9 MPa, 143.2 N/m, 2346 kg/m3) and of the beam, m.
+COUNT = {RADII[0]: 3, RADII[1]: 2}  # Packings; one with the smaller particles takes some minutes.
+# Measured properties of the concrete (37 GPa, 3.9 MPa, 143.2 N/m, 2346 kg/m3) and of the beam, m.
 MODULUS, POISSON, TENSILE, FRACTURE, DENSITY = 37e9, 0.2, 3.9e6, 143.2, 2346.0
 LENGTH, DEPTH, BREADTH, SPAN, NOTCH, SLOT, GAUGE = 0.175, 0.05, 0.05, 0.125, 0.025, 0.002, 0.020
 # Assumed, not measured: strength in shear over that in tension of a contact, energy in shear over that in tension, friction of bonds, by which compressed bonds carry more shear.
 SHEAR, SHEAR_ENERGY, FRICTION = 1.0, 1.0, 1.0
 INITIAL = 2.5  # fracture energy over the area under the first tangent of the softening (Bazant and Becq-Giraudon 2002)
 MIDDLE, WIDTH, SIDE = 0.5 * LENGTH, 0.008, 0.0025  # m: mid-span, zone, cells of the mesh
-FREE = 0.0125                                      # m, half of what is particles alone
+FREE = 0.0125                                      # m, half the length of the region of particles only.
 SPEED = 0.01                                       # m/s of the load
 
 
@@ -48,7 +48,7 @@ def made(name, scene, settings=None):
 
 
 def body(shape, radius, seed, contact):
-    """`contact`: see material(); a fifth value names the curve along which bonds soften."""
+    """`contact`: see material(); a fifth value names the softening curve of bonds."""
     curve = {"softening_curve": contact[4]} if len(contact) > 4 else {}
     return {"dimension": 2,
             "specimen": {**shape, "mean_radius": radius, "density_basis": "bulk", "material": "concrete", "group": 1,
@@ -77,7 +77,7 @@ def strip(radius, seed, contact, opened=None):
 
 
 def elastic(run):
-    """Modulus (Pa) and contraction in the plane, by the mean strain, from 5 to 30 % of the peak; strength (Pa)."""
+    """Modulus (Pa) and Poisson's ratio in the plane, from the mean strain, from 5 to 30 % of the peak; strength (Pa)."""
     stress, along, across = (run.results(f"history/{name}") for name in ("stress", "strain_yy", "strain_xx"))
     peak = int(np.argmax(stress))
     part = (np.arange(len(stress)) < peak) & (stress > 0.05 * stress[peak]) & (stress < 0.3 * stress[peak])
@@ -85,7 +85,8 @@ def elastic(run):
 
 
 def crack_energy(run, contact):
-    """Over the contacts' fracture energy and the section: all that was lost; what was lost by bonds whose ends have come apart."""
+    """Energies relative to the fracture energy of the contacts times the section: all that was dissipated, and that
+    of bonds whose ends have separated."""
     x, d = run.results("particles/position"), run.results("particles/displacement")
     i, j, area, state = (run.results(f"bonds/{name}") for name in ("i", "j", "area", "state"))
     damage = np.where((state == 1) | (state == 2), 1.0, run.results("bonds/shear_damage"))
@@ -97,13 +98,14 @@ def crack_energy(run, contact):
 
 
 def calibrate(*curve, radius=RADII[0], start=None, rounds=3):
-    """Contacts with which strips have the measured modulus, strength and, across their cracks, fracture energy; elements that have the strips' modulus
-    and contraction. Found in all rounds but the last, which says how far they are met; `start`: contacts of the first."""
+    """Finds contact parameters for which strips have the measured modulus, strength and, across their cracks,
+    fracture energy, and elements with the modulus and Poisson's ratio of the strips. All rounds but the last
+    correct them; the last one shows the agreement. `start`: parameters of the first round."""
     contact, rows = start or (MODULUS / 0.75, 0.2, TENSILE, FRACTURE / 1.38, *curve), []
     seeds = SEEDS[:COUNT[radius]]
     for number in range(rounds):
         found = np.array([elastic(strip(radius, seed, contact)) for seed in seeds])
-        opened = (7.2 if curve else 4) * 2 * contact[3] / contact[2]  # twice where nothing is left
+        opened = (7.2 if curve else 4) * 2 * contact[3] / contact[2]  # Twice, if nothing is left.
         lost = np.array([crack_energy(strip(radius, seed, contact, opened), contact) for seed in seeds])
         modulus, contraction, strength = found.mean(axis=0)
         factor = lost[:, 1].mean()
@@ -168,7 +170,7 @@ def beam_scene(radius, seed, contact, bulk, speed):
 
 
 def beam(radius, seed, contact, bulk, speed=SPEED, note=""):
-    """Particles in the middle, elements at both sides; the load goes down at `speed`, m/s."""
+    """Particles in the middle, elements at both sides; the loading point moves down at `speed`, m/s."""
     scene = beam_scene(radius, seed, contact, bulk, speed)
     return made(f"beam-{1e3 * radius:g}-{seed}-{speed:g}{note}", scene, {"output.history_rows": 2000, "run.residual_limit": "off"})
 
@@ -187,7 +189,7 @@ def adaptive(radius, seed, contact, bulk):
 
 
 def curve(run):
-    """Opening in mm, load on the beam's breadth in N."""
+    """Opening in mm, load for the breadth of the beam in N."""
     return 1e3 * run.results("history/opening"), BREADTH * run.results("history/force")
 
 
@@ -196,14 +198,14 @@ def band():
 
 
 def load_at(run, opening):
-    """The mean load around an opening, which goes forth and back a little, N."""
+    """Mean load around an opening, which oscillates slightly, N."""
     at, load = curve(run)
     near = np.abs(at - opening) < 0.02 * opening
     return float(np.mean(load[near])) if near.any() else float("nan")
 
 
 def beside(value, low, high):
-    """By how many per cent a load misses the band."""
+    """Distance of a load from the band, per cent."""
     off = value / high - 1 if value > high else value / low - 1 if value < low else 0.0
     return "in" if off == 0.0 else f"{100 * off:+.0f} %"
 
@@ -216,7 +218,7 @@ def linear(energy, tensile=TENSILE):
 
 
 def bilinear(energy):
-    """Petersson 1981: to a third of the strength at 0.8 G/f, to nothing at 3.6 G/f."""
+    """Petersson 1981: a third of the strength at 0.8 G/f, zero at 3.6 G/f."""
     return [(0.0, TENSILE), (0.8 * energy / TENSILE, TENSILE / 3), (3.6 * energy / TENSILE, 0.0)]
 
 
@@ -245,7 +247,7 @@ def hinge_moment(corners, height, young):
 
 
 def hinge(corners):
-    """Openings of the mouth (m), ascending, and loads of the beam (N). What bends beside the layer is left out."""
+    """Openings of the mouth (m), ascending, and loads of the beam (N). Bending outside the layer is neglected."""
     angle, pressed, moment = turned(corners, DEPTH - NOTCH, MODULUS)
     return angle * (DEPTH - pressed), 4 * BREADTH * moment / SPAN
 

@@ -60,12 +60,13 @@ def result(out):
 
 
 def outcomes(out):
-    """{run: time of its outcome}"""
+    """Returns {run: time of its outcome}."""
     return {path.parent.name: path.stat().st_mtime_ns for path in (out / "runs").glob("*/outcome.json")}
 
 
 def killed(target, out, seconds):
-    """Starts a calibration and kills its whole process group after so many seconds; True if it was still at work."""
+    """Starts a calibration and kills its whole process group after this number of seconds; returns whether it was
+    still running."""
     process = subprocess.Popen(command(target, out), cwd=study.ROOT, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         process.wait(seconds)
@@ -115,7 +116,7 @@ MOUNTED = 'mount -t tmpfs -o {options} none "$1" || exit 77; shift; "$@"; code=$
 
 
 def on_disk(name, options):
-    """A call whose folder is on a disk of its own: exit code and message."""
+    """Calls the command with a folder on a disk of its own; returns exit code and message."""
     folder = FOLDER / "kills" / name.replace(" ", "-")
     folder.mkdir(parents=True, exist_ok=True)
     target = written(FOLDER / "kills", GOOD)
@@ -240,7 +241,8 @@ BAD = (
 
 
 def message(code, said, printed):
-    """The sentence of a refusal, else of the result about what is not reached, else its first line."""
+    """Returns the message of a refusal, otherwise what the result says of unreached targets, otherwise its first
+    line."""
     lines = [line.strip() for line in (said if code else printed).splitlines()]
     if code:
         return re.sub(r"/[^ :]*/([^/ :]+)", r"\1", lines[0]).replace("|", "/")[:300] if lines else "no message"
@@ -293,7 +295,7 @@ LETTERS = "{}[],:#'\"&*!|>%@`-? \n\t0129.eEnax\u00b5\0\a~"
 
 
 def mutations(text, generator, count):
-    """Truncations, other words in place of each word, lines left out, doubled and exchanged, and random letters."""
+    """Truncations, replaced words, omitted, doubled and exchanged lines, and random letters."""
     for end in range(0, len(text), 3):
         yield text[:end]
     for word in re.finditer(r"[^\s{}\[\],:]+( (mm|MPa|GPa|%|min|runs|deg))?", text):
@@ -343,7 +345,8 @@ def harness(folder, texts, program):
 
 
 def mutated():
-    """(codes, wrong ones) of all mutations; a stand-in for the program refuses every run, so that accepted files end there."""
+    """Returns (codes, wrong ones) of all mutations. A substitute for the program refuses every run, so that accepted
+    files end there."""
     folder, generator, count = FOLDER / "mutations", random.Random(8), option("--mutations", 2000)
     shutil.rmtree(folder, ignore_errors=True)
     program = written(folder, '#!/bin/sh\ncase $1 in version) echo "gneiss stand-in (0)";; *) echo "a stand-in" >&2; exit 5;; esac\n', "program")

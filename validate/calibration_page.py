@@ -4,7 +4,7 @@ import sys
 import study
 from sections import Page
 
-NAMES = ("published", "rocks", "synthetic", "coverage", "kills", "targets")
+NAMES = ("published", "rocks", "synthetic", "coverage", "cost", "kills", "targets")
 HEAD = """# Calibration: how right, how sure, how robust
 
 Written by `validate/calibration_*.py`; do not edit. Each section names the command that measures it. The command and its file of
@@ -15,7 +15,8 @@ PAGE = Page(study.ROOT / "docs" / "evidence" / "calibration.md", study.RUNS / "c
 
 
 def named(arguments, sections):
-    """The sections that the arguments of a study name, all of them if there are none; numbers and options are skipped."""
+    """Returns the sections named by the arguments of a study, all of them if none is named; numbers and options are
+    skipped."""
     names = [one for one in arguments if not one.startswith("--") and not one.isdigit()] or list(sections)
     if set(names) - set(sections):
         sys.exit(f"expected some of {', '.join(sections)}, found {' '.join(names)}; --help says what they do")

@@ -24,8 +24,8 @@ FOLDER = study.RUNS / "rocks"
 REFERENCES = study.ROOT / "validate" / "references"
 PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "calibration-rocks.png"
 LAWS = ("auto", "linear", "friction", "moments", "softening")
-SAME_PRESSURE = 1.08  # ratio of confinements that count as one
-USUAL = 0.05          # tolerance where the scatter of tests is not known
+SAME_PRESSURE = 1.08  # Ratio below which confinements are taken as equal.
+USUAL = 0.05          # Tolerance if the scatter of tests is not known.
 LAC_DU_BONNET = """# Targets of Lac du Bonnet granite: Potyondy & Cundall 2004 (IJRMMS 41:1329); {source}.
 # Tolerances are those of the command.
 title: {title}
@@ -136,7 +136,7 @@ def write_targets():
 # --- calibrations --------------------------------------------------------------------------------------
 
 def calibration(title, path, law):
-    """Contents of calibration.json, None with --kept if it is not there. All laws of a rock share their runs."""
+    """Contents of calibration.json, None with --kept if the file does not exist. All laws of a rock share their runs."""
     folder = FOLDER / stem(title) / law
     targets, text = folder / "targets.yaml", path.read_text().replace("law: auto", f"law: {law}")
     kept = folder / "calibration.json"
@@ -170,7 +170,7 @@ def off(entry):
 
 
 def error(entry):
-    """In words: per cent of the value, of nu the difference."""
+    """Returns the deviation in words: per cent of the value, for nu the difference."""
     if entry["value"] is None:
         return "absent"
     text = f"{entry['value'] - entry['target']:+.3f}" if not entry["unit"] else f"{100.0 * (entry['value'] / entry['target'] - 1.0):+.1f} %"

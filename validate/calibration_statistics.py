@@ -85,7 +85,7 @@ def targets_text(one, wanted):
 
 
 def material_of(one, wanted, folder):
-    """The calibration's own material, with the speeds and times that follow from such readings."""
+    """The material of the calibration, with the speeds and times that follow from these readings."""
     path = one.folder / "rough.yaml"
     path.write_text(targets_text(one, wanted))
     request = targets.read(str(path))
@@ -94,7 +94,7 @@ def material_of(one, wanted, folder):
 
 
 def measured(one, wanted, seeds, folder):
-    """{reading: values by packing} with the parameters of a set, in tests as they are made for such wanted readings."""
+    """{reading: values by packing} for a set of parameters, in the tests made for these target readings."""
     evaluation = material_of(one, wanted, folder).evaluate(one.parameters, seeds)
     return {"triaxial" if name.startswith("triaxial") else name: [evaluation.values[seed][name] for seed in seeds] for name in evaluation.values[seeds[0]]}
 
@@ -105,7 +105,7 @@ def means(values):
 
 
 def kept(path, make):
-    """Result of make() as JSON in a file, made once."""
+    """Returns the result of make(), stored as JSON in a file when it is first made."""
     if not path.exists():
         if study.KEPT:
             raise study.Missing(path.name)
@@ -130,7 +130,7 @@ def truth(one):
 
 
 def calibration(one):
-    """calibration.json of a set; the program takes up what it has of it."""
+    """Returns calibration.json of a set; the program continues from what its folder has."""
     path, out = one.folder / "targets.yaml", one.folder / "out"
     if not study.KEPT:
         path.write_text(targets_text(one, means(truth(one))))
@@ -161,7 +161,7 @@ def sets():
 # --- parameters found again ----------------------------------------------------------------------------
 
 def found_parameters(result):
-    """Parameters as the calibration has them, from the keys of its material."""
+    """Converts the keys of the material to the parameters of the calibration."""
     value = {key: entry["value"] for key, entry in result["parameters"].items()}
     return {"modulus": value["contact_modulus"], "ratio": 1.0 / value["kratio"], "tension": value["tensile_strength"],
             "chi": value["shear_strength"] / value["tensile_strength"], "bond_friction": value.get("bond_friction", 0.0)}
@@ -172,7 +172,7 @@ def recovery(one, result):
     Hotelling's T2 over its 95 % quantile (None where packings are too few for so many parameters). The targets are means of packings themselves: their
     variance adds to that of the calibration."""
     names, there = result["covariance"]["of"], found_parameters(result)
-    packings = min(len(entry["packings"]) for entry in result["found"].values())  # fewer than asked for where the search ends early
+    packings = min(len(entry["packings"]) for entry in result["found"].values())  # Fewer than requested if the search ends early.
     matrix = np.array(result["covariance"]["matrix"], float) * (1.0 + packings / PACKINGS)
     difference = np.array([material.scaled(name, there[name]) - material.scaled(name, one.parameters[name]) for name in names])
     whole, count = None, len(names)
@@ -281,7 +281,7 @@ for ten, 82 % for twenty. Intervals from five packings at random hold fewer than
 lowers E, Poisson's ratio and strength together.
 """
     study.KEPT = True
-    found, _, _ = sets()  # those that are there
+    found, _, _ = sets()  # Only those that exist.
     inside = [(entry["fresh"]["inside"], len(entry["fresh"]["values"])) for _, result in found for entry in result["found"].values() if "fresh" in entry]
     text += f"\nThe checks of all {len(found)} calibrations on three fresh packings each: {sum(a for a, _ in inside)} of {sum(b for _, b in inside)} " \
             f"readings are inside ({100.0 * sum(a for a, _ in inside) / max(1, sum(b for _, b in inside)):.1f} %)."

@@ -21,7 +21,7 @@ FRICTIONS, KRATIOS, RESTITUTIONS = [0.1, 0.3, 0.5, 1.0], [1.0, 2.0, 3.7, 10.0], 
 STEPS = [10, 20, 40, 100, 400]
 PAIRS = 60  # of every combination; two spheres each
 ROWS = 20  # of balls, of every number and restitution; the first of equal ones
-SPEED = 1e-4 * R * np.sqrt(2 * KN / MASS)  # of approach: overlaps of 1e-4 of the radius, normals that hardly turn
+SPEED = 1e-4 * R * np.sqrt(2 * KN / MASS)  # Speed of approach for overlaps of 1e-4 of the radius, with normals that hardly turn.
 
 
 def damping_fraction(restitution):
@@ -141,7 +141,7 @@ def shortest(mass):
 
 
 def rows_after(mass, restitution):
-    """Velocities [row][ball] of balls in rows, the first of which comes at 1 to the others, which rest in touch."""
+    """Velocities [row][ball] of balls in rows: the first ball hits, at speed 1, the others, which rest and touch."""
     dashpot = 2 * np.array([damping_fraction(c) for c in restitution])[:, None] * np.sqrt(
         KN / (1 / mass[:, :-1] + 1 / mass[:, 1:]))
     dt = shortest(mass)[:, None] / FINE
@@ -209,7 +209,8 @@ def dropped(restitution, steps):
 
 
 def work_of_spring(restitution, dt, phase):
-    """The work of the spring's forces over the collision by leap-frog alone, over the work of gravity; over a loop it should be 0."""
+    """Work of the forces of the spring over the collision by leap-frog, relative to the work of gravity; over a
+    closed path it should be 0."""
     beta, r = damping_fraction(restitution), DROP["radius"]
     k = 4 / 3 * DROP["young"] / (2 * (1 - DROP["poisson"]**2)) * np.sqrt(r)
     m, x, v, spring, work, t, before = DENSITY * 4 / 3 * np.pi * r**3, DROP["height"], 0.0, 0.0, 0.0, 0.0, 0.0

@@ -1,5 +1,5 @@
 """Effects of the number of particles, speed, step and round-off on the concrete of concrete_study.py (Santasusana 2013, ch. 5), without
-pressure and under 9 MPa. Writes the section on concrete of docs/accuracy.md and its pictures.
+pressure and under 9 MPa. Writes the section on concrete of docs/evidence/accuracy.md and its pictures.
 
     /usr/bin/python3 validate/concrete_effects.py [--fresh] [--kept] [--quick] [most] [large]
 
@@ -25,14 +25,14 @@ import words  # noqa: E402
 QUICK = concrete.QUICK
 PRESSURES = (0, 9)  # MPa
 COUNTS = (107, 500) if QUICK else (107, 500, 1500, 4000, 13500)
-COUNT = 500 if QUICK else 1500  # of the studies of speed, step, round-off
+COUNT = 500 if QUICK else 1500  # Numbers for the studies of speed, step and round-off.
 WAVES = np.sqrt(concrete.YOUNG / 2500)  # m/s
 SPEEDS = {0: (0.4, 0.2, 0.1, 0.05, 0.02, 0.01), 9: (0.8, 0.4, 0.2, 0.1, 0.05)}
 MANY = 13500
 MANY_SPEEDS = {0: (0.2, 0.1, 0.05, 0.02), 9: (0.4, 0.2, 0.1)}
 BRITTLE_SPEEDS = (1.0, 0.2, 0.1, 0.02, 0.002)  # of the source
 SAFETIES = {0: (0.9, 0.45, 0.2, 0.05), 9: (0.9, 0.45, 0.2)}
-NEARBY = (0.9, 0.89, 0.88, 0.87)  # steps that differ by nothing that matters
+NEARBY = (0.9, 0.89, 0.88, 0.87)  # Steps whose difference has no physical effect.
 COPIES, SHAKEN = 4, 1e-12
 USED = []  # runs that tables were made of
 
@@ -53,7 +53,7 @@ def reported(pressure):
 # --- number of particles ------------------------------------------------------------------------------------------
 
 def particles():
-    """For every number its curves under both pressures, three packings of the smaller ones."""
+    """The curves for every number of particles without and with pressure, three packings for the smaller numbers."""
     if "most" in sys.argv:
         for pressure in PRESSURES:
             concrete.tested(concrete.MOST, 1, pressure)
@@ -101,7 +101,8 @@ def particle_words(found):
 # --- speed ------------------------------------------------------------------------------------------------------------
 
 def speed_name(count, pressure, speed):
-    """The part of a run's name that gives its speed, for the material that softens and yields: nothing at the usual one."""
+    """The part of the name of a run that states its speed, for the material that softens and yields; "" at the usual
+    speed."""
     usual = ({**concrete.TESTS, **concrete.MANY} if count >= concrete.RAISED_FROM else concrete.TESTS)[pressure][1]
     return "" if speed == usual else f"-at{speed:g}"
 
@@ -111,7 +112,7 @@ def there(count, pressure, speed):
 
 
 def speeds():
-    """Runs at other speeds under both pressures; with many spheres too, where it is asked for or those runs are there."""
+    """Runs at other speeds without and with pressure; with many spheres only if requested or already computed."""
     asked = [(COUNT, p, SPEEDS[p]) for p in PRESSURES]
     if not QUICK:
         asked += [(MANY, p, [v for v in MANY_SPEEDS[p] if "large" in sys.argv or there(MANY, p, v)]) for p in PRESSURES]
@@ -134,7 +135,7 @@ def speed_rows(found):
 
 
 def brittle_speeds():
-    """Bonds without softening and yield, no pressure around, as in the source."""
+    """Bonds without softening and yield, no confining pressure, as in the source."""
     found = {}
     for speed in BRITTLE_SPEEDS[:4] if QUICK else BRITTLE_SPEEDS:
         scene = concrete.compression(COUNT, 1, 0, speed, 0.006, drop=0.9, law={"softening": "none"})
@@ -193,7 +194,8 @@ def step_rows(found):
 
 
 def shaken():
-    """One packing as a file, as packed and with coordinates changed by round-off; under pressure the membrane lies on the particles."""
+    """One packing as a file, as packed and with coordinates changed by round-off; under pressure the membrane is on
+    the particles."""
     folder = concrete.FOLDER / f"shaken-{COUNT}"
     if not (folder / "packing.txt").exists() or study.FRESH:
         if study.KEPT:
@@ -226,17 +228,17 @@ def automatic_step(curve):
     return 1e9 * steps / (concrete.RAISED if curve.run.summary["counts"]["particles"] >= concrete.RAISED_FROM else 1)
 
 
-RANGES = {2: 1.13, 3: 1.69, 4: 2.06, 5: 2.33, 6: 2.53}  # of so many values of a normal distribution, in its standard deviations
+RANGES = {2: 1.13, 3: 1.69, 4: 2.06, 5: 2.33, 6: 2.53}  # Expected range of this number of normally distributed values, in standard deviations.
 
 
 def bounded(copies):
-    """Where round-off is not multiplied."""
+    """Cases in which round-off is not amplified."""
     kept = [reported(p) for p, curves in copies.items() if fits.scatter([c.peak for c in curves]) < 1e-6]
     return f" ({' and '.join(kept)} it is not multiplied: bonds soften and contacts damp)" if kept else ""
 
 
 def judged(name, values, near):
-    """The range over steps beside that of as many steps that are nearly equal."""
+    """Range over different steps, and range over the same number of nearly equal steps."""
     mean = np.mean(values)
     return (f"{name} steps have a range of {words.percent(np.ptp(values) / mean)}, where as many that are nearly the same have "
             f"{words.percent(RANGES[len(values)] * fits.scatter(near))}")
@@ -294,13 +296,13 @@ def brittle_picture(curves):
 
 INTRO = """## Concrete under pressure
 
-The cylinder of 150 x 300 mm of [laboratory](evidence/laboratory.md#concrete-what-is-computed), whose bonds soften and yield and contacts damp, closed between ends that hold it
+The cylinder of 150 x 300 mm of [laboratory](laboratory.md#concrete-what-is-computed), whose bonds soften and yield and contacts damp, closed between ends that hold it
 across, without pressure and under 9 MPa: largest deviator, and E and nu at the start of loading. The source (Santasusana 2013, ch. 5) studies the number of particles (107 to 71 852), the speed and the step. Speed, step and
 round-off with {count} spheres of one packing. Written by `validate/concrete_effects.py`."""
 
 
 def section():
-    place = words.Pictures(concrete.FOLDER if QUICK else study.ROOT / "docs" / "pictures", "pictures")
+    place = words.Pictures(concrete.FOLDER if QUICK else study.ROOT / "docs" / "evidence" / "pictures", "pictures")
     found, fast, brittle, fine, near, copies = particles(), speeds(), brittle_speeds(), steps(), nearby(), shaken()
     packings = found[1500 if 1500 in found else COUNTS[-1]]
     brittle_picture(brittle)
@@ -313,7 +315,7 @@ def section():
         "Speed. Left: share of the peak 0.2 % of strain later; from 4 000 spheres on steps are twice as long by scaled masses:",
         words.table(["pressure MPa", "spheres", "closing m/s", "g", "E of the ends GPa", "largest deviator MPa", "against the slowest", "strain there %", "left", "steps", "CPU s"],
                     speed_rows(fast)),
-        f"Speed, brittle bonds without yield, no pressure around, {COUNT} spheres ([curves](evidence/pictures/concrete-speed.png)):",
+        f"Speed, brittle bonds without yield, no pressure around, {COUNT} spheres ([curves](pictures/concrete-speed.png)):",
         words.table(["closing m/s", "g", "E of the ends GPa", "UCS MPa", "strain there %", "strain to half of it, over that", "ends differ by %",
                      "largest kinetic energy before J", "steps", "CPU s"], brittle_rows(brittle)),
         f"Step, {COUNT} spheres:",

@@ -27,25 +27,25 @@ DIAMETER, HEIGHT = 0.15, 0.3  # m
 SECTION = np.pi * DIAMETER**2 / 4  # m2
 CYLINDER_STRENGTH = 32.8  # MPa, of the laboratory after 28 days
 YOUNG, POISSON, TENSILE, SHEAR = 27e9, 0.2, 3.2e6, 15e6
-YIELD = ((15e6, 3.0), (25e6, 7.0), (30e6, 15.0))  # stress of a bond in Pa, slope over which it goes on
+YIELD = ((15e6, 3.0), (25e6, 7.0), (30e6, 15.0))  # Stress of a bond in Pa, ratio of slopes beyond it.
 CONCRETE = {"name": "concrete", "density": 2500, "young": YOUNG, "poisson": POISSON, "friction": 0.2, "bond_friction": 0.9,
             "tensile_strength": TENSILE, "shear_strength": SHEAR, "fracture_ratio": 0.1,
             **{f"yield_stress_{k + 1}": stress for k, (stress, _) in enumerate(YIELD)},
             **{f"yield_ratio_{k + 1}": ratio for k, (_, ratio) in enumerate(YIELD)}}
 LAW = {"stiffness": "dempack", "gamma": 0.8, "softening": "ratio"}
 OVERLAP = 0.025  # brings 13 500 spheres to the porosity of the source, 25.7 %, and to 9.6 bonds each
-RAMP = 1e-3  # s, in which the pressure comes: eleven crossings of the cylinder by waves
+RAMP = 1e-3  # s, duration of the pressure ramp: eleven wave transits of the cylinder.
 # Pressure in MPa: strain to which it is loaded, closing speed in m/s.
 TESTS = {0: (0.006, 0.05), 1.5: (0.006, 0.1), 4.5: (0.009, 0.1), 9: (0.012, 0.2), 30: (0.02, 0.2), 60: (0.025, 0.2)}
 MANY = {9: (0.006, 0.2), 30: (0.0105, 0.4), 60: (0.0105, 0.4)}  # the same of many spheres, for their cost
 LARGE = 1500 if QUICK else 13500
 LARGE_TESTS = tuple(TESTS)
 MOST = 71852
-LONG = ("large",)  # made when they are asked for by name
+LONG = ("large",)  # Computed only if requested by name.
 MIDDLE = 500 if QUICK else 1500
-LOAD_ROWS = 3000  # so that the start of loading, which bends from 9 MPa on, has rows enough; the largest number of spheres is read at its peak alone
+LOAD_ROWS = 3000  # so that the start of loading, which is nonlinear from 9 MPa on, has enough rows; the largest number of spheres is read at its peak only
 SEEDS = (1, 2, 3)
-RAISED, RAISED_FROM = 2.0, 4000  # factor of time.mass_scaling with so many spheres and more: half the steps
+RAISED, RAISED_FROM = 2.0, 4000  # Factor of time.mass_scaling with this number of spheres or more: half the number of steps.
 COLOURS = {0: "#22303c", 1.5: "#2b6cb0", 4.5: "#2a9d8f", 9: "#6a994e", 30: "#e09f3e", 60: "#c8402f"}
 
 
@@ -125,7 +125,7 @@ class Curve:
         if pressure:
             rows = run.results("history/stage") == 2
         self.stress = run.results("history/stress")[rows] / 1e6
-        self.stress[0] = 0.0  # under pressure the first row has what stops the ends, which still moved a little
+        self.stress[0] = 0.0  # Under pressure the first row contains the force that stops the ends, which were still moving slightly.
         self.axial = self.since_start(run.results("history/strain")[rows])
         across = [run.results(f"history/strain_{d}")[rows] for d in ("xx", "yy")]
         self.lateral = self.since_start(-0.5 * (across[0] + across[1]))
@@ -139,8 +139,8 @@ class Curve:
         return values - values[0]
 
     def left(self, further):
-        """Share of the peak that is left when the strain has grown by `further` beyond it; of runs that ended before, at their end
-        if the stress had fallen, else none."""
+        """Share of the peak that remains at a strain larger by `further`. For runs that ended earlier: at their end
+        if the stress had fallen, otherwise none."""
         beyond = self.axial >= self.peak_strain + further
         if beyond.any():
             return self.stress[np.argmax(beyond)] / self.peak
@@ -171,7 +171,8 @@ class Curve:
 
 
 def start_of_uniform_strain(pressure, fill):
-    """Slope of bonds over E, E (GPa) and nu with which loading starts: bonds stand at pressure/fill, and all go on along their branch."""
+    """Ratio of slopes of bonds, E (GPa) and nu at the start of loading: the bonds carry pressure/fill, and all of
+    them continue along their branch."""
     branch = sum(pressure * 1e6 / fill > limit for limit, _ in YIELD)
     slope = 1.0 if branch == 0 else 1 / YIELD[branch - 1][1]
     rho = 1 / (2 * (1 + POISSON)) / slope
@@ -179,7 +180,7 @@ def start_of_uniform_strain(pressure, fill):
 
 
 def richart(pressure):
-    """Axial stress at failure less the pressure, MPa: f_c + 4.1 P (Richart et al. 1928), of low pressures."""
+    """Axial stress at failure minus the pressure, MPa: f_c + 4.1 P (Richart et al. 1928), valid for low pressures."""
     return CYLINDER_STRENGTH + 3.1 * pressure
 
 

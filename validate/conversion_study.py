@@ -32,7 +32,7 @@ def mesh():
 
 
 def runs():
-    """Name and run, all of the packing of the first."""
+    """Name and run; all use the packing of the first."""
     alone, fixed = coupling_study.beams()
     found = [("particles alone", alone), ("fixed zones", fixed)]
     for width in WIDTHS:
@@ -48,7 +48,7 @@ def curve(result):
 
 
 def stiffness(result, top):
-    """MN/m, from 5 to 50 % of `top` (N) on the way up."""
+    """Stiffness in MN/m, from 5 to 50 % of `top` (N) of the rising branch."""
     bend, force = curve(result)
     last = int(np.argmax(force > 0.5 * top))
     part = np.arange(len(force)) < last
@@ -73,7 +73,7 @@ NEVER = "elements alone"
 
 
 def apart(cracked, broke):
-    """Mean distance of what broke in one run from the nearest that broke in another, m."""
+    """Mean distance of the bonds broken in one run from the nearest broken in another, m."""
     return np.mean([np.min(np.linalg.norm(broke - at, axis=1)) for at in cracked])
 
 
@@ -83,7 +83,7 @@ def head(unit):
 
 
 def lines(found, unit="kN"):
-    """A line of the table for each of (name, run), beside the first, which is of particles alone."""
+    """A line of the table for each of (name, run), compared with the first, which has particles only."""
     alone = found[0][1]
     scale, digits = (1e3, 0) if unit == "kN" else (1.0, 2)
     top, seconds, broke = np.max(curve(alone)[1]), alone.summary["seconds"]["cpu"], coupling_study.crack(alone)
@@ -108,7 +108,7 @@ def table(found):
 
 
 def panels(axes, found, unit, bends, openings, most):
-    """Load over the deflection and over the opening, up to so many um and units of load."""
+    """Plots the load over the deflection and over the opening, up to the given limits in um and units of load."""
     for name, result in found:
         bend, force = curve(result)
         opening = result.results("history/opening")
@@ -136,7 +136,7 @@ FAST = {"time.end": "8 ms", "damping.background.coefficient": "2000 1/s"}
 
 
 def fast(name, **more):
-    """Particles alone and one of the adaptive runs, with the load five times as fast."""
+    """Particles only and one of the adaptive runs, with five times the loading speed."""
     alone = study.run(f"coupling/beam-particles-{name}", "scenes/bending-particles.yaml", {"sets.load.motion.vy": MOTION, **FAST, **more})
     found = [("particles alone", alone)]
     for limit in LIMITS[:1 if more else 3]:
@@ -163,7 +163,8 @@ def fine_pairs():
 
 
 def fine_table(pairs):
-    """Each adaptive run beside particles alone of the same packing and the same fraction of the limit of the step."""
+    """Compares each adaptive run with particles only, for the same packing and the same fraction of the limit of the
+    step."""
     rows = [line for name, alone, adaptive in pairs
             for line in lines([(f"particles alone{name}", alone), (f"adaptive, {LIMITS[0]}, {WIDTHS[0]}{name}", adaptive)])]
     return study.table(head("kN"), rows)

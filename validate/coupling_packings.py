@@ -1,4 +1,5 @@
-"""Waves through zones of disordered packings and of bars in space, and what no zone can let through: sections of coupling_study.py."""
+"""Waves through zones of disordered packings and of bars in space, and the lower bound of the reflection of any zone:
+sections of coupling_study.py."""
 import numpy as np
 
 import study
@@ -6,7 +7,7 @@ import study
 LENGTH, HEIGHT, MODULUS, DENSITY, RADIUS = 0.6, 0.01, 24e9, 7800.0, 0.5e-3
 CREST, END = 0.12, 205e-6
 SPEED = np.sqrt(MODULUS / DENSITY)
-BIN = 2e-3  # m: over which places and velocities of a packing are averaged
+BIN = 2e-3  # m: width over which positions and velocities of a packing are averaged
 
 
 # --- what a mesh cannot take ------------------------------------------------------------------------------------
@@ -47,15 +48,15 @@ def body_of(space, packed, low, high, height):
 
 
 def read_at(length, front=None):
-    """When what runs back is read, s: after 205 us; before particles' end at `front` while its echo has not yet come to the other end of the body, 10 mm
-    or more away."""
+    """Time at which the reflection is measured, s: after 205 us; before the end of particles at `front` while its
+    echo has not yet reached the other end of the body, at least 10 mm away."""
     return END if front is None else min(END, (2 * front - CREST - 0.5 * length - 0.01) / SPEED)
 
 
 def wave_run(name, space, packed, low, high, mesh, modulus, wave, side, constraint="lumped", edge=None, height=HEIGHT, contact=MODULUS, end=END,
              even=False):
-    """Particles from low to high (None: none), elements over `mesh` (None: none), `even` ones in space of nodes of equal masses, a zone with `edge` =
-    (from, to)."""
+    """Particles from low to high (None: none), elements over `mesh` (None: none), in space `even` ones with nodes of
+    equal masses, a zone with `edge` = (from, to)."""
     solid = (np.pi / 6 if space else np.pi / 4) if not packed else 1.0
     stiffness = (f"contact_modulus: {contact}, kratio: 1" if packed else
                  f"normal_stiffness: {MODULUS * (2 * RADIUS if space else 1)}, kratio: 4")
@@ -93,7 +94,7 @@ def step_of(result):
 
 
 def profile(result, kind):
-    """Means over bins along x: places, displacements half a step back, velocities."""
+    """Means over bins along x: positions, displacements half a step earlier, velocities."""
     u, v = result.results(f"{kind}/displacement")[:, 0], result.results(f"{kind}/velocity")[:, 0]
     x = result.results(f"{kind}/position")[:, 0] - u
     u = u - 0.5 * step_of(result) * v
@@ -105,7 +106,7 @@ def profile(result, kind):
 
 
 def before_zone(result, kind, modulus, end, forward=False, area=HEIGHT):
-    """Energy of the waves along -x (or x) at places before `end`, J."""
+    """Energy of the waves along -x (or x) at positions before `end`, J."""
     x, u, v = profile(result, kind)
     speed, strain = np.sqrt(modulus / DENSITY), np.diff(u) / np.diff(x)
     wave = 0.5 * (0.5 * (v[1:] + v[:-1]) + (-speed if forward else speed) * strain)
@@ -135,7 +136,8 @@ def stored(result):
 
 
 def contact_modulus(space, height):
-    """The contact modulus that gives a packing the modulus M: from the speed of the pulse in a strip of particles alone, M = rho c^2, which grows with it. The last run as well."""
+    """The contact modulus for which a packing has the modulus M = rho c^2, from the speed of a pulse in a strip of
+    particles only; M grows with it. Returns the last run as well."""
     contact, early = MODULUS, 1.2e-4
     for number in range(3):
         name = f"packed-alone-{3 if space else 2}d-{number}"
@@ -184,7 +186,7 @@ def packing_table():
 
 
 def mesh_alone(wave, side, height, even):
-    """The energy that runs back in a bar of elements alone, by the same reading, in %."""
+    """Reflected energy in a bar of elements only, measured in the same way, in %."""
     name = f"bar-mesh-{round(1e3 * wave)}-{side * 1e3:g}{'-even' if even else ''}"
     result = wave_run(name, True, False, None, None, (0.0, LENGTH), MODULUS, wave, side, height=height, even=even)
     return 100 * before_zone(result, "nodes", MODULUS, 0.26, area=height**2) / stored(result)
@@ -202,7 +204,7 @@ def bar_table():
 
 
 def short_table(measured):
-    """`measured`(width, wave, side, constraint): what runs back from a zone into a square lattice, in %."""
+    """`measured`(width, wave, side, constraint): reflection of a zone into a square lattice, in %."""
     rows = []
     for wave, side in ((30, 5), (60, 5), (120, 5), (60, 2.5)):
         above, abrupt = short_waves(wave, side)

@@ -16,7 +16,7 @@ CONSTRAINTS = ("lumped", "consistent", "penalty")
 
 
 def zone(width, mirrored):
-    """Where elements and particles end, in m: in the middle, elements at a multiple of 5 mm."""
+    """Ends of elements and particles, in m: in the middle, the elements at a multiple of 5 mm."""
     half = width / 2
     reach = 5e-3 * np.ceil((LENGTH / 2 + half) / 5e-3 - 1e-6)
     return (LENGTH - reach, LENGTH - reach + width) if mirrored else (reach, reach - width)
@@ -36,7 +36,8 @@ def wave_settings(width, wave, side, constraint, mirrored):
 
 
 def columns_of(result, kind, step):
-    """Mean over the columns of points at the same place at the start: places, displacements half a step back, velocities."""
+    """Means over the columns of points with equal initial x: positions, displacements half a step earlier,
+    velocities."""
     u, v = result.results(f"{kind}/displacement")[:, 0], result.results(f"{kind}/velocity")[:, 0]
     x = np.round((result.results(f"{kind}/position")[:, 0] - u) / 1e-5).astype(int)
     places, which = np.unique(x, return_inverse=True)
@@ -50,7 +51,7 @@ def step_of(result):
 
 
 def returned(result, mirrored, end):
-    """Energy of what runs back before the zone over that of the pulse, in %."""
+    """Reflected energy before the zone relative to that of the pulse, in %."""
     if not mirrored:
         return 100 * result.returned_energy
     x, u, v = columns_of(result, "particles", step_of(result))
@@ -60,7 +61,7 @@ def returned(result, mirrored, end):
     return 100 * np.sum(DENSITY * 0.01 * SPACING * wave**2) / whole
 
 
-LATE = 240e-6  # s: when what a zone of 120 mm sends back from its far end has come out of it
+LATE = 240e-6  # s: time at which the reflection from the far end of a zone of 120 mm has left the zone
 
 
 def wave_result(width, length, side, constraint, mirrored=False, end=None):
@@ -99,7 +100,7 @@ def energy_before(result, kind, edges=None):
 
 
 def left_alone(mirrored, length, side, place):
-    """The energy that a mesh without particles (or a lattice without elements) leaves before a place, in %."""
+    """Energy that a mesh without particles (or a lattice without elements) leaves before a given x, in %."""
     if mirrored:
         alone = coupling_packings.wave_run(f"strip-lattice-{length}", False, False, 0.0, LENGTH, None, MODULUS, length * 1e-3, side * 1e-3)
     else:
@@ -166,8 +167,9 @@ def slope(x, u, low, high):
 
 
 def patch_error(radius, width, side):
-    """Elements get the E and nu that the strains of the free particles beside them show; then the largest deviation of the zone's nodes and particles
-    from a linear field, over strain times width, and that of the two strains, in %."""
+    """Elements get the E and nu for which free particles beside them have these strains; returns the largest
+    deviation of the nodes and particles of the zone from a linear field, relative to strain times width, and that
+    of the two strains, in %."""
     young, poisson = 2e10, 0.2
     for number in range(4):
         start, end, result = patch_run(radius, width, side, young, poisson, number)
@@ -214,7 +216,8 @@ def sections(text):
 
 
 def beams(settings=None, note=""):
-    """The beam of particles alone, and with its own middle between elements; `note` in the names of runs with settings."""
+    """The beam of particles only, and the same with elements beside its middle; `note` is a part of the names of runs
+    with settings."""
     folder, parts = study.RUNS / "coupling", sections((study.ROOT / BEAM).read_text())
     folder.mkdir(parents=True, exist_ok=True)
     whole = dict(parts, sets=parts["sets"].replace("sets:\n", FEET))
@@ -237,7 +240,7 @@ def beams(settings=None, note=""):
 
 
 def crack(result):
-    """Where bonds broke, at the start."""
+    """Initial positions of broken bonds."""
     x = result.results("particles/position") - result.results("particles/displacement")
     broken = result.results("bonds/state") > 0
     return 0.5 * (x[result.results("bonds/i")[broken]] + x[result.results("bonds/j")[broken]])

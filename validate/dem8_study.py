@@ -29,7 +29,8 @@ STEEL = {"name": "steel", "density": 7200, "young": 210e9, "poisson": 0.2, "fric
 BETWEEN = [{"between": ["m1", "m2"], "friction": 0.2, "restitution": 0.45},
            {"between": ["m1", "steel"], "friction": 0.2, "restitution": 0.4},
            {"between": ["m2", "steel"], "friction": 0.2, "restitution": 0.4}]
-# The files have the grains alone; the steel sphere (25 001st of the comparison) starts here, 109 mm above where it stops.
+# The files contain the grains only; the steel sphere (the 25 001st particle of the comparison) starts here, 109 mm
+# above the place where it stops.
 BALL = {"at": [0, 0, 0.06], "radius": 0.01, "speed": -5.0}
 
 
@@ -75,7 +76,7 @@ def run(name, scene, **settings):
 
 
 def snapshots(done, *fields):
-    """(time, places, fields) of each snapshot."""
+    """Returns (time, positions, fields) of each snapshot."""
     series = json.loads((done.folder / "particles.hdf.series").read_text())["files"]
     for entry in series:
         with h5py.File(done.folder / entry["name"], "r") as file:
@@ -96,7 +97,7 @@ def penetration_scene(folder):
 
 
 def heights(done, ball):
-    """Time and way of the ball, kept beside the run, whose snapshots then go."""
+    """Time and path of the sphere, stored beside the run; its snapshots are deleted."""
     kept = done.folder / "ball.json"
     if not kept.exists():
         rows = [(t, float(x[np.flatnonzero(ids == ball)[0], 2])) for t, x, ids in snapshots(done, "id")]
@@ -107,7 +108,7 @@ def heights(done, ball):
 
 
 def speed_at(t, z, begin, end):
-    """Mean of a ballistic path, without what gravity takes: m/s at `begin`."""
+    """Mean velocity of a ballistic path, corrected for gravity: m/s at `begin`."""
     part = (t >= begin) & (t <= end)
     return np.polyfit(t[part] - begin, z[part] + 0.5 * G * (t[part] - begin)**2, 1)[0]
 
@@ -166,7 +167,7 @@ def penetration(folder):
 
 
 def in_liggghts(folder, damped, until=0.0315, dt=1e-6):
-    """Time and way of the ball in LIGGGHTS, from the touch on: before that it falls."""
+    """Time and path of the sphere in LIGGGHTS from the impact on; before the impact it falls freely."""
     start = -0.047
     speed = -np.sqrt(BALL["speed"]**2 + 2 * G * (BALL["at"][2] - start))
     fallen = (BALL["speed"] - speed) / G
@@ -226,7 +227,7 @@ def softer(material, by):
 
 
 def counted(done, of):
-    """(time, numbers) of each snapshot, kept beside the run, whose snapshots then go; `of` counts."""
+    """(time, numbers) of each snapshot, stored beside the run; its snapshots are deleted. `of` counts."""
     kept = done.folder / "counted.json"
     if not kept.exists():
         kept.write_text(json.dumps([(t, of(x, r)) for t, x, r in snapshots(done, "radius")]))
@@ -328,7 +329,7 @@ def yade_seconds(job, threads, steps, warm):
 
 
 def own_cpu(scene, step, steps):
-    """Processor seconds of a run of so many steps on one thread."""
+    """Processor seconds of a run of this number of steps on one thread."""
     folder = study.RUNS / "dem8" / "timed"
     path = study.RUNS / "dem8" / "timed.yaml"
     shutil.rmtree(folder, ignore_errors=True)
@@ -344,7 +345,7 @@ def own_cpu(scene, step, steps):
 def yade(folder, turns=3):
     scene = penetration_scene(folder)
     step, steps, warm = 5e-7, 60, 10
-    # The sphere starts in touch with the bed, so that what is timed is what the case is about.
+    # The sphere starts in touch with the bed, so that the timed steps are those of the penetration.
     rows = np.loadtxt(scene["specimen"]["file"])
     rows[-1, 2] = -0.0472
     scene["specimen"]["file"] = converted("penetration-low", rows)
@@ -360,7 +361,8 @@ def yade(folder, turns=3):
 
 
 def whole_case(peer, step):
-    """The cost of 0.1 s: gneiss at its own steps, from the run of the penetration; YADE at that of the comparison."""
+    """Cost of 0.1 s of simulated time: gneiss with its own steps, from the run of the penetration; YADE with the step
+    of the comparison."""
     summary = study.RUNS / "dem8" / "penetration" / "summary.json"
     if not summary.exists():
         return ""

@@ -74,12 +74,12 @@ def solved(matrix, given):
 
 
 def spin(x, u):
-    """Mean turn of a section about the x axis."""
+    """Mean rotation of a section about the x axis."""
     return np.sum(u[:, 2] * x[:, 1] - u[:, 1] * x[:, 2]) / np.sum(x[:, 1:] ** 2)
 
 
 class Bar:
-    """Stiffnesses over those of beam theory, less 1."""
+    """Stiffnesses relative to those of beam theory, minus 1."""
 
     def __init__(self, diagonals, cells, poisson):
         self.x, element = mesh(diagonals, cells)
@@ -87,8 +87,8 @@ class Bar:
         self.low, self.high = (np.flatnonzero(np.abs(self.x[:, 0] - end) < 1e-9) for end in (0, LENGTH))
 
     def bent(self):
-        """Ends are planes turned by a curvature about z, then y, and free to contract: the exact state is pure bending. Stiffnesses along the stiffest and
-        softest direction of the section, and the largest twist over the curvature."""
+        """The ends are planes rotated by a curvature about z, then y, and free to contract: the exact state is pure
+        bending. Returns the stiffnesses along the stiffest and softest directions of the section, and the largest twist relative to the curvature."""
         x, low, high = self.x, self.low, self.high
         corner, beside = (low[np.argmin(np.hypot(x[low, 1] - y, x[low, 2] + 0.5))] for y in (-0.5, 0.5))
         moments, twist = np.zeros((2, 2)), 0.0
@@ -101,7 +101,7 @@ class Bar:
         return moments[0, 0] - 1, soft - 1, stiff - 1, twist
 
     def twisted(self):
-        """Ends turn rigidly in their planes and are free to warp: St Venant's torsion, 0.14058 G a^4."""
+        """The ends rotate rigidly in their planes and can warp: St Venant's torsion, 0.14058 G a^4."""
         given = {3 * self.low[0]: 0.0}
         for nodes, part in ((self.low, 0.0), (self.high, LENGTH)):
             for n in nodes:
@@ -142,7 +142,7 @@ def step_table():
 # --- a notched beam -------------------------------------------------------------------------------------------------
 
 def six(number, kept):
-    """As meshes.tetrahedra, six round the diagonal of a cell, mirrored at mid-span as those of elements.beam are."""
+    """As meshes.tetrahedra (six around the diagonal of a cell), mirrored at mid-span as those of elements.beam."""
     found = []
     for start in filter(lambda start: kept(*start), np.ndindex(*(n - 1 for n in number.shape))):
         mirrored = start[0] >= (number.shape[0] - 1) // 2
@@ -156,7 +156,7 @@ def six(number, kept):
 
 
 def beam_mesh(split, along, high, broad):
-    """Nodes and elements of the beam of beam_space_study.py with cells of a part of its sizes in each direction."""
+    """Nodes and elements of the beam of beam_space_study.py with cells of a fraction of their size in each direction."""
     x = beam.both_sides(meshes.graded([beam.SLOT / 2, beam.SPAN / 2, beam.LENGTH / 2], lambda x: along * np.minimum(2e-3 + 0.2 * np.maximum(x - 2e-3, 0), 8e-3)))
     y = meshes.graded([0, beam.NOTCH, beam.HEIGHT], lambda y: high * np.minimum(2e-3 + 0.25 * np.abs(y - beam.NOTCH), 6e-3))
     z = np.linspace(0, beam.BREADTH, 1 + round(2 / broad))
@@ -179,7 +179,7 @@ def beam_step(name, x, element):
 
 
 def beam_stiffness(x, element):
-    """Force over deflection under the load, N/m."""
+    """Force per deflection under the load, N/m."""
     given, loaded = {}, []
     for motion, held in beam.MOTIONS.items():
         box = beam.node_motion(motion)["box"]

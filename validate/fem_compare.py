@@ -28,7 +28,7 @@ ALSO = {"cook": "top right", "block": "centre"}
 
 
 def relax(case, material, form, cells):
-    """The program's result, kept in runs/studies, and where its fields are."""
+    """The result of the program, stored in runs/studies, and the path of its fields."""
     folder = study.RUNS / "fem-static"
     name = f"{case}-{material}-{form}-{cells}"
     result, fields = folder / f"{name}.json", folder / f"{name}.txt"
@@ -52,7 +52,8 @@ def read_fields(path, dimension):
 
 
 def roughness(path, dimension):
-    """Root of the mean square jump of the pressure between elements that share a side, over that of the pressure."""
+    """Root of the mean square jump of the pressure between elements with a common side, relative to that of the
+    pressure."""
     _, element, pressure = read_fields(path, dimension)
     sides = np.vstack([np.delete(element, k, axis=1) for k in range(dimension + 1)])
     owner = np.tile(np.arange(len(element)), dimension + 1)
@@ -64,7 +65,7 @@ def roughness(path, dimension):
 
 
 def rows_of(case, forms):
-    """Errors of the work done by the load (twice the energy: what a displacement method approaches from below)."""
+    """Errors of the work of the load (twice the energy, which a displacement method approaches from below)."""
     key, meshes, sizes = CASES[case]
     for material in ("compressible", "incompressible"):
         wanted = {k: REFERENCES[case][material]["reference"][k]["value"] for k in (key, ALSO[case])}
@@ -105,7 +106,7 @@ def pressures_of_the_block(forms):
 
 
 def picture(forms):
-    """Pressure of the nearly incompressible membrane, one colour per element."""
+    """Draws the pressure of the nearly incompressible membrane, one colour per element."""
     meshes = CASES["cook"][1]
     figure, axes = plt.subplots(len(meshes), len(forms), figsize=(4.2 * len(forms) + 0.8, 4.2 * len(meshes)),
                                 squeeze=False, layout="constrained", sharex=True, sharey=True)

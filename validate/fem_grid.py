@@ -1,11 +1,10 @@
-"""Structured meshes of quadratic and linear elements, with the triangles and tetrahedra of the core's own structured
-meshes: a grid of (2 n + 1) points per direction, of which the elements use what they need. Kinds are those of
-CalculiX."""
+"""Structured meshes of quadratic and linear elements, with the same triangles and tetrahedra as the structured meshes
+of gneiss: elements use points of a grid of (2 n + 1) points per direction. Kinds have the names of CalculiX."""
 import numpy as np
 
 
 def chess(cells):
-    """Cells of a grid [m, dimension] and whether the sum of their places is odd."""
+    """Cells of a grid [m, dimension] and whether the sum of their indices is odd."""
     cell = np.stack(np.meshgrid(*[np.arange(c) for c in cells], indexing="ij"), axis=-1).reshape(-1, len(cells))
     return cell, cell.sum(axis=1) % 2 == 1
 

@@ -141,7 +141,7 @@ def cook(kind, n, material, graded, threads):
 
 
 def block(kind, n, material, graded, threads):
-    del graded  # nothing is singular here
+    del graded  # No singularity in this case.
     young, poisson = BLOCK[material]
     grid = Grid(kind, (n, n, n // 2), block_map)
     deck = Deck(f"block under pressure, {material}, {n} x {n} x {n // 2} {kind}")
@@ -197,7 +197,7 @@ CASES = {
 
 
 def solve(name, kind, n, material, grading, threads):
-    """Reuses what an earlier run has left in runs/studies, unless --fresh is given."""
+    """Reuses the results of an earlier run in runs/studies, unless --fresh is given."""
     store = study.RUNS / "fem-references.json"
     known = json.loads(store.read_text()) if store.exists() else {}
     key = f"{name} {material} {kind} {grading} {n}"
@@ -220,7 +220,7 @@ def family(name, kind, grading, sizes, material, threads):
 
 
 def reference(families, key):
-    """The limit of the family whose last extrapolation was the shortest; what the others say is the uncertainty."""
+    """The limit of the family with the smallest last extrapolation; the spread of the others is the uncertainty."""
     readings = [f["readings"][key] for f in families]
     steps = [abs(r["limit"] - r["values"][-1]) or abs(r["values"][-1] - r["values"][-2]) for r in readings]
     best = int(np.argmin(steps))

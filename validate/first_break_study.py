@@ -51,7 +51,7 @@ BENDING = """sets:
 - {name: punch, select: {box: {min: [48.5 mm, 49 mm], max: [51 mm, 53 mm]}}, motion: {vx: -2 mm/s}}
 test: {kind: compression, axis: x, lower: [left, right], upper: punch, length: 50 mm, area: 1 m2}
 """
-# Name, what it is, specimen, scene, end in s, runs with changed coordinates besides, of either kind.
+# Name, description, specimen, scene, end in s, number of further runs with changed coordinates of either kind.
 CASES = [("rock-a", "compression, 10 225 spheres", "rock-a", ROCK + PLATENS, 6e-3, 2),
          ("rock-b", "compression, 2 000 spheres", "rock-b", ROCK + PLATENS, 6e-3, 2),
          ("rock-c", "compression, 6 000 spheres, wide sizes", "rock-c", ROCK + PLATENS, 6e-3, 3),
@@ -62,7 +62,7 @@ FOLDER = study.RUNS / "first-break"
 
 
 def specimen(name, change):
-    """A copy with every coordinate changed by up to 1e-12 of itself, in another way for every number; 0: as it is."""
+    """A copy with every coordinate changed by up to 1e-12 of itself, differently for every number; 0: unchanged."""
     path = FOLDER / f"{name}-{change}.txt"
     if not path.exists():
         data = np.loadtxt(study.ROOT / "scenes" / "specimens" / f"{name}.txt")
@@ -132,7 +132,7 @@ def spread(values):
 
 
 def kinetic_ratio(done):
-    """Largest kinetic energy from the start to the first break, over that of the first instant."""
+    """Largest kinetic energy from the start to the first break, relative to that of the first instant."""
     t, k = done.history["time"], done.history["energy_kinetic"]
     inside = (t >= done.start["start"] * (1 - 1e-9)) & (t < done.first[0])
     return float(k[inside].max() / k[inside][0])

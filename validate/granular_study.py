@@ -19,7 +19,7 @@ SIZES = {"mean_radius": D / 2, "size_ratio": 1.2}
 
 
 def run(name, scene, snapshots=0):
-    """Runs a scene (a dictionary) by one thread; kept as all studies keep theirs."""
+    """Runs a scene (a dictionary) on one thread and stores the result as all studies do."""
     path = study.RUNS / "granular" / f"{name}.yaml"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps({"dimension": 3, "law": {"stiffness": "hertz"}, "gravity": [0, 0, -G], **scene}, indent=1))
@@ -27,7 +27,7 @@ def run(name, scene, snapshots=0):
 
 
 def grains(result):
-    """Places and radii of those that are there at the end."""
+    """Positions and radii of the particles that are present at the end."""
     there = result.results("particles/removed").reshape(-1) == 0
     return result.results("particles/position")[there], result.results("particles/radius").reshape(-1)[there]
 
@@ -44,12 +44,13 @@ def sides(wide, friction=0.5):
             for axis in "xy" for sign in (1, -1)]
 
 
-ORIFICES = (6, 9, 12, 15)  # diameters over that of grains
+ORIFICES = (6, 9, 12, 15)  # Diameters relative to that of grains.
 
 # --- silo ----------------------------------------------------------------------------------------------
 
 def silo(ratio, friction=0.5, rolling=0.05, most=3500, fill=18):
-    """A silo with an orifice of `ratio` diameters: filled `fill` of them deep, then opened. (bulk density, kg/s, grains that left, residual)"""
+    """A silo with an orifice of `ratio` diameters, filled to a depth of `fill` diameters, then opened. Returns (bulk
+    density, kg/s, number of discharged grains, residual)."""
     grain = {**GRAIN, "friction": friction, "rolling_friction": rolling}
     other = ("" if grain == GRAIN else f"-{friction}-{rolling}") + ("" if fill == 18 else f"-{fill}")
     orifice, wide = ratio * D, (ratio + 10) * D
@@ -83,7 +84,7 @@ def silo(ratio, friction=0.5, rolling=0.05, most=3500, fill=18):
         "sinks": [{"name": "out", "plane": {"point": [0, 0, -10 * D], "normal": [0, 0, -1]}}],
         "time": {"end": end}, "output": {"history_rows": 400}})
     time, out = emptied.results("history/time").reshape(-1), emptied.results("history/sink_out_mass").reshape(-1)
-    # Behind the onset; both halves of the rows tell how steady it is.
+    # Flow after its onset; the two halves of the rows show how steady it is.
     first = np.searchsorted(out, 0.15 * out[-1])
     half = (first + len(time)) // 2
     slopes = [np.polyfit(time[a:b], out[a:b], 1)[0] for a, b in ((first, len(time)), (first, half), (half, len(time)))]
@@ -125,12 +126,13 @@ def beverloo():
 # --- bin -----------------------------------------------------------------------------------------------
 
 def bin_of(count, friction=0.5):
-    """Floor force while the floor goes down slowly, and what is in the bin with walls of this friction."""
+    """Force on the floor while it moves down slowly, and the mass in the bin with walls of this friction."""
     wide, speed = 12 * D, 2e-2
     high = 1.2 * count * np.pi / 6 * D**3 / 0.55 / wide**2
     fill, inner = 0.2 + 0.4 * count / 2000, wide - D
     floor = {"name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "friction": 0.5}
-    # Grains that fall freely press themselves against the walls, and stay so while they slide down as one: they sink in as in a liquid.
+    # Grains that fall freely press against the walls and continue to do so while they slide down together; viscous
+    # damping lets them sink as in a liquid.
     done = run(f"bin-{count}-{friction}", {
         "materials": [GRAIN], "walls": [*sides(wide, friction), floor],
         "sources": [{"name": "feed", "box": {"size": [inner, inner, 20 * D]}, "origin": [-inner / 2, -inner / 2, high + 5 * D],
@@ -155,7 +157,7 @@ def saturated(friction):
     """Rows of bins with walls of this friction, the fitted saturation in N, and the K that it is."""
     found = [bin_of(count, friction) for count in (500, 1000, 2000, 4000)]
     weight, force = np.array([f[1] for f in found]), np.array([f[2] for f in found])
-    # F = F_s (1 - exp(-W/F_s)): one number to fit.
+    # F = F_s (1 - exp(-W/F_s)), fitted by one number.
     tried = np.linspace(0.05, 2, 4000) * weight[-1]
     missed = [(((s * (1 - np.exp(-weight / s))) / force - 1)**2).sum() for s in tried]
     most = tried[int(np.argmin(missed))]
@@ -176,7 +178,8 @@ def janssen():
 # --- heap ----------------------------------------------------------------------------------------------
 
 def heap(friction, rolling, young=2e6, seed=1):
-    """Angle of a heap left by a tube that was lifted, degrees: by a line through its flank, and by the cone that has its middle."""
+    """Angle of a heap left by a tube that was lifted, degrees: by a line through its flank, and by the cone with the
+    same centre."""
     wide, count = 16 * D, 800
     grain = {**GRAIN, "friction": friction, "rolling_friction": rolling, "young": young}
     done = run(f"heap-{friction}-{rolling}-{young:.0e}-{seed}", {
@@ -222,7 +225,7 @@ FROUDE = ((0.001, 3.0), (0.01, 2.0), (0.1, 1.2), (0.5, 1.2), (1.5, 2.4), (3.0, 2
 
 
 def drum(froude, end):
-    """For a drum that turns: the centre of the grains, and how many touch nothing."""
+    """For a rotating drum: the centre of the grains, and the number of grains without contact."""
     radius = 0.04
     spin = float(np.sqrt(froude * G / radius))
     done = run(f"drum-{froude}", {

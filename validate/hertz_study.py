@@ -20,7 +20,7 @@ import own  # noqa: E402
 
 PAGE = study.ROOT / "docs" / "evidence" / "hertz.md"
 PEERS = study.ROOT / "validate" / "peers"
-STIFF = 1000  # what stands for a rigid plane in codes that have none: times as stiff as the sphere
+STIFF = 1000  # Stiffness, relative to the sphere, of the large sphere that represents a rigid plane in codes without planes.
 GLASS = {"r": 0.01, "young": 4.8e10, "poisson": 0.20, "density": 2800, "friction": 0.35, "restitution": 1}
 LIMESTONE = {"r": 0.01, "young": 2.0e10, "poisson": 0.25, "density": 2500, "friction": 0.35, "restitution": 1}
 ALUMINIUM = {"r": 0.1, "young": 7.0e10, "poisson": 0.30, "density": 2699, "friction": 0, "restitution": 1}
@@ -67,7 +67,7 @@ def scene(m, two, v, spin, dt, gap, pull=True, opposite=True, plate=None):
 
 
 def beside_large(m, large, v, spin, dt, steps, gap, pull):
-    """Velocity and spin of a sphere after it met a large one at rest."""
+    """Velocity and spin of a sphere after its collision with a large one at rest."""
     lines = {"dimension": 3, "specimen": {"particles": [[0, 0, m["r"] + gap, m["r"]], [0, 0, -large["r"], large["r"]]], "group": 0,
                                           "material": "m"},
              "materials": [material("m", m), material("large", large)], "law": {"stiffness": "hertz", "pull": pull},
@@ -93,7 +93,7 @@ def ours(m, two, v, spin, dt, steps, gap, **more):
 
 
 def job_of(m, v, spin, dt, steps, gap, other=None, plane=False, opposite=True, rows=False):
-    """A collision for another code: with its like coming the other way, with `other` at rest, or with a plane."""
+    """A collision for another code: with an equal sphere in opposite motion, with `other` at rest, or with a plane."""
     high = m["r"] + (gap / 2 if other is None and not plane else gap)
     spheres = [{**m, "at": [0, 0, high], "v": v, "spin": spin}]
     if other:
@@ -149,13 +149,14 @@ def in_liggghts(job, damped):
 
 
 def in_others(jobs):
-    """For each job velocity and spin of the first sphere: in YADE, in LIGGGHTS, and there without its tangential dashpot."""
+    """Velocity and spin of the first sphere for each job: in YADE, in LIGGGHTS, and in LIGGGHTS without its
+    tangential dashpot."""
     ends = [rows[-1][4:10] for rows in in_yade(jobs)]
     return [(end, in_liggghts(job, True), in_liggghts(job, False)) for end, job in zip(ends, jobs)]
 
 
 def duration(rows, speed):
-    """From the steps on either side of the beginning and the end."""
+    """Interpolated between the steps on either side of the beginning and the end."""
     inside = np.flatnonzero(rows[:, -1] > 0)
     begin, end = rows[inside[0]], rows[inside[-1]]
     return end[0] + end[-1] / abs(speed) - (begin[0] - begin[-1] / abs(speed))
@@ -252,7 +253,7 @@ def experiment():
 
 
 def spinning():
-    """6: on a plane, 7: its like with the opposite and with the same spin, 8: on a large sphere."""
+    """6: on a plane; 7: two equal spheres with opposite and with equal spins; 8: on a large sphere."""
     lines = ["| case | w0, rad/s | | v_t', m/s | closed form | w0 - w', rad/s | closed form |", "| --- |" + " --- |" * 6]
     large = {**ALLOY, "r": 0.5, "young": STIFF * ALLOY["young"], "density": STIFF * ALLOY["density"]}
     dt, dt7 = closed(ALLOY, 0.2, False)[2] / 400, closed(ALLOY, 0.4, True)[2] / 400
@@ -275,7 +276,8 @@ def spinning():
         for who, end, e in rows:
             like = "7" in case
             speed = 0.2 * (2 if like else 1)
-            # Two alike give way by half each: the surfaces slide past each other twice as fast, and so do the bodies come together.
+            # Two equal spheres deform equally: the surfaces slide past each other twice as fast, and the bodies
+            # approach twice as fast.
             slides = w * ALLOY["r"] >= 3.5 * 0.4 * 1.5503 * speed / (2 if like else 1)
             slip = 0 if "-w" in case else 0.4 * (1 + e) * 0.2 if e and slides else None
             want = ("", "") if slip is None else (f"{slip:.4f}", f"{25 * slip:.4f}")
@@ -327,7 +329,7 @@ spring that nothing slips off gives back more there. From 20 degrees on velociti
              "of the normal force alone, here the whole of it: a difference of definition. Rows without a closed form do not slide throughout, or are by another definition. 8: r 0.5 m, 1000 times as\n"
              "stiff and dense, at rest: as 6 where it slides.\n")
     kept = PAGE.read_text().partition("\n## Cost\n") if PAGE.exists() else ("", "", "")
-    PAGE.write_text(study.prose(text) + kept[1] + kept[2])  # what was measured by hand stays
+    PAGE.write_text(study.prose(text) + kept[1] + kept[2])  # Values measured by hand are not replaced.
 
 
 if __name__ == "__main__":

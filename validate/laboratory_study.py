@@ -22,9 +22,9 @@ NAME = "laboratory-quick" if QUICK else "laboratory"
 FOLDER = study.RUNS / NAME
 PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
 PAGE = "laboratory.md"
-LONG = ("published", "rojek-all")  # made when they are asked for by name
+LONG = ("published", "rojek-all")  # Computed only if requested by name.
 SEEDS = (1,) if QUICK else (1, 2)
-FLAT = np.cos(np.radians(5))  # platens of a Brazilian disc stand so far from its centre, over its radius: flats of 10 degrees
+FLAT = np.cos(np.radians(5))  # Distance of the platens of a Brazilian disc from its centre, relative to its radius: flats of 10 degrees.
 
 WIDE = np.cos(np.radians(10))
 
@@ -64,7 +64,7 @@ def bonds_per_particle(run):
 
 
 def spread(values, digits=3):
-    """Mean and range of the values that are there."""
+    """Mean and range of the values that exist."""
     values = np.asarray([value for value in values if np.isfinite(value)], float)
     if not len(values):
         return ""
@@ -150,7 +150,7 @@ def disc_part():
 SIDE = 0.05  # m
 LABRA = {2: {"normal_stiffness": 10e9, "kratio": 2.5, "bond_tension_limit": 1e3, "bond_shear_limit": 1e3},
          3: {"normal_stiffness": 35e6, "kratio": 1 / 0.3, "bond_tension_limit": 100.0, "bond_shear_limit": 100.0}}
-# For the check: wanted E GPa, nu, UCS MPa; published result with the parameters that follow.
+# For the check: target E GPa, nu, UCS MPa; published result with the parameters that follow.
 RAISED = {"time.mass_scaling.factor": 2}  # steps twice as long
 TARGETS = {2: (18.630, 0.2009, 126.38), 3: (18.652, 0.2012, 126.12)}
 CHECK = {2: {"normal_stiffness": 14.392e9, "kratio": 14.392 / 2.868, "bond_tension_limit": 4962.3, "bond_shear_limit": 49623.0, "friction": 0.8},
@@ -225,7 +225,7 @@ def labra_part():
         across = [made(f"labra-{dimension}-brazilian-1", split(dimension, 1, speeds[1], constants, {"particles": few(split_count)}, overlap), **RAISED)]
         n_c, porosity, _, _, radius = groups(crush[0])
         law = uniform_strain(crush[0], constants, dimension)
-        measures = []  # strengths over what scales them, so that specimens of unlike numbers of particles can be compared
+        measures = []  # Strengths divided by the quantity that scales them, so that specimens of different numbers of particles are comparable.
         for runs, disc in ((crush, False), (across, True)):
             of_bonds, voids, _, section, _ = groups(runs[0], disc)
             measures.append(np.mean([r.peak_stress for r in runs]) * section / (constants["bond_tension_limit"] * of_bonds * (1 - voids)))
@@ -254,7 +254,7 @@ CHECKS = (("3D, published mean radius", 3, "", BY_RADIUS, 0.1), ("the same, a fi
 
 
 def check_runs(dimension, name, many, speed):
-    """Both tests with the published result of the calibration; None where one is not there (--kept)."""
+    """Both tests with the published result of the calibration; None if a run does not exist (--kept)."""
     overlap = 0.017 if dimension == 3 else None
     more = {**RAISED, **({"damping.background.coefficient": 0.2} if name == "-damping" else {})}
     crush = study.if_there(made, f"check-{dimension}{name}-1", crushed(dimension, 1, speed, CHECK[dimension], many, overlap), **more)
@@ -263,7 +263,8 @@ def check_runs(dimension, name, many, speed):
 
 
 def published_part():
-    """The check of the calibration: E, nu and strengths of the published result beside those of our packings with its parameters."""
+    """The check of the calibration: published E, nu and strengths beside those of our packings with the published
+    parameters."""
     rows, missing = [], []
     for title, dimension, name, many, speed in CHECKS:
         crush, across = check_runs(dimension, name, many, speed)
@@ -315,7 +316,7 @@ def neighbours(path, reach=2.5):
     rows = np.loadtxt(path)
     x, r = rows[:, :3], rows[:, 3]
     first, second = [], []
-    for part in np.array_split(np.argsort(r), 12):  # of particles that are alike in size: each looks only as far as it has to
+    for part in np.array_split(np.argsort(r), 12):  # For particles of equal size: the search range of each is as small as possible.
         near = cKDTree(x[part]).query_ball_point(x, (1 + reach) * (r + r[part].max()))
         first.append(np.repeat(np.arange(len(r)), [len(k) for k in near]))
         second.append(part[np.concatenate(near).astype(int)])
@@ -352,7 +353,8 @@ def gap_part():
 
 
 def five_models(count, name):
-    """The five models on packing 1 of so many spheres, with bonds over 5 % and over the gap that gives the published number of them."""
+    """The five models on packing 1 of this number of spheres, with bonds over gaps of 5 % and over the gap that gives
+    their published number."""
     path, rows, missing = study.if_there(packed, 1, 0.02, count), [], []
     if path is None:
         study.put_table(PAGE, f"table {name}", [], [], QUICK, [f"any, with {count} spheres"])

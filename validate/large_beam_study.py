@@ -21,7 +21,7 @@ SIDE, LOW, TOP = 0.03, 0.045, 0.215  # m: half the length and the heights of the
 
 
 def region():
-    """Closed surface around what is packed: a prism around the notch, without the notch."""
+    """Closed surface of the region to be packed: a prism around the notch, without the notch."""
     mid, half = 0.5 * LENGTH, 0.5 * SLOT
     left = [(mid - SIDE, LOW), (mid - half, LOW), (mid - half, NOTCH), (mid - SIDE, NOTCH)]
     outline = [left[0], left[1], left[2], (mid + half, NOTCH), (mid + half, LOW), (mid + SIDE, LOW), (mid + SIDE, NOTCH), (mid + SIDE, TOP),

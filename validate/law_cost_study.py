@@ -56,7 +56,8 @@ def run(law, steps, before=()):
 
 
 def instructions(law):
-    """Millions in the kernel of bonds, what it calls included, of the last MANY - FEW steps."""
+    """Millions of instructions in the kernel of bonds, including the functions that it calls, of the last MANY - FEW
+    steps."""
     counts = []
     for steps in (FEW, MANY):
         file = FOLDER / "callgrind"
@@ -67,7 +68,7 @@ def instructions(law):
 
 
 def milliseconds():
-    """Per step, of each law: the least of runs in turns, as other processes only add."""
+    """Cost per step of each law: the smallest of alternating runs, because other processes only increase it."""
     least = [float("inf")] * len(LAWS)
     for _ in range(TURNS):
         for k, law in enumerate(LAWS):

@@ -41,7 +41,8 @@ def specimen(seed, law, count=1000):
 
 
 def platen(name, axis, end, pressure):
-    """One of six frictionless platens; with a pressure the lateral ones carry it from the start, the axial ones stand meanwhile."""
+    """One of six frictionless platens. With a pressure the lateral ones carry it from the start; the axial ones are
+    fixed meanwhile."""
     size = (SIDE, SIDE, HEIGHT)
     point, normal = [0.0] * 3, [0] * 3
     point[axis], normal[axis] = size[axis] * end, 1 - 2 * end
@@ -125,7 +126,8 @@ def laws_table():
 
 
 def finer_table():
-    """The linear law and friction of bonds with more and fewer particles; tension is the same with both, as nothing presses."""
+    """The linear law and friction of bonds for more and fewer particles; tension is equal for both, because nothing
+    is compressed."""
     rows = []
     for count in (500, 1000):
         pulled = np.array([made(f"count-{count}-tension-{s}", tension(s, LAWS[0], count)).largest_stress for s in SEEDS]) / 1e6
@@ -144,10 +146,11 @@ OPENED = FRACTURE / TENSILE  # m, half of the opening at which a contact has sof
 
 
 def strip(dimension, count, seed, scale):
-    """A strip that is pulled until it has opened by seven times what its bonds soften over, and what its section and length are."""
+    """A strip that is pulled until its opening is seven times the softening displacement of its bonds, with its
+    section and length."""
     width, length = scale * WIDTH, scale * LENGTH
     shape = {"rectangle": {"width": width, "height": length}} if dimension == 2 else {"box": {"size": [width, width, length]}}
-    across = {"v" + other: 0 for other in "xyz"[:dimension - 1]}  # grips that are free across let the middle turn, and a second crack opens
+    across = {"v" + other: 0 for other in "xyz"[:dimension - 1]}  # Grips without lateral restraint allow the middle to rotate, and a second crack opens.
     axis, grip = "xyz"[dimension - 1], 2.0 * (0.7 * length * width ** (dimension - 1) / count) ** (1 / dimension)
     scene = {
         "dimension": dimension, "specimen": {**shape, "particles": count, "packing": {"overlap": "passive"}},
@@ -206,7 +209,8 @@ def energy_tables():
 
 
 def parted(dimension, count, seed, scale):
-    """The strip in two parts that hold, and the bonds of the strip above where they meet, halfway: one crack, and its place is given."""
+    """The strip in two parts whose bonds hold, joined halfway by the bonds of the strip above: one crack at a given
+    place."""
     scene, section, length = strip(dimension, count, seed, scale)
     weak, far = scene["materials"][0], 10.0
     strong = {**weak, "tensile_strength": 100 * TENSILE, "shear_strength": 100 * TENSILE, "fracture_energy": 1e4 * FRACTURE,
@@ -221,7 +225,8 @@ def parted(dimension, count, seed, scale):
 
 
 def plane_row(dimension, count, scale):
-    """Dissipated over G_f and the section, over G_f and the bond area that was cut, and in what does not cross the plane."""
+    """Dissipated energy relative to G_f and the section, to G_f and the area of cut bonds, and the part outside the
+    plane."""
     found, radii = [], []
     for seed in SEEDS:
         scene, section, length = parted(dimension, count, seed, scale)

@@ -17,7 +17,8 @@ BAND = study.ROOT / "validate" / "references" / "beam-mixed-2012.csv"
 PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
 SCENE_MESH = study.ROOT / "scenes" / "specimens" / "beam-mixed.msh"
 FOLDER = study.RUNS / "beams"
-# Contacts over the concrete: modulus, strength, fracture energy, by the strips of the beam of Gregoire et al. (table of contacts, last round).
+# Contact parameters relative to those of the concrete: modulus, strength, fracture energy, from the strips of the
+# beam of Gregoire et al. (table of contacts, last round).
 OVER = (39.95 / 37.0, 3.274 / 3.9, 105.3 / 143.2)
 SEEDS = (1, 2)
 SPEED = 0.01  # m/s of the load

@@ -50,7 +50,7 @@ def packed(dimension, shape, packing, count, seed):
         done = study.call(["pack", str(folder / "body.yaml"), "--out", str(folder), "--seed", str(seed), "--log", "json", "--threads", "1"])
         if done.returncode:
             sys.exit(done.stderr)
-        note.write_text(done.stdout.splitlines()[-1])
+        note.write_text(json.dumps(json.loads(done.stdout.splitlines()[-2])["result"]))
     return json.loads(note.read_text())
 
 

@@ -107,7 +107,7 @@ class Runner:
             used = self.spend(folder, command, 3600, {})
             if used["code"] != 0:
                 sys.exit(f"{name}: exit code {used['code']}\n{(folder / 'stderr').read_text()}")
-            used["quality"] = json.loads((folder / "stdout").read_text().splitlines()[-1])
+            used["quality"] = json.loads((folder / "stdout").read_text().splitlines()[-2])["result"]
             for other in folder.glob("particles*"):
                 other.unlink()
             return used

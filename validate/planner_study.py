@@ -209,7 +209,7 @@ def planned(name, wanted, reading, keys):
     if not kept.exists():
         said = call(["plan", folder / "scene.yaml", "--error", wanted, "--reading", reading, "--threads", 1, "--write", folder / "planned.yaml",
                      "--force", "--log", "json"])
-        kept.write_text(said.splitlines()[-1])
+        kept.write_text(json.dumps(json.loads(said.splitlines()[-2])["result"]))
     return folder, json.loads(kept.read_text())
 
 
@@ -232,7 +232,7 @@ def one(folder, scene_file, settings, reading):
 
 
 def motions(keys, slower):
-    """Everything that moves, slower, and the end as much later."""
+    """Reduces all prescribed velocities by a factor, and extends the end by the same factor."""
     changed = {"time.end": keys["time"]["end"] * slower}
     for group in ("walls", "sets"):
         for part in keys.get(group, []):

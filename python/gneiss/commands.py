@@ -1,19 +1,25 @@
 """Commands of the program as functions: runs in processes of their own, packings, plans, elastic constants, sweeps, calibrations."""
+from __future__ import annotations
+
 import contextlib
 import json
 import os
 import subprocess
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Union
 
 from ._library import program
 from .errors import error_of
 from .results import Results
-from .scene import Scene, overrides_of, written
+from .scene import Changes, Scene, Source, overrides_of, written
+
+Path = Union[str, "os.PathLike[str]"]
+Seeds = Union[int, Sequence[int], None]
 
 
 @contextlib.contextmanager
-def _file_of(source, folder=None):
+def _file_of(source: Scene | Source, folder: Path | None = None) -> Iterator[str]:
     """The path of a file with a dict, text or Scene, for the time of a command; a path stays what it is."""
     if isinstance(source, os.PathLike) or (isinstance(source, str) and "\n" not in source):
         yield os.fspath(source)
@@ -25,9 +31,9 @@ def _file_of(source, folder=None):
         yield file.name
 
 
-def _call(command, target, *options, changes=None, **named):
-    """Runs the program. Returns its standard output. Raises what its exit code and message say."""
-    line = [program(), command, target, *options]
+def _call(command: str, target: Path, *options: str, changes: Changes = None, **named: Any) -> dict[str, Any]:
+    """Runs the program. Returns its result (docs/log.md), {} of commands without one. Raises what its errors say."""
+    line = [program(), command, os.fspath(target), "--log", "json", *options]
     for change in overrides_of(changes):
         line += ["--set", change]
     for name, value in named.items():
@@ -44,74 +50,73 @@ def _call(command, target, *options, changes=None, **named):
             process.terminate()
             process.communicate()
         raise
+    lines = [json.loads(text) for text in output.splitlines() if text.startswith("{")]
     if process.returncode != 0:
-        raise error_of(process.returncode, _message(messages))
-    return output
+        errors = [entry["text"] for entry in lines if entry["level"] == "error"]
+        raise error_of(process.returncode, "\n".join(errors) or messages.strip())
+    return next((dict(entry["result"]) for entry in reversed(lines) if entry["level"] == "result"), {})
 
 
-def _message(text):
-    """The error among the lines of standard error, without the name of the program and its kind."""
-    lines = [line.removeprefix("gneiss: ") for line in text.splitlines() if not line.startswith("gneiss: warning")]
-    for kind in ("input error: ", "file error: ", "unstable: ", "interrupted: "):
-        lines = [line.removeprefix(kind) for line in lines]
-    return "\n".join(lines).strip() or text.strip()
-
-
-def _last_json(output):
-    return json.loads(next(line for line in reversed(output.splitlines()) if line.startswith("{")))
-
-
-def run(scene, out, *, set=None, folder=None, threads=None, seeds=None, error=None, force=False):
+def run(scene: Scene | Source, out: Path, *, set: Changes = None, folder: Path | None = None, threads: int | None = None,
+        seeds: Seeds = None, error: str | None = None, force: bool = False) -> Results:
     """Runs a scene in a process of its own, as `gneiss run`. `out`: folder of results. With `seeds` it runs several packings side by side,
     with `error` ('5%') it plans first. Returns its Results."""
     with _file_of(scene, folder) as path:
-        _call("run", path, "--quiet", changes=set, out=out, threads=threads, seeds=seeds, error=error, force=force)
+        _call("run", path, changes=set, out=out, threads=threads, seeds=seeds, error=error, force=force)
     return Results(out)
 
 
-def pack(specimen, out, *, set=None, folder=None, threads=None, seed=None, force=False):
+def check(scene: Scene | Source, *, set: Changes = None, folder: Path | None = None) -> dict[str, Any]:
+    """What `gneiss check` finds of a scene and its specimen: warnings, particles, bonds, dt, ... (docs/log.md)."""
+    with _file_of(scene, folder) as path:
+        return _call("check", path, changes=set)
+
+
+def pack(specimen: Scene | Source, out: Path, *, set: Changes = None, folder: Path | None = None, threads: int | None = None,
+         seed: int | None = None, force: bool = False) -> Results:
     """Fills the shape of a specimen (a scene, or the part `specimen` of one) with particles, as `gneiss pack`. Returns its Results:
     particles.position [n][3], particles.radius [n], quality. A scene takes it by specimen: {file: OUT/packing.txt}."""
     with _file_of(specimen, folder) as path:
-        _call("pack", path, "--quiet", changes=set, out=out, threads=threads, seed=seed, force=force)
+        _call("pack", path, changes=set, out=out, threads=threads, seed=seed, force=force)
     return Results(out)
 
 
-def plan(scene, *, error=None, reading=None, particles=None, set=None, folder=None, threads=None):
-    """Without `error` the cost of a run, as the text of `gneiss plan`. With `error` ('5%') the cheapest settings for it, as a dict.
-    reading: 'strength' or 'stiffness'; particles: 'any'."""
+def plan(scene: Scene | Source, *, error: str | None = None, reading: str | None = None, particles: str | None = None,
+         set: Changes = None, folder: Path | None = None, threads: int | None = None) -> dict[str, Any]:
+    """Without `error` what a run consists of: particles, bonds, dt, steps, ... With `error` ('5%') the cheapest settings for it: proposed,
+    as_is, estimate, cost. reading: 'strength' or 'stiffness'; particles: 'any'. docs/log.md and docs/plan.md have the members."""
     with _file_of(scene, folder) as path:
-        if error is None:
-            return _call("plan", path, changes=set, threads=threads)
-        return _last_json(_call("plan", path, "--log", "json", changes=set, error=error, reading=reading, particles=particles,
-                                threads=threads))
+        return _call("plan", path, changes=set, error=error, reading=reading, particles=particles, threads=threads)
 
 
-def stiffness(scene, *, strain=None, set=None, folder=None, threads=None):
+def stiffness(scene: Scene | Source, *, strain: float | None = None, set: Changes = None, folder: Path | None = None,
+              threads: int | None = None) -> dict[str, Any]:
     """Elastic constants of a bonded packing without a run, as a dict (docs/stiffness.md)."""
     with _file_of(scene, folder) as path:
-        return _last_json(_call("stiffness", path, "--json", changes=set, strain=strain, threads=threads))
+        return _call("stiffness", path, changes=set, strain=strain, threads=threads)
 
 
-def sweep(what, out, *, set=None, folder=None, seeds=None, jobs=None, threads=None, force=False):
+def sweep(what: Mapping[str, Any] | Path, out: Path, *, set: Changes = None, folder: Path | None = None, seeds: Seeds = None,
+          jobs: int | None = None, threads: int | None = None, force: bool = False) -> Results:
     """Runs a scene with several values of its keys, side by side (docs/sweep.md): a dict as a sweep file has it ({'scene': ...,
     'parameters': {...}, 'seeds': 3}; the scene is a path), or a file. Runs that were done are not done again. Returns its Results:
     parameters, readings, statistics, runs."""
     with _file_of(what, folder) as path:
-        _call("sweep", path, "--quiet", changes=set, out=out, seeds=seeds, jobs=jobs, threads=threads, force=force)
+        _call("sweep", path, changes=set, out=out, seeds=seeds, jobs=jobs, threads=threads, force=force)
     return Results(out)
 
 
-def calibrate(targets, out, *, folder=None, seeds=None, threads=None, force=False):
+def calibrate(targets: Mapping[str, Any] | Path, out: Path, *, folder: Path | None = None, seeds: Seeds = None, threads: int | None = None,
+              force: bool = False) -> dict[str, Any]:
     """Finds the parameters that give a material the wanted readings (docs/calibrate.md), from a dict or a file of targets. Returns
     calibration.json as a dict; the folder `out` has calibrated.yaml too."""
     with _file_of(targets, folder) as path:
-        _call("calibrate", path, "--quiet", out=out, seeds=seeds, threads=threads, force=force)
+        _call("calibrate", path, out=out, seeds=seeds, threads=threads, force=force)
     with open(os.path.join(out, "calibration.json"), encoding="utf-8") as file:
         return json.load(file)
 
 
-def report(folder):
+def report(folder: Path) -> str:
     """Makes report.html of a folder of results. Returns its path."""
-    _call("report", os.fspath(folder))
+    _call("report", folder)
     return os.path.join(folder, "report.html")

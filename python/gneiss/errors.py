@@ -1,6 +1,8 @@
 """Exceptions, each with the message and the place that gneiss gives."""
+from __future__ import annotations
+
 import re
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ._library import ffi, lib, text
 
@@ -23,7 +25,7 @@ class GneissError(Exception):
     `file`, `line`, `column`, `key`: of the first."""
     status = 1
 
-    def __init__(self, message):
+    def __init__(self, message: str) -> None:
         super().__init__(message)
         self.problems = _problems(message)
         first = self.problems[0]
@@ -58,8 +60,8 @@ class Interrupted(GneissError):
 _BY_STATUS = {error.status: error for error in (GneissError, InputError, FileError, OutOfMemory, Unstable, Interrupted)}
 
 
-def _problems(message):
-    found = []
+def _problems(message: str) -> list[Problem]:
+    found: list[Problem] = []
     for line in str(message).splitlines() or [""]:
         place = _PLACE.fullmatch(line)
         if place:
@@ -73,12 +75,12 @@ def _problems(message):
     return found
 
 
-def error_of(status, message):
+def error_of(status: int, message: str) -> GneissError:
     """The exception for a status, which is an exit code of the program too."""
     return _BY_STATUS.get(status, GneissError)(message)
 
 
-def checked(function, *arguments):
+def checked(function: Any, *arguments: Any) -> None:
     """Calls a function of the library with an error added to its arguments. Raises what it reports."""
     error = ffi.new("gneiss_error *")
     status = function(*arguments, error)

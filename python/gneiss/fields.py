@@ -1,11 +1,16 @@
 """Fields of a world as numpy arrays over the engine's own memory."""
-from collections.abc import Mapping
-from typing import NamedTuple
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._library import ffi, lib, text
 from .errors import InputError, checked
+
+Array = NDArray[Any]
 
 _TYPES = {lib.GNEISS_F64: "<f8", lib.GNEISS_I64: "<i8", lib.GNEISS_I32: "<i4", lib.GNEISS_U8: "|u1", lib.GNEISS_F32: "<f4"}
 
@@ -13,26 +18,27 @@ _TYPES = {lib.GNEISS_F64: "<f8", lib.GNEISS_I64: "<i8", lib.GNEISS_I32: "<i4", l
 class _Memory:
     """Memory of the engine for numpy. An array holds it, and it keeps the memory readable, whatever becomes of the world."""
 
-    def __init__(self, pointer, shape, strides, kind, writable):
+    def __init__(self, pointer: Any, shape: tuple[int, ...], strides: tuple[int, ...] | None, kind: str, writable: bool) -> None:
         self._pointer = None
         checked(lib.gneiss_view_pin, ffi.new("gneiss_view *", {"data": pointer}))
         self._pointer, self._unpin = pointer, lib.gneiss_view_unpin
         address = int(ffi.cast("uintptr_t", pointer))
         self.__array_interface__ = {"version": 3, "data": (address, not writable), "shape": shape, "strides": strides, "typestr": kind}
 
-    def __del__(self):
+    def __del__(self) -> None:
         if self._pointer is not None:
             self._unpin(self._pointer)
 
 
-def memory_array(pointer, shape, kind="<f8", strides=None, writable=False):
+def memory_array(pointer: Any, shape: tuple[int, ...], kind: str = "<f8", strides: tuple[int, ...] | None = None,
+                 writable: bool = False) -> Array:
     """An array over a block of memory of the engine, without a copy."""
     if not pointer or 0 in shape:
         return np.zeros(shape, kind)
     return np.asarray(_Memory(pointer, shape, strides, kind, writable))
 
 
-def view_array(view):
+def view_array(view: Any) -> Array:
     """A read-only array over a view of the library: [items] or [items][components]."""
     if view.components == 1:
         return memory_array(view.data, (view.count,), _TYPES[view.type], (view.item_stride,))
@@ -46,31 +52,31 @@ class About(NamedTuple):
     description: str
 
 
-class Record(Mapping):
+class Record(Mapping[str, Array]):
     """The fields of particles, bonds, pairs, wall_contacts, nodes or elements by name: read-only arrays over the engine's memory, [items]
     or [items][components]. They show the present order of the items; `id` of particles is their place in the specimen. Ask for them again
     after an advance: the engine may then use other memory, and an older array keeps what it showed last. `about[name]` has unit and
     description."""
 
-    def __init__(self, world, number):
+    def __init__(self, world: Any, number: int) -> None:
         self._c, self._number = world, number
 
     @property
-    def name(self):
+    def name(self) -> str:
         return text(lib.gneiss_record_name(self._number))
 
-    def _view(self, name):
+    def _view(self, name: str) -> Any:
         view = ffi.new("gneiss_view *")
         checked(lib.gneiss_world_field, self._c, self._number, name.encode(), view)
         return view
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Array:
         try:
             return view_array(self._view(name))
         except InputError as error:
             raise KeyError(str(error)) from None
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Array:
         if name.startswith("_"):
             raise AttributeError(name)
         try:
@@ -78,36 +84,36 @@ class Record(Mapping):
         except KeyError as error:
             raise AttributeError(*error.args) from None
 
-    def _each(self):
+    def _each(self) -> Iterator[Any]:
         view = ffi.new("gneiss_view *")
         for index in range(lib.gneiss_world_field_count(self._c, self._number)):
             checked(lib.gneiss_world_field_at, self._c, self._number, index, view)
             yield view
 
-    def _names(self):
+    def _names(self) -> list[str]:
         return [text(view.name) for view in self._each()]
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._names())
 
-    def __len__(self):
+    def __len__(self) -> int:
         return lib.gneiss_world_field_count(self._c, self._number)
 
-    def __dir__(self):
+    def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._names()]
 
     @property
-    def count(self):
+    def count(self) -> int:
         """The number of items."""
         return next((view.count for view in self._each()), 0)
 
     @property
-    def about(self):
+    def about(self) -> dict[str, About]:
         """{name: About(name, unit, description)} of the fields."""
         return {text(view.name): About(text(view.name), text(view.unit), text(view.description)) for view in self._each()}
 
     @property
-    def outputs(self):
+    def outputs(self) -> dict[str, About]:
         """{name: About} of what `output` computes: the fields of results.h5."""
         view = ffi.new("gneiss_view *")
         found = {}
@@ -116,7 +122,7 @@ class Record(Mapping):
             found[text(view.name)] = About(text(view.name), text(view.unit), text(view.description))
         return found
 
-    def output(self, name):
+    def output(self, name: str) -> Array:
         """Computes a field of results.h5 for the present state: a new array [items] or [items][components], in the order of the specimen
         or mesh."""
         view = ffi.new("gneiss_view *")
@@ -129,7 +135,7 @@ class Record(Mapping):
                 return values
         raise KeyError(f"{name}: {self.name} have the outputs {', '.join(self.outputs)}")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<gneiss {self.name}: {self.count} with {', '.join(self._names())}>"
 
 
@@ -137,90 +143,90 @@ class Particles(Record):
     """The particles, with parts of their rows by name."""
 
     @property
-    def position(self):
+    def position(self) -> Array:
         """[n][3] m: centres relative to `World.origin`."""
         return self["pos"][:, :3]
 
     @property
-    def radius(self):
+    def radius(self) -> Array:
         """[n] m."""
         return self["pos"][:, 3]
 
     @property
-    def velocity(self):
+    def velocity(self) -> Array:
         """[n][3] m/s, of the last half step. Set World.velocities to change them."""
         return self["vel"][:, :3]
 
     @property
-    def mass(self):
+    def mass(self) -> Array:
         """[n] kg, a new array; infinite for removed particles."""
         with np.errstate(divide="ignore"):
             return 1.0 / self["vel"][:, 3]
 
 
-class History(Mapping):
+class History(Mapping[str, Array]):
     """Columns of the history by name: read-only arrays [rows] over the engine's memory, to be asked for again after an advance."""
 
-    def __init__(self, world):
+    def __init__(self, world: Any) -> None:
         self._c = world
 
-    def _each(self):
+    def _each(self) -> Iterator[Any]:
         view = ffi.new("gneiss_view *")
         for index in range(lib.gneiss_world_history_count(self._c)):
             checked(lib.gneiss_world_history_at, self._c, index, view)
             yield view
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Array:
         for view in self._each():
             if text(view.name) == name:
                 return view_array(view)
         raise KeyError(f"{name}: the history has {', '.join(self)}")
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter([text(view.name) for view in self._each()])
 
-    def __len__(self):
+    def __len__(self) -> int:
         return lib.gneiss_world_history_count(self._c)
 
     @property
-    def about(self):
+    def about(self) -> dict[str, About]:
         """{name: About(name, unit, description)} of the columns."""
         return {text(view.name): About(text(view.name), text(view.unit), text(view.description)) for view in self._each()}
 
-    def table(self):
+    def table(self) -> Any:
         """A copy as a pandas.DataFrame, or a structured array where pandas is not installed."""
         from .results import table_of
         return table_of({name: self[name] for name in self})
 
 
-class Quantities(Mapping):
+class Quantities(Mapping[str, float]):
     """Numbers by name: readings, or terms of the energy ledger. NaN: absent. `about[name]` has unit and description."""
 
-    def __init__(self, world, count, at):
+    def __init__(self, world: Any, count: Any, at: Any) -> None:
         self._c, self._count, self._at = world, count, at
 
-    def _each(self):
+    def _each(self) -> Iterator[Any]:
         quantity = ffi.new("gneiss_quantity *")
         for index in range(self._count()):
             checked(self._at, self._c, index, quantity)
             yield quantity
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> float:
         for quantity in self._each():
             if text(quantity.name) == name:
                 return quantity.value
         raise KeyError(f"{name}: there are {', '.join(self)}")
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter([text(quantity.name) for quantity in self._each()])
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self._count()
 
     @property
-    def about(self):
+    def about(self) -> dict[str, About]:
         """{name: About(name, unit, description)}."""
         return {text(q.name): About(text(q.name), text(q.unit), text(q.description)) for q in self._each()}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return repr({name: value for name, value in self.items() if value == value})

@@ -1,37 +1,47 @@
 """Calls between steps, and fields of force."""
+from __future__ import annotations
+
 import weakref
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
 from ._library import ffi, lib
-from .errors import checked
-from .fields import memory_array
+from .errors import InputError, checked
+from .fields import Array, memory_array
+
+if TYPE_CHECKING:
+    from .world import World
 
 
 class Hook:
     """A call or a field of force of a world. `remove` takes it out again."""
 
-    def __init__(self, world, function):
-        self._world, self._function, self._number, self._callback = weakref.ref(world), function, None, None
+    def __init__(self, world: World, function: Callable[..., Any]) -> None:
+        self._world, self._function = weakref.ref(world), function
+        self._number, self._callback = -1, None
 
-    def remove(self):
+    def remove(self) -> None:
         """Ends it. Does nothing if it has ended."""
         world = self._world()
         if world is not None and world._hooks.pop(self._number, None) is not None and not world.closed:
             checked(lib.gneiss_world_remove_hook, world._c, self._number)
+            if world._inside:
+                world._removed.append(self)  # C code may still be in its callback
 
-    def __call__(self, *arguments):
+    def __call__(self, *arguments: Any) -> Any:
         return self._function(*arguments)
 
 
-def _keep(world, hook, number):
+def _keep(world: World, hook: Hook, number: Any) -> Hook:
     hook._number = number[0]
     world._hooks[hook._number] = hook
     return hook
 
 
-def add_call(world, function, every=0, times=()):
-    """Has function(world) called after every `every`th step, and after the first step that ends at or after each of `times`, s."""
+def add_call(world: World, function: Callable[[World], Any], every: int = 0, times: Sequence[float] = ()) -> Hook:
+    """Has function(world) called after every `every`th step, and after the step that ends nearest to each of `times`, s."""
     hook = Hook(world, function)
     reference = hook._world
 
@@ -43,7 +53,7 @@ def add_call(world, function, every=0, times=()):
 
     @ffi.callback("gneiss_call", error=1, onerror=note)
     def call(_context, _handle):
-        world = reference()
+        world: Any = reference()
         function(world)
         return world._stop
 
@@ -55,7 +65,7 @@ def add_call(world, function, every=0, times=()):
 
 
 class Points:
-    """Particles at the instant of the forces, in their present order; arrays over the engine's memory.
+    """Particles or nodes at the instant of the forces, in their present order; arrays over the engine's memory.
 
     time       s
     position   [n][3] m, relative to World.origin
@@ -63,15 +73,25 @@ class Points:
     velocity   [n][3] m/s, of the last half step
     inverse_mass  [n] 1/kg; 0: removed
     spin       [n][3] rad/s; None without rotation
-    id         [n] place in the specimen
+    id         [n] place in the specimen, or node of the mesh
     force      [n][3] N, zeros; to be written (or the function returns it)
     moment     [n][3] N m, zeros; to be written; None without rotation
     """
 
-    def __init__(self):
-        self._places = None
+    time: float
+    position: Array
+    radius: Array
+    velocity: Array
+    inverse_mass: Array
+    spin: Optional[Array]
+    id: Array
+    force: Array
+    moment: Optional[Array]
 
-    def _take(self, points):
+    def __init__(self) -> None:
+        self._places: Any = None
+
+    def _take(self, points: Any) -> None:
         self.time = points.time
         places = (points.position, points.velocity, points.spin, points.id, points.force, points.moment, points.count)
         if places == self._places:
@@ -87,8 +107,11 @@ class Points:
         self.moment = memory_array(points.moment, (n, 3), writable=True) if points.moment else None
 
 
-def add_force(world, function, stiffness=0.0):
+def add_force(world: World, function: Callable[[Points], Any], stiffness: float = 0.0, on: str = "particles") -> Hook:
     """Adds the field of force function(points), called once in every step."""
+    records = {"particles": lib.GNEISS_PARTICLES, "nodes": lib.GNEISS_NODES}
+    if on not in records:
+        raise InputError(f"expected a field of force on {' or '.join(records)}, found '{on}'")
     hook, points = Hook(world, function), Points()
     reference = hook._world
 
@@ -109,7 +132,8 @@ def add_force(world, function, stiffness=0.0):
         try:
             evaluate()
         except KeyboardInterrupt as error:  # the step is finished first
-            reference()._failed = error
+            own: Any = reference()
+            own._failed = error
             points.force[...] = 0.0
             if points.moment is not None:
                 points.moment[...] = 0.0
@@ -118,5 +142,5 @@ def add_force(world, function, stiffness=0.0):
 
     hook._callback = act
     number = ffi.new("int64_t *")
-    checked(lib.gneiss_world_add_force, world._c, stiffness, act, ffi.NULL, number)
+    checked(lib.gneiss_world_add_force, world._c, records[on], stiffness, act, ffi.NULL, number)
     return _keep(world, hook, number)

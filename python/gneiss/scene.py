@@ -1,16 +1,24 @@
 """Scenes: from a dict, a file or YAML text."""
+from __future__ import annotations
+
 import json
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any, Union
 
 import numpy as np
 
+from . import keys
 from ._library import encoded, ffi, files, lib, text
 from .errors import checked
 
 
-def _plain(value):
+Changes = Union[Mapping[str, Any], Sequence[str], str, None]
+Source = Union[keys.Scene, Mapping[str, Any], str, "os.PathLike[str]"]
+
+
+def _plain(value: Any) -> Any:
     """A value as JSON has it: numbers and arrays of numpy, paths; True and False as on and off."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
@@ -27,18 +35,18 @@ def _plain(value):
     raise TypeError(f"expected numbers, texts, lists and dicts in a scene, found a {type(value).__name__}")
 
 
-def written(values):
+def written(values: Mapping[str, Any]) -> str:
     """A dict as YAML text, a line for each value of nested sections, so that messages lead to the key: JSON is YAML."""
     return json.dumps(_plain(values), indent=1, allow_nan=False) + "\n"
 
 
-def override_text(key, value):
+def override_text(key: str, value: Any) -> str:
     """key=value as `--set` has it."""
     value = _plain(value)
     return f"{key}={value if isinstance(value, str) else json.dumps(value, allow_nan=False)}"
 
 
-def overrides_of(changes):
+def overrides_of(changes: Changes) -> list[str]:
     """Pairs of key and value, or texts key=value, as texts."""
     if not changes:
         return []
@@ -47,7 +55,7 @@ def overrides_of(changes):
     return [changes] if isinstance(changes, str) else list(changes)
 
 
-def as_c(changes):
+def as_c(changes: Changes) -> tuple[Any, int, list[Any]]:
     """Overrides for a C function: (array, count, what keeps the texts alive)."""
     kept = [ffi.new("char[]", item.encode()) for item in overrides_of(changes)]
     return ffi.new("const char *[]", kept) if kept else ffi.NULL, len(kept), kept
@@ -66,7 +74,8 @@ class Scene:
     Raises InputError with file, line, column and key of every problem, FileError.
     """
 
-    def __init__(self, source, *, set=None, folder=None, name="scene", allow_gmsh=False):
+    def __init__(self, source: Source, *, set: Changes = None, folder: str | os.PathLike[str] | None = None, name: str = "scene",
+                 allow_gmsh: bool = False) -> None:
         overrides, count, _kept = as_c(set)
         made = ffi.new("gneiss_scene **")
         if isinstance(source, Mapping):
@@ -81,23 +90,23 @@ class Scene:
         lib.gneiss_scene_allow_gmsh(self._c, bool(allow_gmsh))
 
     @property
-    def text(self):
+    def text(self) -> str:
         """The resolved scene as YAML: SI units, every default filled in."""
         return text(lib.gneiss_scene_text(self._c))
 
-    def write(self, path):
+    def write(self, path: str | os.PathLike[str]) -> None:
         """Writes the resolved scene to a file, under a temporary name first."""
         path = os.path.abspath(path)
         with tempfile.NamedTemporaryFile("w", dir=os.path.dirname(path), delete=False, encoding="utf-8") as file:
             file.write(self.text)
         os.replace(file.name, path)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         title = next((line.split(":", 1)[1].strip() for line in self.text.splitlines() if line.startswith("title:")), "")
         return f"<gneiss.Scene {title!r}>"
 
 
-def scene_of(source, **options):
+def scene_of(source: Scene | Source, **options: Any) -> Scene:
     """A Scene, or one made from what Scene takes."""
     if isinstance(source, Scene):
         if any(value for value in options.values()):

@@ -75,7 +75,7 @@ def a_run_in_a_folder_leaves_the_files_of_the_program(folder):
     run(LATTICE, theirs)
     with gneiss.World(LATTICE, ours) as world:
         world.run(progress=False)
-    assert sorted(os.listdir(ours)) == sorted(os.listdir(theirs))
+    assert sorted(os.listdir(ours)) == sorted(name for name in os.listdir(theirs) if name != "status.json")  # of the process
     assert summary(ours)["readings"] == summary(theirs)["readings"]
 
 
@@ -84,7 +84,7 @@ def steps_and_times_end_an_advance(folder):
     with gneiss.World(LATTICE) as world:
         assert world.step(7) == 7 == world.steps and world.step() == 1
         world.run(until="0.1 ms")
-        assert 1e-4 <= world.time < 1e-4 + world.dt and not world.progress.finished
+        assert abs(world.time - 1e-4) <= 0.5 * world.dt and not world.progress.finished
         world.run(until=lambda w: w.counts.broken_tension > 3, every=5)
         assert world.counts.broken_tension > 3 and world.steps % 5 == 0
         world.run()

@@ -12,9 +12,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- results of the study of accuracy (docs/accuracy.md): errors of readings over dimensionless
- * groups, and some ratios of its tests. The tables are made from validate/accuracy/slopes.csv and
- * base.csv when the program is built ---- */
+/* ---- results of the study of accuracy (docs/evidence/accuracy.md): errors of readings over
+ * dimensionless groups, and some ratios of its tests. The tables are made from
+ * validate/accuracy/slopes.csv and base.csv when the program is built ---- */
 
 const gn_slope *gn_slope_find(const char *study, const char *reading, const char *effect,
                               bool scatter) {
@@ -165,7 +165,7 @@ static double of_many(const gn_test_groups *groups, const char *reading) {
     return isfinite(ratio) ? fmax(1.0, ratio) : 1.0;
 }
 
-/* In planar cases scatter is a law of 1/particles. */
+/* In planar cases the scatter is a power law of 1/particles. */
 static double packing_group(const gn_test_groups *groups, const char *reading,
                             const char **effect) {
     *effect = "particles";

@@ -1,6 +1,7 @@
-/* Public API: velocities and motions that a program sets between two steps. */
+/* Public API: velocities, motions and ends of stages that a program sets between two steps. */
 #include "api/handles.h"
 #include "particles/velocities.h"
+#include "run/stages.h"
 
 #include <math.h>
 #include <string.h>
@@ -98,4 +99,13 @@ gneiss_status gneiss_world_set_motion(gneiss_world *world, const char *name, int
                        most / ctx->dt, value);
     GN_TRY(set_component(&ctx->scene, name, component, value, error));
     return set_component(&ctx->given, name, component, value, error);
+}
+
+gneiss_status gneiss_world_end_stage(gneiss_world *world, gneiss_error *error) {
+    GN_TRY(gn_api_require_good(world, error));
+    if (!gn_run_staged(&world->run))
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a scene with stages, found none",
+                       world->run.world.ctx.scene.source);
+    gn_run_end_stage(&world->run);
+    return GNEISS_OK;
 }

@@ -4,7 +4,7 @@
 
 #include "base/effects.h"
 
-/* X(name of the field, effects that it needs, what a scene without these effects lacks) */
+/* X(name of the field, effects that it needs, what is missing in a scene without these effects) */
 #define GN_ASKED_FIELDS(X)                                                                         \
     X(spin, GN_FX_ROTATION, "particles that rotate (law.rotation)")                                \
     X(group, 0, "")                                                                                \

@@ -291,7 +291,7 @@ static int restart(lanczos *state, int count) {
     return keep;
 }
 
-/* Returns the number of basis vectors of which the last Ritz pairs are combinations. */
+/* Returns the number of basis vectors that the last Ritz pairs combine. */
 static int iterate(lanczos *state, double tolerance, gn_eigen_top *top) {
     for (int count = 0;;) {
         double *next = state->basis + (size_t)(count + 1) * state->n;

@@ -33,7 +33,7 @@ typedef struct gn_eigen_system {
     size_t n;
     gn_operator *apply, *metric; /* S x; B x, NULL: B = 1 */
     const void *context;
-    const size_t *place; /* [n] see GN_EIGEN_GROUP; NULL: there is no longer vector */
+    const size_t *place; /* [n] see GN_EIGEN_GROUP; NULL: the vectors are not part of longer ones */
     int threads;
 } gn_eigen_system;
 

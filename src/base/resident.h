@@ -10,7 +10,8 @@ typedef struct gn_resident {
     int threads;      /* that exist now */
 } gn_resident;
 
-/* Returns false, and changes nothing, where the system has no /proc or does not tell the sizes. */
+/* Returns false and changes nothing if the system has no /proc or /proc does not state the sizes.
+ * */
 bool gn_resident_read(gn_resident *resident);
 
 /* Tells whether that many more bytes are available now. Libraries that crash without memory are

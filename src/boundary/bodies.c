@@ -243,8 +243,8 @@ static void rotate_held(gn_rigid *b, double dt) {
     spin_from_momentum(b);
 }
 
-/* Largest rotation, rad, of a step of second order, and of a part of a longer one. After ten turns
- * in such steps the error is at most 9e-4 and 1e-5 rad, for boxes from rods to plates. */
+/* Largest rotation, rad, of a step of second order, and of a substep of a longer one. After ten
+ * turns in such steps the error is at most 9e-4 and 1e-5 rad, for boxes from rods to plates. */
 static const double turn_plain = 0.005, turn_part = 0.1;
 
 static void run_about_axes(gn_rigid *b, double dt) {

@@ -96,7 +96,7 @@ void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *b
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                    gn_energy *ledger);
 
-/* A contact of the last step. */
+/* A contact as it was in the last step. */
 typedef struct gn_touch_memory {
     size_t row;
     double n[3], fd, closeness;

@@ -379,7 +379,7 @@ static size_t patch_near(const group *g, double skin, gn_facet_near *near,
     return count;
 }
 
-/* Minima within `skin` of the particle, each alone. */
+/* Finds the minima within `skin` of the particle, each as a contact of its own. */
 static size_t singles_near(const group *g, double skin, gn_facet_near *near,
                            gn_facet_contact *contacts) {
     const double radius = g->dem->particles.pos[4 * g->particle + 3];

@@ -38,7 +38,8 @@ size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
 bool gn_surface_contacts_next(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, size_t *row, double skin,
                               gn_surface_contact *contacts, size_t *count);
-/* Checks that there is room for all facets that press a particle at once (patch.h). */
+/* Checks that the list of a particle can hold all facets that it can touch at the same time
+ * (patch.h). */
 gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
                                         const gn_boundary *boundary, gneiss_error *error);
 /* Inverse mass, 1/kg, along a unit vector of a vertex that moves by itself, without its prescribed

@@ -24,7 +24,7 @@
 #include <string.h>
 
 /* A plane may be given by a distant point, whose coordinates would round the gap and the motion of
- * the wall; then the foot of the perpendicular from the origin takes its place. */
+ * the wall; then the foot of the perpendicular from the origin replaces the point. */
 static void take_near_point(const gn_dem *dem, gn_wall *wall) {
     const double *p = wall->point;
     double far = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));

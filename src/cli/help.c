@@ -3,8 +3,14 @@
 #include "base/instruction_sets.h"
 #include "base/version.h"
 #include "cli/commit.h"
+#include "cli/log.h"
 
 #include <string.h>
+
+#define ALL_COMMANDS                                                                               \
+    "run check plan stiffness pack sweep calibrate resume status report keys explain schema info " \
+    "help "                                                                                        \
+    "version"
 
 static const gn_command commands[] = {
     {"run", "SCENE", "run a scene", true, false,
@@ -51,6 +57,10 @@ static const gn_command commands[] = {
      "finished run.\n",
      "gneiss resume runs/ucs-rock\n"
      "gneiss resume runs/ucs-rock --set time.end=8ms\n"},
+    {"status", "DIR", "print how far the run in an output folder is", true, false,
+     "Reads status.json, which a run replaces every five seconds, and looks whether its process is "
+     "still\nthere: running, finished, stopped, failed or killed.\n",
+     "gneiss status runs/ucs-rock\n"},
     {"report", "DIR", "make report.html from the results of a run, a packing or a sweep", true,
      false, "It can be made during the run.\n", "gneiss report runs/ucs-rock\n"},
     {"keys", "[TEXT ...]",
@@ -72,8 +82,11 @@ static const gn_command commands[] = {
      "(docs/schema.md).\n",
      "gneiss schema\n"
      "gneiss schema sweep\n"},
+    {"completion", "SHELL", "print completions for bash, zsh or fish", true, false,
+     "They complete commands, options, files, and keys after --set and explain.\n",
+     "gneiss completion bash > ~/.local/share/bash-completion/completions/gneiss\n"},
     {"info", "", "print version, instruction sets, threads", false, false, "", "gneiss info\n"},
-    {"help", "[COMMAND]", "print this, or the options of a command", false, false, "",
+    {"help", "[COMMAND]", "print this, the options of a command, or exit-codes", false, false, "",
      "gneiss help run\n"},
     {"version", "", "print the version, the commit and the compiler", false, false, "",
      "gneiss version\n"},
@@ -83,10 +96,7 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 #define LISTED(set, lanes, has) #set ", "
 #define SETS_LISTED             GN_INSTRUCTION_SETS(LISTED) "auto"
 
-/* Text of an option, with the commands that take it, separated by blanks. */
-static const struct {
-    const char *commands, *name, *text;
-} options[] = {
+const gn_option_text gn_option_texts[] = {
     {"run check plan pack sweep calibrate", "--out DIR",
      "output folder (default: runs/ and the name of the scene or sweep file)"},
     {"run check plan stiffness pack sweep resume", "--set KEY=VALUE",
@@ -127,13 +137,12 @@ static const struct {
      "predicted peak)"},
     {"run check plan pack sweep calibrate resume", "--quiet",
      "only results: readings and warnings, no progress and no profile"},
-    {"run pack sweep resume", "--log json",
-     "progress and summary as JSON lines on standard output"},
-    {"plan", "--log json", "plan --error: the result as one JSON line on standard output"},
+    {ALL_COMMANDS, "--log json", "JSON objects on standard output, one a line (docs/log.md)"},
     {"keys", "--markdown", "keys: as Markdown"},
+    {"help", "--man", "as a page of the manual, in the format of man"},
     {"", "--help (-h), --version", ""},
+    {NULL, NULL, NULL},
 };
-enum { OPTIONS = sizeof options / sizeof *options };
 
 const gn_command *gn_command_named(const char *name) {
     for (size_t k = 0; k < COMMANDS; k++)
@@ -145,8 +154,9 @@ const gn_command *gn_command_at(size_t index) {
     return index < COMMANDS ? &commands[index] : NULL;
 }
 
-static bool takes(const gn_command *command, const char *list) {
+bool gn_command_takes(const gn_command *command, const gn_option_text *option) {
     const size_t length = strlen(command->name);
+    const char *list = option->commands;
     for (const char *at = strstr(list, command->name); at; at = strstr(at + 1, command->name))
         if ((at == list || at[-1] == ' ') && (at[length] == ' ' || !at[length])) return true;
     return false;
@@ -164,11 +174,11 @@ static void print_option(FILE *out, const char *name, const char *text) {
 
 static void print_options(FILE *out, const gn_command *command) {
     bool any = false;
-    for (size_t k = 0; k < OPTIONS; k++) {
-        if (command && !takes(command, options[k].commands)) continue;
+    for (const gn_option_text *o = gn_option_texts; o->name; o++) {
+        if (command && !gn_command_takes(command, o)) continue;
         if (!any) fputs("\noptions:\n", out);
         any = true;
-        print_option(out, options[k].name, options[k].text);
+        print_option(out, o->name, o->text);
     }
 }
 
@@ -192,14 +202,17 @@ void gn_print_help(FILE *out, const gn_command *command) {
             "COMMAND [options]\n\ncommands:\n",
             gn_version());
     for (size_t k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-9s %-10s %s\n", commands[k].name, commands[k].arguments,
+        fprintf(out, "  %-10s %-11s %s\n", commands[k].name, commands[k].arguments,
                 commands[k].text);
     print_options(out, NULL);
-    fputs("\nexit codes: 0 done, 1 defect of gneiss, 2 invalid input (or a missing scene or "
-          "folder), 3 file\ncould not be read or written, 4 out of memory, 5 unstable run, 6 "
-          "interrupted (a checkpoint\nwas written if the run had begun)\n\ngneiss help COMMAND: "
-          "options of a command, with an example\n",
-          out);
+    fputs("\nexit codes:\n", out);
+    gn_print_exit_codes(out);
+    fputs("\ngneiss help COMMAND: options of a command, with an example\n", out);
+}
+
+void gn_print_exit_codes(FILE *out) {
+    for (int code = 0; gn_exit_code_text(code); code++)
+        fprintf(out, "  %d %s\n", code, gn_exit_code_text(code));
 }
 
 void gn_print_version(FILE *out) {

@@ -3,8 +3,12 @@
 #include "base/printable.h"
 #include "base/threads.h"
 #include "base/timer.h"
+#include "base/version.h"
+#include "cli/commit.h"
 #include "cli/explain.h"
+#include "cli/generate.h"
 #include "cli/help.h"
+#include "cli/log.h"
 #include "cli/options.h"
 #include "cli/pack.h"
 #include "cli/plan.h"
@@ -14,11 +18,13 @@
 #include "cli/schema.h"
 #include "cli/script.h"
 #include "cli/signals.h"
+#include "cli/status.h"
 #include "cli/stiffness.h"
 #include "cli/sweep.h"
 #include "conversion/conversion.h"
 #include "io/io.h"
 #include "run/folder.h"
+#include "run/status.h"
 #include "scene/tree.h"
 #include "sweep/sweep.h"
 #include "timestep/timestep.h"
@@ -79,7 +85,7 @@ static bool is_one_of(const char *name, const char *const *list) {
 }
 
 static const char *const takes_scene[] = {"run", "check", "plan", "stiffness", NULL},
-                         *const takes_folder[] = {"resume", "report", NULL},
+                         *const takes_folder[] = {"resume", "report", "status", NULL},
                          *const takes_file[] = {"run",  "check", "plan",      "stiffness",
                                                 "pack", "sweep", "calibrate", NULL};
 
@@ -149,17 +155,6 @@ enum { LONG_RUN = 60 }; /* s of computing above which results are replaced only 
 static const char nothing_lost[] =
     "gneiss: interrupted: before the first step; there is nothing to save\n";
 
-/* Prints a JSON text without its line breaks and indentation. */
-static void print_one_line(const char *json) {
-    while (*json) {
-        size_t length = strcspn(json, "\n");
-        fwrite(json, 1, length, stdout);
-        json += length;
-        json += strspn(json, "\n ");
-    }
-    putchar('\n');
-}
-
 static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error *error) {
     gneiss_status status = gn_run_finish(run, error);
     if (status != GNEISS_OK) return status;
@@ -169,8 +164,7 @@ static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);
         GN_TRY(gn_read_text_file(path, 1 << 20, &text, error));
-        print_one_line(text);
-        free(text);
+        gn_print_object("result", text);
     }
     return gn_run_check_final_ledger(run, error);
 }
@@ -211,6 +205,8 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
     GN_TRY(gn_print_initial_state(options, run, error));
     GN_TRY(gn_predict_end(options, run, error));
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
+    double written = gn_now();
+    if (!run->finished) gn_status_write(run, GNEISS_OK, "");
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || options->json ? 0.5 : 5.0;
         gneiss_status status = gn_run_advance(run, pause, interrupted, error);
@@ -218,6 +214,10 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
         GN_TRY(status);
         gn_print_progress(options, run);
         *shown = !run->finished;
+        if (!run->finished && gn_now() - written >= GN_STATUS_EVERY) {
+            gn_status_write(run, GNEISS_OK, "");
+            written = gn_now();
+        }
         if (!*interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
         status = gn_run_checkpoint(run, error);
@@ -232,8 +232,10 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
 
 static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *error) {
     bool shown = false;
+    const bool over = run->finished; /* such a run is left as it is */
     gneiss_status status = advance(options, run, &shown, error);
     if (status != GNEISS_OK && shown) gn_end_progress_line(options);
+    if (!over) gn_status_write(run, status, error->message);
     return status;
 }
 
@@ -322,6 +324,21 @@ static gneiss_status check_confinements(const gn_options *options, gneiss_error 
     return GNEISS_OK;
 }
 
+/* The result of `plan` and `check` for other programs. */
+static void print_model(const gn_world *world, int warnings) {
+    const gn_scene *scene = &world->ctx.scene;
+    gn_json *json = gn_json_begin();
+    gn_json_integer(json, "warnings", warnings);
+    gn_json_integer(json, "dimension", scene->dimension);
+    GN_JSON_NUMBERS(json, {"particles", (double)world->dem.particles.soa.count},
+                    {"bonds", (double)world->dem.bonds_at_start},
+                    {"walls", (double)scene->wall_count}, {"bodies", (double)scene->body_count},
+                    {"solids", (double)world->solids.count}, {"dt", world->ctx.dt},
+                    {"stability_limit", world->ctx.stable}, {"end", scene->end},
+                    {"steps", ceil(scene->end / world->ctx.dt)});
+    gn_print_object("result", gn_json_finish(json, false));
+}
+
 /* `plan` and `check` build the world and write nothing but a planned scene. `packings`: see
  * gn_plan_accuracy. */
 static gneiss_status look(const gn_options *options, bool plan, int *packings,
@@ -344,6 +361,7 @@ static gneiss_status look(const gn_options *options, bool plan, int *packings,
     if (!plan)
         printf("%s: %s\n", gn_printable(options->target, shown, sizeof shown),
                warnings ? "can run; see the warnings above" : "can run");
+    if (options->log) print_model(world, warnings);
     return GNEISS_OK;
 }
 
@@ -405,8 +423,9 @@ static gneiss_status plan_ahead(const gn_options *options, const char *file, int
     return look(&plan, true, packings, error);
 }
 
-/* Does what `gneiss plan --error --write` and `gneiss run` of its scene do. Overrides are in that
- * scene; the number of threads also concerns how runs are made side by side. */
+/* Does the same as `gneiss plan --error --write` followed by `gneiss run` of its scene. The written
+ * scene contains the overrides; the number of threads also decides how many runs are made at the
+ * same time. */
 static gneiss_status command_run_planned(const gn_options *options, gneiss_error *error) {
     char folder[GN_PATH_SIZE], file[GN_PATH_SIZE], seeds[16];
     int packings = 1;
@@ -438,19 +457,20 @@ static gneiss_status command_run_all(const gn_options *options, gneiss_error *er
 /* Symbols of the linker: the start of the program in memory, and the end of its machine code. */
 extern const char __executable_start[], etext[];
 
-static void command_info(void) {
-    gn_print_version(stdout);
-    printf("threads           %d\n", gn_threads_of(0));
-    printf("instruction sets ");
-    for (int k = 0; k < GN_KERNEL_SETS; k++) {
-        const gn_kernel_set *set = gn_kernel_set_at(k);
-        printf(" %s%s", set->name, gn_kernel_set_supported(set) ? "" : " (not on this machine)");
-    }
-    printf("\nprecision         double mixed\n");
+/* The numbers of variants of kernels are those of one instruction set. */
+static void print_info(void) {
     size_t contact = 0, motion = 0;
     const gn_kernel_set *set = gn_kernel_set_at(0);
     for (int k = 0; k < GN_CONTACT_VARIANTS; k++) contact += set->contact[k] != NULL;
     for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += set->motion[k] != NULL;
+    gn_print_version(stdout);
+    printf("threads           %d\n", gn_threads_of(0));
+    printf("instruction sets ");
+    for (int k = 0; k < GN_KERNEL_SETS; k++) {
+        set = gn_kernel_set_at(k);
+        printf(" %s%s", set->name, gn_kernel_set_supported(set) ? "" : " (not on this machine)");
+    }
+    printf("\nprecision         double mixed\n");
     printf("kernel variants   %zu contact, %zu motion, %d element, for each instruction set\n",
            contact, motion, GN_ELEMENT_VARIANTS);
     printf("code              %.1f MB, most of it kernels\n",
@@ -458,10 +478,36 @@ static void command_info(void) {
     printf("finite elements   triangles in plane strain, tetrahedra; displacement, mixed\n");
 }
 
+static void print_info_object(void) {
+    gn_json *json = gn_json_begin();
+    gn_json_text(json, "version", gn_version());
+    gn_json_text(json, "commit", gn_commit());
+    gn_json_text(json, "build", gn_build());
+    gn_json_integer(json, "threads", gn_threads_of(0));
+    gn_json_array(json, "instruction_sets");
+    for (int k = 0; k < GN_KERNEL_SETS; k++)
+        if (gn_kernel_set_supported(gn_kernel_set_at(k)))
+            gn_json_text(json, NULL, gn_kernel_set_at(k)->name);
+    gn_json_end(json);
+    gn_print_object("result", gn_json_finish(json, false));
+}
+
+static gneiss_status command_info(const gn_options *options) {
+    if (options->log)
+        print_info_object();
+    else
+        print_info();
+    return GNEISS_OK;
+}
+
 static gneiss_status command_help(const gn_options *options, gneiss_error *error) {
+    if (options->target && strcmp(options->target, "exit-codes") == 0) {
+        gn_print_exit_codes(stdout);
+        return GNEISS_OK;
+    }
     const gn_command *command = options->target ? gn_command_named(options->target) : NULL;
     if (options->target && !command) return gn_no_command(options->target, error);
-    gn_print_help(stdout, command);
+    (options->manual ? gn_print_manual : gn_print_help)(stdout, command);
     return GNEISS_OK;
 }
 
@@ -505,14 +551,13 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "check") == 0) return look(options, false, NULL, error);
     if (strcmp(options->command, "plan") == 0) return look(options, true, NULL, error);
     if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
+    if (strcmp(options->command, "status") == 0) return gn_command_status(options, error);
     if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
     if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
     if (strcmp(options->command, "explain") == 0) return gn_command_explain(options, error);
+    if (strcmp(options->command, "completion") == 0) return gn_command_completion(options, error);
     if (strcmp(options->command, "schema") == 0) return gn_command_schema(options, error);
-    if (strcmp(options->command, "info") == 0) {
-        command_info();
-        return GNEISS_OK;
-    }
+    if (strcmp(options->command, "info") == 0) return command_info(options);
     if (strcmp(options->command, "help") == 0) return command_help(options, error);
     if (strcmp(options->command, "version") == 0) {
         gn_print_version(stdout);
@@ -554,6 +599,34 @@ static void give_back_large_blocks(void) {
 #endif
 }
 
+/* Known before the options are read, so that a mistake in them is an object as well. */
+static gn_log *begin_log(int argc, char **argv) {
+    const gn_command *command = NULL;
+    bool wanted = false;
+    for (int k = 1; k < argc; k++) {
+        wanted =
+            wanted || strcmp(argv[k], "--log=json") == 0 ||
+            (k + 1 < argc && strcmp(argv[k], "--log") == 0 && strcmp(argv[k + 1], "json") == 0);
+        if (!command) command = gn_command_named(argv[k]);
+    }
+    return wanted ? gn_log_begin(command ? command->name : "gneiss") : NULL;
+}
+
+/* Ends the program with a status; the message of an error was not printed before. */
+static void leave(gn_log *log, gneiss_status status, gneiss_error *error) {
+    /* An earlier flush may have failed with nothing left to write now. */
+    if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
+        status = gn_fail(error, GNEISS_ERROR_IO, "standard output cannot be written");
+    if (status != GNEISS_OK && error->message[0])
+        fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error->message);
+    if (!gn_log_end(log, status) && status == GNEISS_OK) status = GNEISS_ERROR_IO;
+    finished = true;
+    /* HDF5 may hold files that it could not close for lack of memory; its clean-up would fail on
+     * them. */
+    if (status == GNEISS_ERROR_MEMORY) _exit((int)status);
+    exit((int)status);
+}
+
 int main(int argc, char **argv) {
     spin_briefly(argv);
     give_back_large_blocks();
@@ -563,6 +636,7 @@ int main(int argc, char **argv) {
     gn_options options;
     bool done = false;
     signal(SIGXFSZ, SIG_IGN); /* a file size limit is a write error and does not end the program */
+    gn_log *log = begin_log(argc, argv);
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) {
         status = dispatch(&options, &error);
@@ -571,15 +645,6 @@ int main(int argc, char **argv) {
             name_wrong_file(&options, &error);
         }
     }
-    /* An earlier flush may have failed with nothing left to write now. */
-    if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
-        status = gn_fail(&error, GNEISS_ERROR_IO, "standard output cannot be written");
-    if (status != GNEISS_OK)
-        fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
     gn_options_free(&options);
-    finished = true;
-    /* HDF5 may hold files that it could not close for lack of memory; its clean-up would fail on
-     * them. */
-    if (status == GNEISS_ERROR_MEMORY) _exit((int)status);
-    return (int)status;
+    leave(log, status, &error);
 }

@@ -103,8 +103,9 @@ static bool is_among(const gn_command *command, const char *const *names) {
 
 static gneiss_status check_files(const gn_options *options, const gn_command *command,
                                  gneiss_error *error) {
-    static const char *const no_scene[] = {"calibrate", "report", "keys",    "info", "explain",
-                                           "schema",    "help",   "version", NULL},
+    static const char *const no_scene[] = {"calibrate", "report",  "keys",   "info",
+                                           "status",    "explain", "schema", "completion",
+                                           "help",      "version", NULL},
                              *const writing[] = {"run", "pack", "sweep", "calibrate", NULL};
     if (options->out && strcmp(command->name, "resume") == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -152,6 +153,7 @@ enum {
     OPT_QUIET,
     OPT_LOG,
     OPT_MARKDOWN,
+    OPT_MAN,
     OPT_SEEDS,
     OPT_JOBS,
     OPT_DRY_RUN,
@@ -179,6 +181,7 @@ static const struct option long_options[] = {
     {"quiet", no_argument, 0, OPT_QUIET},
     {"log", required_argument, 0, OPT_LOG},
     {"markdown", no_argument, 0, OPT_MARKDOWN},
+    {"man", no_argument, 0, OPT_MAN},
     {"seeds", required_argument, 0, OPT_SEEDS},
     {"jobs", required_argument, 0, OPT_JOBS},
     {"dry-run", no_argument, 0, OPT_DRY_RUN},
@@ -296,6 +299,9 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
     case OPT_QUIET:
         options->quiet = true;
         return GNEISS_OK;
+    case OPT_MAN:
+        options->manual = true;
+        return GNEISS_OK;
     case OPT_MARKDOWN:
         options->markdown = true;
         return GNEISS_OK;
@@ -303,7 +309,8 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
         if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'",
                            value);
-        options->json = strcmp(value, "json") == 0;
+        options->log = strcmp(value, "json") == 0;
+        options->json = options->log || options->one_json;
         return GNEISS_OK;
     default:
         return apply_to_sweep(options, option, value, error);

@@ -17,8 +17,10 @@ typedef struct gn_options {
     size_t word_count;
     const char *out;  /* --out */
     bool quiet, json; /* --quiet, --log json and --json */
+    bool log;         /* --log json: standard output has JSON objects alone (log.h) */
     bool force;       /* run: replaces a finished long run */
     bool markdown;    /* keys --markdown */
+    bool manual;      /* help --man */
     bool allow_gmsh;  /* --allow-gmsh: a geometry may be meshed, which may execute commands */
     /* sweep; the first also run: --seeds, --jobs, --array ("": from Slurm); NULL: not given */
     const char *seeds, *jobs, *array;

@@ -6,6 +6,7 @@
 #include "base/threads.h"
 #include "base/timer.h"
 #include "cli/line.h"
+#include "cli/log.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "io/io.h"
@@ -54,10 +55,7 @@ static void print_json(const gn_pack_progress *progress) {
                     {"iteration", (double)progress->state.iteration},
                     {"fraction", progress->fraction}, {"gap_rms", progress->state.gap_rms},
                     {"overlap_max", progress->state.overlap_max});
-    char *text = gn_json_finish(json, false);
-    if (text) puts(text);
-    free(text);
-    fflush(stdout);
+    gn_print_object("progress", gn_json_finish(json, false));
 }
 
 static bool show(void *context, const gn_pack_progress *progress) {
@@ -193,9 +191,7 @@ static void print_quality_json(const gn_pack_result *result, const gn_pack_quali
 #define PUT(name, unit, text) gn_json_number(json, #name, quality->name);
     GN_PACK_FIGURES(PUT)
 #undef PUT
-    char *text = gn_json_finish(json, false);
-    if (text) puts(text);
-    free(text);
+    gn_print_object("result", gn_json_finish(json, false));
 }
 
 /* A packing from the cache has no body, which is made again here. */

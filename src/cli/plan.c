@@ -235,8 +235,8 @@ gneiss_status gn_plan_seconds(gn_world *world, double *seconds, gneiss_error *er
     return GNEISS_OK;
 }
 
-/* The states up to the start are computed in full, because nothing cheaper gives the end of them.
- */
+/* The states up to the start are computed in full, because no cheaper way gives the last of them.
+ * */
 static gneiss_status find_start(gn_world *world, gneiss_error *error) {
     gn_first_break found;
     if (world->ctx.scene.start != GN_START_FIRST_BREAK) return GNEISS_OK;
@@ -471,7 +471,7 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
         printf("  warning: %s\n", light);
         (*warnings)++;
     }
-    /* The last surface, after those of bodies, is that of elements. */
+    /* The surface of the elements is the last one, after those of bodies. */
     if (world->boundary.surface_count == world->ctx.scene.body_count) return GNEISS_OK;
     const gn_surface *s = &world->boundary.surfaces[world->ctx.scene.body_count];
     printf("  elements         %zu facets for contact with particles", s->facets.count);

@@ -2,6 +2,7 @@
 
 #include "base/new.h"
 #include "base/printable.h"
+#include "cli/log.h"
 #include "cli/progress.h"
 #include "io/io.h"
 #include "plan/setting.h"
@@ -182,14 +183,12 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
     json_estimate(json, &plan->estimate);
     json_proposal(json, "as_is", plan, &plan->current);
     json_proposal(json, "proposed", plan, &plan->best);
-    char *text = gn_json_finish(json, false);
-    if (text) puts(text);
-    free(text);
+    gn_print_object("result", gn_json_finish(json, false));
 }
 
 /* --- the scene --- */
 
-/* Overrides of the command line go into the new scene too, before the proposed settings. */
+/* Overrides of the command line are written to the new scene too, before the proposed settings. */
 static gneiss_status all_settings(const gn_options *options, const gn_plan *plan,
                                   const gn_world *world, gn_settings *settings,
                                   gneiss_error *error) {

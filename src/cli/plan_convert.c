@@ -29,7 +29,7 @@ typedef struct trial {
     bool guessed;        /* a stage that waits for equilibrium was left after an assumed time */
     const char *open;    /* the first stage whose only end cannot be predicted; NULL: none */
     double first, later; /* s, the step after the first conversion, and after further ones */
-    const char *side[2]; /* what sets the first, and the shortest later step */
+    const char *side[2]; /* what determines the first step and the shortest later step */
     double least;        /* s, the shortest later step, with any particles active */
     size_t elements;     /* left after further conversions */
     int fronts;          /* behind the first conversion */
@@ -139,7 +139,7 @@ static bool is_near(double a, double b) {
 
 static const char by_collisions[] = "collisions";
 
-/* Returns what sets the present step. */
+/* Returns which part determines the present step. */
 static const char *side_of(const gn_world *world) {
     const gn_step_choice *choice = &world->ctx.choice;
     const double share = gn_world_nonviscous_share(&world->ctx),
@@ -166,7 +166,8 @@ static gneiss_status try_front(gn_world *world, double part, char *halt, size_t 
     return status == GNEISS_ERROR_UNSTABLE ? GNEISS_OK : status;
 }
 
-/* Converts front by front what is loaded less, down to a part of the limit, as if the load grew. */
+/* Converts front by front the elements of lower load, down to a part of the limit, as if the load
+ * grew. */
 static gneiss_status try_fronts(gn_world *world, trial *t, double load, double least,
                                 gneiss_error *error) {
     enum { FRONTS = 30 };
@@ -181,10 +182,10 @@ static gneiss_status try_fronts(gn_world *world, trial *t, double load, double l
     return GNEISS_OK;
 }
 
-/* Two steps with a larger ratio are taken as one. */
+/* Two steps with a larger ratio are printed as one. */
 static const double equal_ratio = 0.95;
 
-/* Any particle may become active on the way of a crack, the fastest of all included. */
+/* Any particle may become active as a crack grows, including the one with the shortest period. */
 static void find_least(const gn_world *world, trial *t) {
     const double all =
         gn_world_nonviscous_share(&world->ctx) * world->ctx.scene.safety * t->all.sharp;

@@ -65,8 +65,8 @@ static double saved(const gn_record *record, const gn_soa *soa) {
     return (double)soa->count * (double)gn_record_bytes(record, soa->effects);
 }
 
-/* Bytes of the history: its columns, grown to a power of two of rows from columns of half that
- * length, whose place is lost, and once more where it stands in a file. */
+/* Bytes of the history: its columns have a length that is a power of two; they grew from columns of
+ * half that length, whose memory is not reused, and are copied once more when they are written. */
 static double bytes_of_history(const gn_world *world) {
     const double rows = gn_run_rows_expected(world);
     gn_history columns;
@@ -78,9 +78,9 @@ static double bytes_of_history(const gn_world *world) {
     return world->ctx.scene.history_rows > 0 ? bytes : 0.0;
 }
 
-/* Bytes of what follows the failure of a specimen: events, and contacts between what had bonds.
- * Measured per broken bond; a share of the bonds that tests have broken behind their peak (a tenth
- * to four tenths). */
+/* Bytes needed after the failure of a specimen: events, and contacts between formerly bonded
+ * particles. Measured per broken bond, for the share of bonds that tests have broken after their
+ * peak (a tenth to four tenths). */
 static double bytes_of_failure(const gn_world *world) {
     static const double broken = 330.0, share = 0.2;
     const gn_test_descriptor *test = gn_scene_test(&world->ctx.scene);

@@ -293,7 +293,7 @@ void gn_print_zones(const gn_world *world, int *warnings) {
     if (world->ctx.scene.has_couple) print_step(world);
 }
 
-/* A sentence that holds for all of them is printed once. */
+/* A sentence that applies to all of them is printed once. */
 static const char no_contact[] = "elements have no contact with walls and pass through them; hold "
                                  "or load elements by motions or loads of elements";
 

@@ -5,6 +5,7 @@
 #include "base/printable.h"
 #include "boundary/overlap.h"
 #include "cli/line.h"
+#include "cli/log.h"
 #include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
 #include "io/io.h"
@@ -126,10 +127,7 @@ static void progress_json(const gn_progress *progress) {
                     {"broken", (double)progress->broken}, {"energy_residual", progress->residual},
                     {"stress", progress->stress}, {"strain", progress->strain});
     gn_json_bool(json, "finished", progress->finished);
-    char *text = gn_json_finish(json, false);
-    if (text) puts(text);
-    free(text);
-    fflush(stdout);
+    gn_print_object("progress", gn_json_finish(json, false));
 }
 
 gneiss_status gn_predict_end(const gn_options *options, gn_run *run, gneiss_error *error) {

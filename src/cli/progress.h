@@ -29,8 +29,8 @@ gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gne
 /* Names of the readings that a plan can concern, NULL at the end, the best first. */
 const char *const *gn_planned_names(const char *reading);
 
-/* Prints whether the error that was asked for is reached by that of a reading, a share; `reason`
- * stands for an error that is not known. NULL, "": no reading has one. */
+/* Prints whether the error of a reading (a fraction) is at most the requested one; `reason` says
+ * why the error is not known. NULL, "": no reading has an error. */
 void gn_print_reached(const gn_options *options, const char *name, double error,
                       const char *reason);
 

@@ -433,7 +433,7 @@ gneiss_status gn_command_schema(const gn_options *options, gneiss_error *error) 
     else if (strcmp(of, "sweep") == 0)
         write_sweep(stdout);
     else if (strcmp(of, "calibrate") == 0)
-        return gn_calibrate_schema(error);
+        return gn_calibrate_schema(options, error);
     else
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss schema: expected scene, pack, sweep or calibrate, found '%s'", of);

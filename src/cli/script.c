@@ -1,14 +1,20 @@
 #include "cli/script.h"
 
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static const char python[] = "/usr/bin/python3";
 
-/* A script: the variable that gives another place, its place below share/gneiss of an installation,
- * and in the source tree. */
+/* A script: the variable that overrides its path, its path below share/gneiss of an installation,
+ * and its path in the source tree. */
 typedef struct script {
     const char *variable, *installed, *source;
 } script;
@@ -45,9 +51,52 @@ static gneiss_status find(const script *wanted, const char *self, char path[SCRI
                    wanted->installed, wanted->source, wanted->source, wanted->variable);
 }
 
+/* Copies what a child writes to the streams of this program until it closes both pipes. */
+static void relay(const int from[2]) {
+    FILE *const to[2] = {stdout, stderr};
+    char bytes[4096];
+    struct pollfd watched[2] = {{from[0], POLLIN, 0}, {from[1], POLLIN, 0}};
+    while (watched[0].fd >= 0 || watched[1].fd >= 0) {
+        if (poll(watched, 2, -1) < 0 && errno != EINTR) return;
+        for (int k = 0; k < 2; k++) {
+            if (watched[k].fd < 0 || !watched[k].revents) continue;
+            const ssize_t count = read(from[k], bytes, sizeof bytes);
+            if (count > 0)
+                fwrite(bytes, 1, (size_t)count, to[k]);
+            else if (count == 0 || errno != EINTR)
+                watched[k].fd = -1;
+        }
+    }
+}
+
+/* A process of its own, whose output passes through the streams of this one. A signal for both is
+ * left to the child, which ends with this process. */
+static gneiss_status run_beside(char *const *arguments, gneiss_error *error) {
+    int out[2], errors[2], status = 0;
+    if (pipe(out) != 0 || pipe(errors) != 0)
+        return gn_fail(error, GNEISS_ERROR_IO, "no pipe for %s", python);
+    const pid_t child = fork();
+    if (child == 0) {
+        (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
+        if (dup2(out[1], 1) < 0 || dup2(errors[1], 2) < 0) _exit(GNEISS_ERROR_IO);
+        for (int k = 0; k < 2; k++) close(out[k]), close(errors[k]);
+        execv(python, arguments);
+        _exit(GNEISS_ERROR_IO);
+    }
+    close(out[1]);
+    close(errors[1]);
+    if (child < 0) return gn_fail(error, GNEISS_ERROR_MEMORY, "no process for %s", python);
+    signal(SIGINT, SIG_IGN);
+    relay((const int[]){out[0], errors[0]});
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+    /* The child has reported the reason. */
+    return WIFEXITED(status) ? (gneiss_status)WEXITSTATUS(status) : GNEISS_INTERRUPTED;
+}
+
 /* Python finds its modules by its first argument: a bare name would lead to an active virtual
  * environment. */
-static gneiss_status start(char *const *arguments, gneiss_error *error) {
+static gneiss_status start(const gn_options *options, char *const *arguments, gneiss_error *error) {
+    if (options->log) return run_beside(arguments, error);
     execv(python, arguments);
     return gn_fail(error, GNEISS_ERROR_IO, "%s could not be started", python);
 }
@@ -61,17 +110,17 @@ gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) 
                        options->target);
     find_self(self);
     GN_TRY(find(&report, self, path, error));
-    return start((char *[]){(char *)python, path, (char *)options->target, NULL}, error);
+    return start(options, (char *[]){(char *)python, path, (char *)options->target, NULL}, error);
 }
 
 static const script calibrate = {"GNEISS_CALIBRATE", "calibrate/__main__.py",
                                  "calibrate/__main__.py"};
 
-gneiss_status gn_calibrate_schema(gneiss_error *error) {
+gneiss_status gn_calibrate_schema(const gn_options *options, gneiss_error *error) {
     char self[SELF_SIZE], path[SCRIPT_SIZE];
     find_self(self);
     GN_TRY(find(&calibrate, self, path, error));
-    return start((char *[]){(char *)python, path, (char *)"--schema", NULL}, error);
+    return start(options, (char *[]){(char *)python, path, (char *)"--schema", NULL}, error);
 }
 
 gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error) {
@@ -104,5 +153,5 @@ gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *erro
     arguments[n++] = "--";
     arguments[n++] = (char *)options->target;
     arguments[n] = NULL;
-    return start(arguments, error);
+    return start(options, arguments, error);
 }

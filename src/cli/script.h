@@ -11,6 +11,6 @@ gneiss_status gn_command_report(const gn_options *options, gneiss_error *error);
 gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error);
 
 /* Prints the JSON Schema of a file of targets; returns only if it cannot be started. */
-gneiss_status gn_calibrate_schema(gneiss_error *error);
+gneiss_status gn_calibrate_schema(const gn_options *options, gneiss_error *error);
 
 #endif

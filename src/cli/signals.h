@@ -6,8 +6,8 @@
 #include <signal.h>
 
 /* Before there is anything to save (reading, meshing, packing, the first lists) a signal ends the
- * program at once, wherever it is: `message` on standard error, exit code 6. `folder` (may be NULL)
- * is removed if it is still empty. Both must stay valid until the next call. */
+ * program immediately: it prints `message` on standard error and exits with code 6. `folder` (may
+ * be NULL) is removed if it is still empty. Both must stay valid until the next call. */
 void gn_signals_end_at_once(const char *message, const char *folder);
 
 /* After this call a signal only sets the flag, which is read between steps; a second one ends the

@@ -2,6 +2,7 @@
 
 #include "base/new.h"
 #include "base/timer.h"
+#include "cli/log.h"
 #include "cli/pack.h"
 #include "cli/progress.h"
 #include "io/io.h"
@@ -108,7 +109,7 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
         drop_stages(*scene);
     }
     (*scene)->allow_gmsh = options->allow_gmsh;
-    gn_options packing = *options; /* nothing but the object goes to standard output */
+    gn_options packing = *options; /* standard output gets only the JSON object */
     packing.quiet = packing.quiet || options->json;
     packing.json = false;
     GN_TRY(gn_pack_ahead(&packing, *scene, error));
@@ -278,7 +279,8 @@ static void put_test(gn_json *json, const gn_scene *scene, const outcome *found)
     gn_json_end(json);
 }
 
-static gneiss_status print_json(const gn_scene *scene, const outcome *found, gneiss_error *error) {
+static gneiss_status print_json(const gn_options *options, const gn_scene *scene,
+                                const outcome *found, gneiss_error *error) {
     const gn_network *x = &found->network;
     gn_json *json = gn_json_begin();
     put_test(json, scene, found);
@@ -297,6 +299,10 @@ static gneiss_status print_json(const gn_scene *scene, const outcome *found, gne
     GN_JSON_NUMBERS(json, {"residual", x->residual}, {"seconds", gn_now() - found->start});
     char *text = gn_json_finish(json, false);
     if (!text) return gn_no_memory(error, "the text of the results");
+    if (options->log) {
+        gn_print_object("result", text);
+        return GNEISS_OK;
+    }
     puts(text);
     free(text);
     return GNEISS_OK;
@@ -440,7 +446,7 @@ gneiss_status gn_command_stiffness(const gn_options *options, gneiss_error *erro
     GN_TRY(gn_run_create(scene, run, error));
     gneiss_status status = solve(options, run, found, error);
     if (status == GNEISS_OK && options->json)
-        status = print_json(&run->world.ctx.scene, found, error);
+        status = print_json(options, &run->world.ctx.scene, found, error);
     else if (status == GNEISS_OK)
         print_text(&run->world.ctx.scene, found);
     if (status == GNEISS_OK && !options->quiet) note_unseated(found);

@@ -22,8 +22,8 @@ static const char nothing_begun[] = "gneiss: interrupted: no run had begun\n";
 
 /* ---- options ---- */
 
-/* --threads and --set run.threads= hold for the whole sweep; the other overrides go to the scene.
- */
+/* --threads and --set run.threads= apply to the whole sweep; the other overrides are passed to the
+ * scene. */
 static gneiss_status take_threads(const gn_options *options, gn_override *kept, size_t *count,
                                   int *threads, gneiss_error *error) {
     *count = 0;
@@ -142,7 +142,7 @@ static gneiss_status estimate(const gn_sweep *sweep, size_t run, bool allow_gmsh
     return GNEISS_OK;
 }
 
-/* Returns a stride that visits all of so many items, and neighbours late. */
+/* Returns a stride that visits all of `count` items, with neighbours far apart in time. */
 static size_t stride_through(size_t count) {
     size_t stride = (size_t)(0.618 * (double)count) + 1;
     for (;; stride++) {
@@ -202,8 +202,8 @@ static gneiss_status summarise(const gn_options *options, const gn_sweep *sweep,
     return status;
 }
 
-/* The folder is locked. An interrupted sweep gets a summary as well; a shard leaves it to the call
- * that collects. */
+/* The folder is locked. An interrupted sweep writes a summary as well; a shard leaves it to the
+ * call that collects the shards. */
 static gneiss_status carry_out(const gn_options *options, const gn_sweep *sweep, gn_sweep_way *way,
                                gneiss_error *error) {
     gn_sweep_display display;
@@ -254,7 +254,7 @@ static gneiss_status sweep_into(const gn_options *options, const gn_sweep *sweep
     return status;
 }
 
-/* `alone`: the file is a single scene; *wanted: it is to be run several times. */
+/* `alone`: the file is a single scene; *wanted: it needs several runs. */
 static gneiss_status command(const gn_options *options, bool alone, bool *wanted,
                              gneiss_error *error) {
     gn_override overrides[GN_MAX_OVERRIDES];

@@ -3,6 +3,7 @@
 #include "base/printable.h"
 #include "base/timer.h"
 #include "cli/line.h"
+#include "cli/log.h"
 #include "cli/progress.h"
 #include "io/io.h"
 #include "sweep/envelope.h"
@@ -15,13 +16,6 @@
 #include <unistd.h>
 
 enum { LABEL = 400 };
-
-static void print_json(gn_json *json) {
-    char *text = gn_json_finish(json, false);
-    if (text) puts(text);
-    free(text);
-    fflush(stdout);
-}
 
 /* ---- progress ---- */
 
@@ -43,7 +37,7 @@ static void json_progress(const gn_sweep_display *display, const gn_sweep_progre
     GN_JSON_NUMBERS(json, {"total", (double)progress->total}, {"done", (double)progress->done},
                     {"failed", (double)progress->failed}, {"running", (double)progress->running},
                     {"seconds", progress->seconds}, {"eta", progress->eta});
-    print_json(json);
+    gn_print_object("progress", gn_json_finish(json, false));
 }
 
 static void text_progress(gn_sweep_display *display, const gn_sweep_progress *progress) {
@@ -75,8 +69,8 @@ static void watch(void *context, const gn_sweep_progress *progress) {
         display->shown = false;
     }
     if (options->quiet) return;
-    /* Each event gets a line where lines stay; on a terminal, and while waiting, the time is
-     * updated. */
+    /* Prints a line for each event if the output is no terminal; on a terminal, and while waiting,
+     * updates the time. */
     bool due = gn_now() >= display->next;
     if (options->json ? !progress->what && !due : terminal ? !due && !ended : !ended) return;
     display->next = gn_now() + (options->json ? 5.0 : 0.5);
@@ -263,7 +257,7 @@ static void json_summary(const gn_summary *summary, const gn_envelopes *envelope
     }
     gn_json_end(json);
     json_envelopes(json, summary, envelopes);
-    print_json(json);
+    gn_print_object("result", gn_json_finish(json, false));
 }
 
 static void print_failed(const gn_summary *summary) {

@@ -138,7 +138,7 @@ static void find_touched(gn_conversion *conversion) {
     }
 }
 
-/* Bonds act with an end that has a part. */
+/* Bonds act if an end has a weight. */
 static void find_active(gn_conversion *conversion) {
     const gn_contacts *all = &conversion->model->dem->prepared;
     double *blend = conversion->model->dem->particles.blend;

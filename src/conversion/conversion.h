@@ -70,7 +70,7 @@ bool gn_conversion_ended_at_box(const gn_ending *outcome);
 bool gn_conversion_lacked_mass(const gn_ending *outcome);
 /* Tells whether it reports elements with nodes of a motion that only records. */
 bool gn_conversion_reached_watched(const gn_ending *outcome);
-/* Writes a warning about recording motions that keep elements from converting; "" if there are
+/* Writes a warning about recording motions that prevent elements from converting; "" if there are
  * none. Returns `text`. */
 const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *solids, char *text,
                                   size_t size);
@@ -89,10 +89,10 @@ gneiss_status gn_conversion_check_places(const gn_convertible *model,
 /* Properties of the elements in the box and of the dormant particles in them (conversion_setup.c);
  * at the start all particles are dormant. */
 typedef struct gn_conversion_figures {
-    size_t elements, held, particles; /* held: of motions and loads */
+    size_t elements, held, particles; /* held: those with nodes of motions and loads */
     double element, diameter;         /* m, means */
     double smallest;                  /* m, smallest size of an element (`element` is the mean) */
-    double side;                      /* m, the shortest of the body of elements */
+    double side;                      /* m, the shortest side of the body of elements */
     double mass;                      /* of the particles over that of the elements */
     size_t materials;                 /* of the elements, with the packing in each */
     gn_zone_material material[GN_ZONE_MATERIALS];

@@ -46,11 +46,11 @@ static void grow(const gn_conversion *conversion, gn_contacts *list) {
     }
 }
 
-/* Turns at the particles that were asked for last: a particle has many bonds, which lie together.
- */
+/* Rotations at the particles of the last queries: a particle has many bonds, which are adjacent in
+ * the list. */
 enum { TURNS = 256 };
 typedef struct turns {
-    int32_t particle[TURNS]; /* by its number modulo theirs; -1: none */
+    int32_t particle[TURNS]; /* index: id modulo the size; -1: none */
     double turn[TURNS][3][3];
 } turns;
 
@@ -146,7 +146,7 @@ enum { PART = 512 };
 
 /* Some of the prepared bonds, and the rows of those that the list already has. */
 typedef struct part {
-    size_t begin, count;                /* places in the new list */
+    size_t begin, count;                /* positions in the new list */
     int32_t from[PART], prepared[PART]; /* in the last list, -1: it is new; -1: it is known */
 } part;
 

@@ -1,12 +1,12 @@
-/* Energy of springs and elements before and after a conversion, of those alone that it changes: the
- * rest would only add the rounding of large sums.
- *
+/* Energy of the springs and elements that a conversion changes, before and after it: the others
+ * would only add the rounding of large sums.
  * Leap-frog conserves 1/2 v(-) M v(+) plus the energy of springs at the instant: 1/2 v(-) M v(-)
  * and half a step of the power of their forces at v(-). Tangential forces between two steps are
  * those of the instant before; the coming step adds the increment of the last interval. The power
- * at driven nodes is no part of the conserved sum, but of the work of their reactions. The interval
- * before the conversion has the mean of the reactions at its two ends, and takes the one after the
- * conversion for the later end: it misses half a step of the power of the jump of the reactions. */
+ * at driven nodes is no part of the conserved sum, but of the work of their reactions. The work of
+ * the interval before the conversion uses the mean of the reactions at its two ends, the later of
+ * which is evaluated after the conversion: it misses half a step of the power of the jump of the
+ * reactions. */
 #include "base/ball.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
@@ -23,7 +23,7 @@
 #include <math.h>
 #include <string.h>
 
-/* N, of a contact across n, of the instant; the rate at which its ends part, m/s. */
+/* N, tangential force of a contact at the instant; rate at which its ends separate, m/s. */
 static void advance_shear(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                           size_t c, double length, const double n[3], const double shear[3],
                           double now[3], double rate[3]) {
@@ -100,8 +100,7 @@ static void add_walls(const gn_conversion *conversion, bool other, gn_held *sum)
                                           conversion->model->boundary, k);
 }
 
-/* Those that the conversion touches, or does not, of the elements that there are; scratch: c->some.
- */
+/* Adds the elements that the conversion touches, or the other remaining ones; scratch: c->some. */
 static void add_elements(const gn_conversion *conversion, bool touched, gn_held *sum) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const double half = 0.5 * conversion->model->ctx->dt_past;
@@ -164,7 +163,7 @@ static double taken_by(const gn_conversion *conversion, size_t p) {
                : conversion->model->dem->particles.blend[2 * p] - conversion->part[2 * p];
 }
 
-/* F and R of elements that were asked for last; bonds of a particle lie together. */
+/* F and R of the elements of the last queries; bonds of a particle are adjacent. */
 typedef struct gradients {
     int32_t element;
     double f[3][3], turn[3][3];

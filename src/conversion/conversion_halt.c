@@ -77,7 +77,7 @@ static bool watches(const gn_element_model *q, size_t motion, size_t e) {
     return any;
 }
 
-/* The most of the nodes of an element. */
+/* Returns the largest value at the nodes of an element. */
 static gn_node_use use_of(const gn_fem_solid *solid, const uint8_t *use, size_t e) {
     uint8_t most = GN_NODE_FREE;
     for (int a = 0; a <= solid->dimension; a++) {
@@ -106,7 +106,7 @@ static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t
     return said;
 }
 
-/* The model keeps all of its elements, and the run ends. */
+/* The model keeps all elements, and the run ends. */
 void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
     const gn_convertible *model = conversion->model;
     const gn_fem_solid *b = gn_coupled_solid(model->solids);
@@ -144,7 +144,7 @@ static double element_change(const gn_conversion *conversion, size_t e, double *
     return conversion->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
 }
 
-/* kg, of a particle that has a part now. */
+/* kg, of a particle with a weight. */
 static double particle_mass(const gn_conversion *conversion, size_t p) {
     const double before = conversion->part[2 * p + 1];
     return before > 0.0 ? 1.0 / (conversion->model->dem->particles.vel[4 * p + 3] * before)

@@ -31,7 +31,7 @@ static double least_share(const gn_most_loaded *most_loaded) {
     return fmin(1.0, most_loaded->share);
 }
 
-/* By stresses that are means over the elements at the nodes, and over the nodes of an element. */
+/* Uses stresses averaged over the elements at each node, and then over the nodes of an element. */
 static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_solids *solids,
                                           const gn_most_loaded *most_loaded, const uint8_t *kind,
                                           double *excess, gneiss_error *error) {
@@ -125,7 +125,8 @@ static bool mark_near(const gn_convertible *model, uint8_t *kind) {
     return any;
 }
 
-/* The first READY element of the largest excess that is at least `least`; count: there is none. */
+/* Returns the first READY element of the largest excess that is at least `least`; count: there is
+ * none. */
 static size_t most_stressed(size_t count, const double *excess, double least, const uint8_t *kind) {
     size_t first = count;
     for (size_t e = 0; e < count; e++)
@@ -261,7 +262,7 @@ gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_sol
     return status;
 }
 
-/* Time of phases that book themselves within a conversion. */
+/* Times of phases that are booked separately within a conversion. */
 static double other_seconds(const double *seconds) {
     return seconds[GN_PHASE_lists] + seconds[GN_PHASE_step_limit];
 }
@@ -293,8 +294,8 @@ static gneiss_status see(const gn_convertible *model, const uint8_t *ready, size
     return GNEISS_OK;
 }
 
-/* Places are spread evenly over the list; large bodies get fewer, because each place visits all
- * elements. */
+/* Places are distributed evenly over the list; large bodies get fewer, because each place visits
+ * all elements. */
 gneiss_status gn_conversion_check_places(const gn_convertible *model,
                                          gn_conversion_places_checked *seen, gneiss_error *error) {
     const size_t elements = gn_elements_left_count(model->solids),
@@ -303,9 +304,9 @@ gneiss_status gn_conversion_check_places(const gn_convertible *model,
     uint8_t *ready = gn_alloc(elements + 1), *kind = gn_alloc(elements + 1);
     size_t count = 0, at = 0;
     *seen = (gn_conversion_places_checked){0};
-    gneiss_status status =
-        ready && kind ? gn_conversion_kinds(model->ctx, model->solids, ready, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
+    gneiss_status status = ready && kind
+                               ? gn_conversion_kinds(model->ctx, model->solids, ready, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check elements");
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
         count += ready[e] == GN_FRONT_READY;
     const size_t stride = count > most ? (count + most - 1) / most : 1;

@@ -156,7 +156,7 @@ bool gn_conversion_scales(const gn_conversion *conversion, gn_scaled scaled, siz
 
 /* Mass, centre and size of the particles whose masses are scaled. */
 typedef struct spread {
-    double mass, centre[3], size; /* kg, m; m, of the mean square from the centre */
+    double mass, centre[3], size; /* kg, m; m, root mean square distance from the centre */
 } spread;
 
 static spread spread_of(const gn_conversion *conversion, gn_scaled scaled) {
@@ -183,8 +183,8 @@ static void second_about(const gn_conversion *conversion, const double centre[3]
     second_of((size_t)conversion->model->ctx->scene.dimension, r, own, out);
 }
 
-/* 1, the place and the second moments about the centre, over the size, that a unit of the mass of a
- * particle has: at the nodes, where it is in a zone. */
+/* Basis of a particle: 1, the position and the second moments about the centre, over the size, per
+ * unit of its mass; for a particle of a zone those of its nodes. */
 static void basis_at(const gn_conversion *conversion, const spread *s, size_t p,
                      double b[BASIS_MOST]) {
     const gn_particles *q = &conversion->model->dem->particles,

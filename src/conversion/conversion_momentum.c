@@ -133,7 +133,7 @@ static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) 
             m[k][k] += 1.0 / (q->spin[4 * p + 3] * r->size * r->size);
 }
 
-/* m/s: the most that a component changes by. */
+/* m/s: the largest change of a component. */
 static double most_change(const rigid *r) {
     const gn_particles *q = &r->c->model->dem->particles,
                        *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
@@ -168,7 +168,7 @@ static void change(const rigid *r) {
  */
 typedef struct lack {
     double momentum[3], beside[3], turning[3]; /* kg m/s, kg m2/s */
-    double most;                               /* m/s: that a velocity may change by */
+    double most;                               /* m/s: largest change of a velocity */
 } lack;
 
 /* J w of second moments. */
@@ -209,7 +209,7 @@ static means means_of(const gn_conversion *conversion, gn_scaled scaled) {
     return m;
 }
 
-/* m/s: root of the mean square of velocities, less the motion of the body as a whole. */
+/* m/s: root mean square velocity, without the rigid motion of the body. */
 static double speed_of(size_t dimension, const gn_tally *tally) {
     double centre[3], v[3], m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, spin[3],
                             energy = tally->energy;
@@ -232,8 +232,8 @@ static double speed_of(size_t dimension, const gn_tally *tally) {
     return sqrt(fmax(2.0 * energy / tally->mass, 0.0));
 }
 
-/* Nothing, where sums over the whole model have no more digits: size is the most that it could be.
- */
+/* Returns zero if sums over the whole model do not resolve it: `size` is its largest possible
+ * value. */
 static double beyond_rounding(double missing, double size) {
     return fabs(missing) > 1e-14 * size ? missing : 0.0;
 }
@@ -288,7 +288,7 @@ static bool find_takers(const gn_conversion *conversion, const lack *l, bool tur
     return false;
 }
 
-/* A component that is held for all of them is left out. */
+/* Components prescribed for all of them are left out. */
 static void find_velocity(rigid *r, const lack *l) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}};
     r->count = r->dimension;

@@ -24,8 +24,8 @@ typedef struct gn_conversion {
     int32_t *place; /* [elements of the mesh] index before the conversion; -1: converted earlier */
     double *part;   /* [particles][2] weights before, 0 if it was dormant */
     double *node_part;  /* [nodes][2] parts and distances before (couple/front.h) */
-    uint8_t *freed;     /* [particles] moves by itself from now on */
-    uint8_t *touched;   /* [elements before] converts, or gets another weight */
+    uint8_t *freed;     /* [particles] true if it moves on its own from this conversion on */
+    uint8_t *touched;   /* [elements before] true if it converts or its weight changes */
     int32_t *some;      /* [elements before] scratch */
     uint8_t *active;    /* [prepared bonds] acts from now on */
     size_t acting;      /* how many do */
@@ -33,7 +33,7 @@ typedef struct gn_conversion {
     uint8_t *reached;   /* [nodes] scratch */
     bool dry_run;       /* only tests whether conversion is possible: all is restored */
     int rings;          /* rings of neighbours that convert with the marked elements */
-    double *rate;       /* [particles][3] m/s2, of `freed`: with which their elements took them */
+    double *rate;       /* [particles][3] m/s2, of `freed`: acceleration by their elements */
     double released[2]; /* J: of changed contacts, before and after relaxation */
 } gn_conversion;
 
@@ -59,10 +59,10 @@ void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
 double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                        size_t c, double n[3], double *length, double force[3]);
 
-/* The accelerations of those that will be freed, before anything changes
+/* Computes the accelerations of the particles that will be released, before anything changes
  * (conversion_relaxation.c). */
 gneiss_status gn_conversion_find_rates(const gn_conversion *conversion, gneiss_error *error);
-/* Brings them into balance, with lists made anew (conversion_relaxation.c). */
+/* Relaxes them after the lists were rebuilt (conversion_relaxation.c). */
 gneiss_status gn_conversion_relax(const gn_conversion *conversion, gneiss_error *error);
 
 /* J: energy of elements and springs at the instant, springs of walls included; `step`: the addition
@@ -104,7 +104,7 @@ gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bo
 /* Computes the centre of an element at the start, m. */
 void gn_conversion_centre(const gn_fem_solid *solid, size_t e, double centre[3]);
 
-/* Largest change of a mass that is taken for a packing's scatter. */
+/* Largest change of a mass that counts as scatter of the packing. */
 #define GN_MASS_SCALED_MOST 0.5
 /* Tells whether particles can make up for the change of the body's mass. `missing`, kg: that
  * change, and the mass of the particles. To be called with weights found. */
@@ -117,8 +117,8 @@ bool gn_conversion_add_ring(const gn_conversion *conversion);
 typedef struct gn_tally {
     double mass, moment[3], momentum[3]; /* kg, kg m, kg m/s */
     double turning[3];                   /* kg m2/s, angular momentum, spins included */
-    double second[6]; /* kg m2, xx yy zz xy yz zx, as rotations have it, spins included; in the
-                       * plane about the axis, alone */
+    double second[6]; /* kg m2, xx yy zz xy yz zx, as moments of inertia, spins included; in 2D only
+                         that about z */
     double energy;    /* J, kinetic */
 } gn_tally;
 gn_tally gn_conversion_tally(const gn_conversion *conversion);
@@ -142,7 +142,7 @@ bool gn_conversion_scales(const gn_conversion *conversion, gn_scaled scaled, siz
 enum { GN_BASIS_MOST = 10 };
 bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f);
 
-/* Velocities (conversion_momentum.c), with these masses scaled. */
+/* Restores momentum by velocities (conversion_momentum.c), with these masses scaled. */
 void gn_conversion_keep_momentum(const gn_conversion *conversion, const gn_tally *before,
                                  gn_scaled scaled);
 

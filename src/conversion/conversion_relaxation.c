@@ -132,7 +132,7 @@ enum { N = GN_HELD_DOFS, PASSES = 20 };
 static const double solved = 0.3;
 /* Largest displacement of a held particle in a pass, in radii. */
 static const double farthest = 0.02;
-/* Halvings of a step that brings no energy down. */
+/* Halvings of a step that does not decrease the energy. */
 enum { HALVINGS = 8 };
 /* Energy changes below this fraction of the sum of magnitudes are rounding. */
 static const double least_energy = 1e-13;
@@ -164,12 +164,12 @@ typedef struct relaxation {
     double *moved;         /* [count][3] m, since the start */
     double *place, *shear; /* [count][7] positions, orientations; [links][3] N: before a step */
     unsigned components;
-    double ratio, moving; /* mean load over mean contact force; of those that may move */
+    double ratio, moving; /* mean load over mean contact force; number of movable particles */
     double rounding;      /* N */
-    double energy, size;  /* J: of the links, less the work of m a; sum of sizes */
+    double energy, size;  /* J: of the links, less the work of m a; sum of magnitudes */
     int iterations;
     bool stopped_by_bond_failure,
-        unsupported; /* a particle is held, as a bond would break; as nothing supports it */
+        unsupported; /* a particle is held, because a bond would break; because it is unsupported */
 } relaxation;
 
 /* --- particles and their contacts --- */

@@ -73,7 +73,7 @@ static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const g
     const gn_elements *elements = &gn_coupled_solid(solids)->elements;
     char at[GN_POINT_SIZE], message[256];
     GN_TRY(gn_dormant_create(dem, error));
-    for (size_t k = 0; k < ties->count; k++) /* particles have the order of their ids as yet */
+    for (size_t k = 0; k < ties->count; k++) /* particles still have the order of their ids */
         gn_dormant_of(dem, (size_t)ties->tie[k].id)->element = elements->id[ties->tie[k].element];
     for (size_t p = 0; p < q->soa.count; p++) {
         q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
@@ -86,7 +86,7 @@ static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const g
     return GNEISS_OK;
 }
 
-/* Elements can become particles only where these are. */
+/* Elements can convert only where there are particles. */
 static gneiss_status check_filled(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   gneiss_error *error) {
@@ -145,7 +145,7 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
 }
 
-/* After everything has converted no difference is left to compare. */
+/* If everything has converted, there is no difference to compare. */
 static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
                                      gn_conversions *converted, gneiss_error *error) {
@@ -163,7 +163,7 @@ static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *d
 
 /* --- what is in the box --- */
 
-/* The mean side of the boxes about elements in the box of the scene; kg of these. */
+/* Mean side of the bounding boxes of elements in the box of the scene; their mass, kg. */
 static double measure_elements(const gn_fem_solid *solid, const uint8_t *kind,
                                gn_conversion_figures *figures) {
     double mass = 0.0, sum = 0.0, least = INFINITY;
@@ -299,7 +299,7 @@ static void find_tension(const boxed *q, size_t k, double volume, double tension
     }
 }
 
-/* Pa, of the elements: the same. */
+/* Returns the Young's modulus of the elements of a material, Pa. */
 static double young_of(const boxed *q, int32_t material) {
     const gn_elements *of = &gn_coupled_solid(q->solids)->elements;
     size_t e = 0;
@@ -441,9 +441,9 @@ gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *de
     uint8_t *kind = gn_alloc(b->elements.soa.count + 1);
     int32_t *place = gn_fem_places(b, &count);
     *figures = (gn_conversion_figures){.side = shortest_side(ctx, solids)};
-    gneiss_status status =
-        kind && place ? gn_conversion_kinds(ctx, solids, kind, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
+    gneiss_status status = kind && place
+                               ? gn_conversion_kinds(ctx, solids, kind, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check elements");
     if (status == GNEISS_OK) {
         const double elements = measure_elements(b, kind, figures);
         boxed q = {.ctx = ctx,

@@ -5,7 +5,7 @@
 /* Moduli, Pa, and densities, kg/m3, of the particles and elements of the first packed material that
  * differs (gn_zone_differs), at the start; 0: none differs. Doubles, as in checkpoints. */
 typedef struct gn_packing_differs {
-    double modulus[2], density[2], tension[4]; /* tension: as gn_zone_material has it */
+    double modulus[2], density[2], tension[4]; /* as in gn_zone_material.tension */
 } gn_packing_differs;
 
 /* Sums over the relaxations of newly released particles (conversion_relaxation.c) since the start,
@@ -23,13 +23,13 @@ typedef struct gn_relaxations {
 typedef struct gn_corrections {
     double count, wider; /* conversions; those in which more than the nodes and particles of changed
                              weight compensated for momentum */
-    double missed, least; /* where angular momentum was not all made up for; the least part that was
-                             in these */
-    double energy;        /* J: kinetic, that all of this took, masses included */
+    double missed, least; /* number of conversions that did not restore all of the angular momentum;
+                             the smallest restored fraction */
+    double energy;        /* J: kinetic energy of all corrections, masses included */
     double turned[3]; /* kg m2/s: vector sum of the changes of angular momentum about the centre of
                          mass */
     double most;      /* the largest magnitude of `turned` */
-    double scale;     /* the largest that the body had, or m v r of it (gn_tally_turns) */
+    double scale;     /* largest m v of the body, or m v r (gn_tally_turns) */
     double centre[3]; /* m: vector sum of the displacements of the centre of mass */
     double inertia;   /* sum of the relative changes of the polar moment about it */
 } gn_corrections;

@@ -89,7 +89,7 @@ spread_at(const gn_consistent *system, size_t n, const double *x, double *out, s
     memcpy(out + 3 * n, sum, sizeof sum);
 }
 
-/* out_a = sum_b W_ab (x_a - x_b), W = N^T M N, whose rows add up to the lump. */
+/* out_a = sum_b W_ab (x_a - x_b), W = N^T M N, whose rows sum to the lumped masses. */
 static void spread(const gn_consistent *system, const double *x, double *out) {
     const size_t nodes = system->ties->nodes;
     const bool flat = system->ties->corners == 3;

@@ -59,7 +59,7 @@ static void find_fresh(front *advance) {
 
 /* Relative tolerance of distances. Distances that are equal by geometry, to each other or to the
  * width, differ by rounding, and differently on both sides of a plane of symmetry. Such a
- * difference changes no weight and makes no crest, so that a symmetric front stays symmetric. */
+ * difference changes no weight and creates no crest, so that a symmetric front stays symmetric. */
 #define DISTANCE_ROUNDING 1e-9
 
 /* Updates the distances from the front and the weights that follow. A distance that decreases by
@@ -180,7 +180,7 @@ static double free_way(const gn_particles *nodes, size_t n, const uint8_t *close
     return sqrt(least);
 }
 
-/* Begins with the element in the middle of the list, which is as good a guess as any. */
+/* Starts with the element in the middle of the list, which is as good a guess as any other. */
 static double most_room(const gn_fem_solid *solid, const uint8_t *kind, double enough,
                         const uint8_t *closed, double *way) {
     const size_t count = solid->elements.soa.count;

@@ -1,5 +1,5 @@
 /* Equilibrium of a few particles on springs to each other and to fixed particles, under a load. It
- * serves newly released particles; limit/equilibrium.h serves whole bodies. */
+ * is used for newly released particles; limit/equilibrium.h for whole bodies. */
 #ifndef GN_COUPLE_HELD_SPRINGS_H
 #define GN_COUPLE_HELD_SPRINGS_H
 

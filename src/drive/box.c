@@ -58,14 +58,15 @@ static double strained_by(const gn_dem *dem, int a) {
     return s->contacts.stress[4 * a];
 }
 
-/* The servo applies a share of the strain at which the contacts would make up the missing stress.
+/* The servo applies a fraction of the strain at which the contacts would supply the missing stress.
  * Stability: let u be other motions of particles, e the strains of the sides that follow a stress,
- * B e their effect on branches, K the springs. The stress answers with T = B^T K (u + B e), the
+ * B e their effect on branches, K the springs. The stress responds with T = B^T K (u + B e), the
  * servo with D de = -rho T per step, D diagonal. Without e the springs become K - rho K B ((z - 1)
- * D + rho B^T K B)^-1 B^T K. D - B^T K B has no negative eigenvalue: of one contact B^T K B has the
- * entries k l_a^2 n_a^2 and, beside them, at most k l^2 n_a^2 n_b^2, so that rows sum up to the
- * value of `spring`. So at z = -1, the only place where the unit circle is crossed, it is at most
- * K/(1 - rho/2), as for a wall (gn_world_servo_relaxation), and the same share is stable. */
+ * D + rho B^T K B)^-1 B^T K. D - B^T K B has no negative eigenvalue: for one contact B^T K B has
+ * the entries k l_a^2 n_a^2 and, off the diagonal, at most k l^2 n_a^2 n_b^2, so that rows sum to
+ * at most the value of `spring`. So at z = -1, the only place where the unit circle is crossed, it
+ * is at most K/(1 - rho/2), as for a wall (gn_wall_servo_relaxation), and the same fraction is
+ * stable. */
 static double follow_stress(const gn_step_context *ctx, const gn_dem *dem, gn_periodic_box *box,
                             int a) {
     const gn_box_side *side = &ctx->scene.box[a];
@@ -100,7 +101,8 @@ void gn_box_book(const gn_step_context *ctx, const gn_dem *dem, gn_periodic_box 
         ledger->energy.work_walls += 0.5 * ctx->dt_past * box->flow[a] * strained_by(dem, a);
 }
 
-/* Scales positions and velocities; returns the energy, J, that the latter take. */
+/* Scales positions and velocities; returns the energy, J, that the change of velocities requires.
+ * */
 static double carry_along(const gn_step_context *ctx, gn_dem *dem, const double grown[3]) {
     gn_particles *q = &dem->particles;
     double taken = 0.0;

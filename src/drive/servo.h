@@ -25,8 +25,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* One step of a servo: target and present value, N or J; the speed that makes up the share of a
- * unit of the difference; a; and the largest speed. */
+/* One step of a servo: target and present value, N or J; the speed that corrects the given share of
+ * a difference of one unit; a; and the largest speed. */
 typedef struct gn_servo_look {
     double wanted, found, pace, answer, most;
 } gn_servo_look;
@@ -40,7 +40,8 @@ void gn_servo_answers(const gn_step_context *ctx, const gn_dem *dem, bool all, s
 /* Returns a of a servo that makes up `share`, with S of uniform strain over K. */
 double gn_servo_answer(double share, double uniform);
 
-/* Returns the speed of the step. At its bound nothing is added, so that there is no windup. */
+/* Returns the speed of the step. At its bound the integral does not grow, so that there is no
+ * windup. */
 double gn_servo_speed(gn_servo_state *state, const gn_servo_look *look);
 
 /* Share of the missing force that a servo may make up in a step. */

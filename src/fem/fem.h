@@ -136,8 +136,8 @@ int32_t *gn_fem_places(const gn_fem_solid *solid, size_t *count);
 /* Keeps the marked elements and removes the others. Nodes without elements are at rest and without
  * mass from then on. */
 gneiss_status gn_fem_keep(gn_fem_solid *solid, const uint8_t *keep, gneiss_error *error);
-/* Recomputes volumes of elements, and masses of nodes with what they carry, from the weights at the
- * nodes (blend). */
+/* Recomputes volumes of elements, and masses of nodes including the masses that they carry, from
+ * the weights at the nodes (blend). */
 void gn_fem_apply_weights(gn_fem_solid *solid);
 /* Rebuilds the data of a step by blocks of elements after their record was replaced. */
 gneiss_status gn_fem_elements_changed(gn_fem_solid *solid, gneiss_error *error);
@@ -217,8 +217,8 @@ void gn_fem_load_free(gn_fem_load *load);
 void gn_fem_set_loads(gn_fem_solid *solid, const gn_fem_load *load, const double (*value)[3],
                       size_t count);
 
-/* Lists contact facets: those of a group, by name or tag, or, with `group` NULL, the
- * whole boundary. Nodes are numbered by their places in the solid; *corner [*count][dimension],
+/* Lists contact facets: those of a group, by name or tag, or, with `group` NULL, the whole
+ * boundary. Nodes are numbered by their index in the solid; *corner [*count][dimension],
  * gn_alloc'ed. GNEISS_ERROR_INPUT lists the existing groups. */
 gneiss_status gn_fem_surface(const gn_fem_solid *solid, const char *group, int32_t **corner,
                              size_t *count, gneiss_error *error);

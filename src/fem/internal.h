@@ -26,7 +26,7 @@ void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);
  * F_zz = 1 (stress.c). */
 double gn_fem_deformation(const gn_fem_solid *solid, size_t element, double f[3][3]);
 
-/* Returns the inverse mass of a node without what it carries, 1/kg. */
+/* Returns the inverse mass of a node without the masses that it carries, 1/kg. */
 static inline double gn_fem_own_inverse(const gn_fem_solid *solid, size_t node) {
     double inverse = solid->nodes.vel[4 * node + 3];
     return solid->carried ? 1.0 / (1.0 / inverse - solid->carried[node]) : inverse;

@@ -15,8 +15,8 @@ typedef struct gn_fem_linear {
     double *pressure;  /* pressure form: [nodes] scratch */
 } gn_fem_linear;
 
-/* Linearises the elements; with `whole`, masses are those with which the nodes move, including what
- * they carry. */
+/* Linearises the elements; with `whole` the masses are those of the motion of the nodes, including
+ * the masses that they carry. */
 gneiss_status gn_fem_linear_make(gn_fem_solid *solid, bool whole, gn_fem_linear *system,
                                  gneiss_error *error);
 void gn_fem_linear_free(gn_fem_linear *system);

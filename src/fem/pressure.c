@@ -256,7 +256,7 @@ static void take_gradient(const linear_system *system, size_t n, const double *s
         system->gradient[4 * n + (size_t)k] = system->solid->nodes.lumped[4 * n + 1] * sum[k];
 }
 
-/* Adds growth and stabilising term. */
+/* Adds the growth of the volume and the stabilising term. */
 static void add_growth(const linear_system *system, size_t e, double *sums[4]) {
     const gn_elements *q = &system->solid->elements;
     const int d = system->dimension;

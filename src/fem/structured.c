@@ -17,7 +17,7 @@ typedef struct gn_grid {
     size_t nodes[3];                     /* per direction; 1 along z in 2D */
     size_t hole_lower[3], hole_upper[3]; /* cells [lower, upper) are left out */
     bool parallel;                       /* all diagonals have one direction */
-    size_t turn; /* parallel: cells from here on along x are mirrored; 0: none */
+    size_t turn; /* parallel: index of the first mirrored cell along x; 0: none */
 } gn_grid;
 
 static size_t node_at(const gn_grid *grid, const size_t at[3]) {
@@ -274,8 +274,8 @@ static bool append(places *list, double at) {
     return true;
 }
 
-/* Divides the range between two distances; both become positions, the first of which is already
- * there. */
+/* Divides the range between two distances and appends the positions; the first of them is already
+ * stored. */
 static bool divide(const grading *sizes, double from, double to, places *list) {
     if (!(to - from > 1e-12 * to)) return true;
     double first = cells_to(sizes, from), last = cells_to(sizes, to);

@@ -7,12 +7,12 @@
 /* Largest reported ratio; bodies that fall and hardly touch have larger ones. */
 #define GN_UNBALANCED_MOST 1000.0
 
-/* Parts add theirs: particles first, whose mean contact force the others use. */
+/* Parts add their values: particles first, whose mean contact force the others use. */
 typedef struct gn_balance {
-    double ratio; /* mean resultant over mean contact force; of parts the largest */
-    double force; /* N, mean over contacts that carry; 0: none does */
-    bool carries; /* a contact carries, or elements are stressed */
-    bool falls;   /* something moves under forces without any contact that could hold it */
+    double ratio; /* mean resultant over mean contact force; the largest of all parts */
+    double force; /* N, mean over contacts that carry load; 0: none does */
+    bool carries; /* a contact carries load, or elements are stressed */
+    bool falls;   /* something accelerates without any contact that could support it */
 } gn_balance;
 
 #endif

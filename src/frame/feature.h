@@ -1,9 +1,8 @@
-/* A feature is a part of a model that only some scenes use. It hooks functions into places of the
- * step, which names none of them; a scene that does not use it pays nothing for it.
- *
+/* A feature is a part of a model that only some scenes use. It registers functions (hooks) for
+ * places of the step, so that the step does not name it; a scene that does not use it has no cost.
  * The seam between force and motion: blocks of particles and nodes that a feature holds
  * (GN_HOOK_LISTS) wait until all forces of the instant are known; it adds to their loads
- * (GN_HOOK_ACT), and they move. All other blocks move as soon as their forces are done. */
+ * (GN_HOOK_ACT), and they move. All other blocks move as soon as their forces are complete. */
 #ifndef GN_FRAME_FEATURE_H
 #define GN_FRAME_FEATURE_H
 
@@ -18,21 +17,22 @@ typedef enum gn_hook_place {
     /* Before the lists of the step are checked: may add or remove particles and elements, and
      * rebuilds the lists in that case. */
     GN_HOOK_BEFORE_LISTS,
-    /* Whenever lists were made, so that particles may have changed places: holds the blocks that
-     * GN_HOOK_ACT needs (gn_hold_particle on world->dem.hold and on the hold of a body of
-     * elements). Also when a feature is added to a world that has lists. */
+    /* Whenever lists were made, which may renumber particles: holds the blocks that GN_HOOK_ACT
+     * needs (gn_hold_particle on world->dem.hold and on the hold of a body of elements). Also when
+     * a feature is added to a world that has lists. */
     GN_HOOK_LISTS,
-    GN_HOOK_LIMIT,   /* lists are those of the step: may lower its length */
-    GN_HOOK_READING, /* may set ctx.measure, so that the instant is read, and ctx.sums */
+    GN_HOOK_LIMIT,   /* lists are those of the step: may lower the step */
+    GN_HOOK_READING, /* may set ctx.measure, so that readings are taken at the instant, and ctx.sums
+                      */
     GN_HOOK_BEFORE_FORCES,
     /* Forces of contacts, walls and elements are known: adds to the loads of held blocks
      * (gn_hold_load). Gravity, applied forces and background damping are added in the motion.
      * Velocities are those of the last half step. */
     GN_HOOK_ACT,
     GN_HOOK_WORK,  /* velocities are new: books the work of the interval before the instant */
-    GN_HOOK_MOVED, /* particles, walls and bodies have moved; an instant that is read was read */
+    GN_HOOK_MOVED, /* particles, walls and bodies have moved; readings of the instant were taken */
     GN_HOOK_ELEMENTS_MOVED,
-    GN_HOOK_READ, /* of an instant that is read: adds to ledger.reading and ledger.stress */
+    GN_HOOK_READ, /* when readings are taken: adds to ledger.reading and ledger.stress */
     GN_HOOK_AFTER_STEP,
     GN_HOOK_PLACES
 } gn_hook_place;

@@ -1,6 +1,6 @@
-/* The setting in which the parts of a world work: the scene, the clock, the kernels and the extent
- * of the specimen. Parts read it; the world, the step limit, the control and the box change it
- * between the steps. */
+/* The data that all parts of a world share: the scene, the clock, the kernels and the extent of the
+ * specimen. Parts read it; the world, the step limit, the control and the box change it between the
+ * steps. */
 #ifndef GN_FRAME_FRAME_H
 #define GN_FRAME_FRAME_H
 
@@ -32,19 +32,19 @@ struct gn_step_context {
     int threads;
 
     int64_t step;
-    int64_t first_step;    /* 0, or the step that it began with in an equilibrium (src/static) */
-    double time;           /* s */
-    double dt_past, dt;    /* s: interval that led here, coming interval */
-    double stable;         /* s: upper bound of the step: sharp limit or bound, less the share that
-                            * non-viscous damping takes */
+    int64_t first_step; /* 0, or the step at which it began in an equilibrium (src/static) */
+    double time;        /* s */
+    double dt_past, dt; /* s: interval that led here, coming interval */
+    double stable;      /* s: upper bound of the step: sharp limit or bound, reduced for non-viscous
+                           damping */
     gn_step_choice choice; /* limits found so far */
     int64_t dt_lowered;    /* number of times that the step was lowered while running */
 
     double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
     gn_machine machine;             /* control of the ends of the test */
-    bool measure;                   /* the instant of the step is read */
-    bool sums;                 /* sums over contacts are asked for, whether or not it is read */
-    double period[3];          /* m: present sides of a periodic box; 0: not periodic */
+    bool measure;                   /* readings are taken at the instant of the step */
+    bool sums;                      /* sums over contacts are requested, with or without readings */
+    double period[3];               /* m: present sides of a periodic box; 0: not periodic */
     double volume;             /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
     double test_length, test_area; /* m, m2 (2D: m x 1 m) */
@@ -55,7 +55,7 @@ static inline bool gn_converts(const gn_step_context *ctx) {
     return ctx->scene.has_couple && ctx->scene.couple.has_convert;
 }
 
-/* The end of a run by the model itself. */
+/* End of a run requested by the model. */
 struct gn_ending {
     bool bad;       /* the run failed: its state is written for inspection */
     char halt[256]; /* reason to end the run with a valid model; "": none */
@@ -68,13 +68,13 @@ double gn_control_of(const gn_step_context *ctx, const char *name, int axis);
 /* Converts a point of the world to the user's coordinates. */
 void gn_user_point(const gn_step_context *ctx, const double point[3], double out[3]);
 
-/* Places are too coarse where the spacing of doubles there exceeds this share of a length. */
+/* Positions are too coarse if the spacing of doubles there exceeds this fraction of a length. */
 #define GN_COARSE 1e-8
 /* Returns the largest coordinate, m, at which places of particles of that radius are fine enough.
  */
 double gn_finest_reach(double radius);
 
-/* Share of the limit that non-viscous damping leaves; 1 without it. */
+/* Returns the fraction of the limit that remains with non-viscous damping; 1 without it. */
 double gn_world_nonviscous_share(const gn_step_context *ctx);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */

@@ -6,8 +6,8 @@
 #include "frame/parts.h"
 #include "measure/energy.h"
 
-/* X(name, text): numbers of the last measured step that no sum over the state gives afterwards;
- * checkpoints have them. */
+/* X(name, text): results of the last measured step that cannot be recomputed from the state;
+ * checkpoints contain them. */
 #define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
 
 struct gn_ledger {

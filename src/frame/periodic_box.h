@@ -16,8 +16,8 @@ typedef struct gn_servo_state {
 struct gn_periodic_box {
     double start[3];   /* m: lengths at the start */
     double flow[3];    /* 1/s: growth in the last interval over the present lengths */
-    double spring[3];  /* J: most by which contacts that are listed answer a strain along an axis,
-                          those across it held too: sum of (k_n + k_t) l^2 n_a^2 */
+    double spring[3];  /* J: upper bound of the stiffness of listed contacts against a strain along
+                          an axis, with the other sides fixed: sum of (k_n + k_t) l^2 n_a^2 */
     double dashpot[3]; /* J s: the same of their dashpots */
     gn_servo_state servo[3];
     double reach; /* m: the longest branch in the lists */
@@ -35,9 +35,9 @@ double gn_box_speed(const gn_periodic_box *box);
  * scene at the start, later one of the motion of its sides. */
 gneiss_status gn_box_narrowed(const gn_step_context *ctx, const gn_periodic_box *box,
                               gneiss_status found, gneiss_error *error);
-/* m2 (2D: m x 1 m): across the axis along which the box has no sides. */
+/* Returns the section across the open axis of the box, m2 (2D: m x 1 m). */
 double gn_box_section(const gn_step_context *ctx);
-/* Strain along an axis since the start, over the length there. */
+/* Returns the strain along an axis since the start, over the initial length. */
 double gn_box_strain(const gn_step_context *ctx, const gn_periodic_box *box, int axis);
 
 #endif

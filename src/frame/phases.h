@@ -1,4 +1,4 @@
-/* The parts of the run time that are booked apart. */
+/* The phases of a run whose times are booked separately. */
 #ifndef GN_FRAME_PHASES_H
 #define GN_FRAME_PHASES_H
 

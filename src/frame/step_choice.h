@@ -28,16 +28,18 @@ typedef struct gn_step_choice {
     double stable;       /* s: the limit of the particles alone, without damping */
     double listed;       /* s: the limit with all listed contacts in touch, where it was found
                           * to be within a hundredth of the step or below it; else INFINITY */
-    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
-    double whole;        /* s: sharp limit of the coupled system of particles and elements; 0: not
-                            searched; negative: outdated, because nodes have lost mass */
+    double
+        listed_holds; /* s: step of the particles alone that is stable with all listed contacts */
+    double whole;     /* s: sharp limit of the coupled system of particles and elements; 0: not
+                         searched; negative: outdated, because nodes have lost mass */
     gn_resolution resolution; /* the shortest so far */
     gn_mass_scaling scaling;
     double surface_rate;  /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
     double vertex_rate;   /* 1/s: the same for nodes of finite elements in contact with particles */
     double gain;          /* m/s, largest change of a driven velocity in the coming step; else 0 */
     double push;          /* m/s2, largest acceleration by applied forces at the last check */
-    bool debris_reported; /* while it is looked at because the ledger misses something */
+    bool debris_reported; /* the residual of the ledger is attributed to debris, which is being
+                             resolved */
     bool debris_read;     /* the step is measured because of debris */
     int64_t broken_without_debris; /* bonds that were broken when no debris was found (debris.c) */
 } gn_step_choice;

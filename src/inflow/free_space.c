@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-/* Share of the sum of the radii within which exact contact is rounding. */
+/* Tolerance for exact contact, as a fraction of the sum of the radii. */
 static const double apart = 1e-9;
 
 static gneiss_status no_memory(gneiss_error *error) {

@@ -1,4 +1,4 @@
-/* Particles that flow in: those that are due and have room. */
+/* Particles of sources: those that are due and have room. */
 #include "inflow/sources.h"
 #include "base/ball.h"
 #include "base/error.h"
@@ -19,15 +19,15 @@
 
 #include <string.h>
 
-/* Making lists costs as much as some fifteen steps, and flows have them made every hundred or so
+/* Making lists costs as much as some fifteen steps, and flows require it every hundred or so
  * anyway. */
 enum { STEPS_BETWEEN = 50 };
-/* Places that are tried for a particle before it waits. */
+/* Number of positions that are tried for a particle before it waits. */
 enum { TRIES = 100, SAMPLES = 10000 };
 
 /* --- when --- */
 
-/* Time for which the rate has run. */
+/* Time during which the source has been active. */
 static double running(const gn_source_def *d, double time) {
     double until = d->end > 0.0 ? fmin(time, d->end) : time;
     return until - d->start;

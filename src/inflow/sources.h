@@ -12,8 +12,8 @@
  * it. */
 bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem);
 
-/* Inserts the particles that are due where there is room. At the start (`first`) all of them must
- * find room. */
+/* Inserts the particles that are due as far as they find room. At the start (`first`) all of them
+ * must find room. */
 gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                              gn_ledger *ledger, bool first, gneiss_error *error);
 
@@ -34,7 +34,7 @@ double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k)
  * since it last looked. */
 bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem);
 
-/* The wall that has all of the region of source k behind it; NULL: none has. */
+/* Returns the wall behind which the whole region of source k lies; NULL: there is none. */
 const char *gn_flow_wall_before(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k);
 

@@ -56,7 +56,7 @@ typedef struct gn_h5_attribute {
     const char *name, *text;
     const double *number;
     const int64_t *whole;
-    size_t count; /* of numbers; 0: one */
+    size_t count; /* number of numbers; 0: one */
 } gn_h5_attribute;
 gneiss_status gn_h5_attributes(gn_h5 *file, const char *object, const gn_h5_attribute *list,
                                size_t count, gneiss_error *error);

@@ -45,7 +45,7 @@ static inline double gn_drawn_normal(uint64_t seed, uint64_t lot, uint64_t draw,
  * exp(-(t/s)^m), of mean s Gamma(1 + 1/m). */
 static inline double gn_scatter_factor(const gn_scatter *scatter, uint64_t seed, uint64_t lot,
                                        uint64_t property) {
-    const uint64_t draw = property << 32; /* each property has its own draws */
+    const uint64_t draw = property << 32; /* each property is drawn independently */
     if (!lot || scatter->kind == GN_SCATTER_NONE) return 1.0;
     if (scatter->kind == GN_SCATTER_NORMAL)
         return 1.0 +

@@ -180,8 +180,8 @@ typedef struct gn_law {
 GN_LAWS(X)
 #undef X
 
-/* Parameters by area (law_area.c): those of a bond, and the largest stiffnesses of two particles
- * that meet unbonded. */
+/* Parameters by area (law_area.c): those of a bond, and the largest stiffnesses of two particles in
+ * contact without a bond. */
 typedef struct gn_area_parameters {
     double kn, kt, rn, rt;
 } gn_area_parameters;
@@ -216,7 +216,7 @@ bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double sh
 gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
                                      double damping_fraction, double overlap);
 double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2);
-/* Returns the normal force alone, without other_acceleration, and stores nothing. */
+/* Returns only the normal force, without other_acceleration, and stores nothing. */
 double gn_linear_press(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch);
 double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                        double *fd, double *shear, size_t stride, double t[3],
@@ -271,7 +271,7 @@ size_t gn_softening_too_long(const gn_contacts *list);
 /* Returns the number of bonds that soften in tension, but are brittle in shear. */
 size_t gn_softening_brittle_in_shear(const gn_contacts *list);
 
-/* Returns the law of a list by its effects; by those of a scene, that of its bonds. */
+/* Returns the law of a list by its effects; with the effects of a scene, that of its bonds. */
 static inline const gn_law *gn_law_of(gn_effects effects) {
 #define X(name, effect, lists)                                                                     \
     if ((effects & (effect)) == (effect)) return &gn_law_##name;

@@ -156,8 +156,8 @@ GN_INLINE void book_elastic(const contact_state *state, lane_sums *sums, variant
                                                         gn_max(state->kt, gn_set(GN_TINY));
 }
 
-/* Input and output of the rare branch, apart from the state of the vector: taking its address would
- * keep all of it out of registers. */
+/* Input and output of the rare branch. The state of the vector is not part of it: taking its
+ * address would keep all of it out of registers. */
 typedef struct crossing_state {
     gn_v kn, cn, stretch, beyond, elastic;
     gn_m touching, loose, breaking;
@@ -223,7 +223,7 @@ GN_INLINE gn_v with_path_rounding(const gn_contact_args *args, gn_v of, gn_v spe
 GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *args, gn_v of) {
     double speeds = args->speed_most > 0.0 ? 4.0 * args->speed_most : (double)INFINITY;
     double most =
-        args->dt > 0.0 ? 0x1p-20 * args->dt * speeds : 0.0; /* nothing moved before the start */
+        args->dt > 0.0 ? 0x1p-20 * args->dt * speeds : 0.0; /* no motion before the start */
     return gn_pick(GN_MIXED, gn_set(most) + of, of);
 }
 

@@ -20,7 +20,8 @@ typedef struct gn_prescription {
  * exchange between parts of a model may add to them; then they move (sched/hold.h). */
 typedef struct gn_hold {
     size_t blocks, count, room;
-    int32_t *slot;  /* [blocks] place among those held, -1: moves at once */
+    int32_t *slot;  /* [blocks] index among the held blocks, -1: moves as soon as its forces are
+                       complete */
     int32_t *block; /* [count] */
     double *load;   /* [room][GN_BLOCK_LOAD] N and N m, in rows as those of gn_partials */
 } gn_hold;

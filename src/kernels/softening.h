@@ -144,7 +144,7 @@ static inline double gn_soften_growth(double A, double B, double P, double Q) {
         double a = A / (1.0 + P * g), b = B / (1.0 + Q * g), square = a * a + b * b;
         double rate = a * a * P / (1.0 + P * g) + b * b * Q / (1.0 + Q * g);
         double more = (sqrt(square) - 1.0) * square / rate;
-        if (!(g + more < 1.0)) return 1.0; /* also without a rate: nothing softens */
+        if (!(g + more < 1.0)) return 1.0; /* also without a rate: no softening */
         if (!(more > 0x1p-52)) break;
         g += more;
     }
@@ -247,8 +247,8 @@ static inline gn_cause gn_soften_apart(gn_softening_bond *bond, double u, double
     return GN_INTACT;
 }
 
-/* Does a step along `way` under the normal force *normal of the undamaged bond; that and the
- * tangential force t are reduced to what the bond carries, unless it broke. */
+/* Advances the bond along `way` under the normal force *normal of the undamaged bond; that force
+ * and the tangential force t are reduced to what the bond carries, unless it broke. */
 static inline gn_cause gn_soften(gn_softening_bond *bond, const gn_softening_way *way,
                                  double *normal, double t[3]) {
     const double u = way->u[1];

@@ -20,15 +20,16 @@
  * height. */
 static const double tolerance = 0.01;
 
-/* Positions along the beam of the parts of an end, in all and on either side of their middle. */
+/* Positions along the beam of the parts of an end, of all parts and on either side of their middle.
+ * */
 typedef struct places {
-    bool known; /* a wall has none along itself */
+    bool known; /* a wall has no position along itself */
     double low, high, left_high, right_low;
 } places;
 
 typedef struct visit {
     places *into;
-    bool sides; /* the middle is known */
+    bool sides; /* true if the middle is known */
     double middle;
 } visit;
 
@@ -106,7 +107,7 @@ static places places_of(const gn_step_context *ctx, const gn_dem *dem, const gn_
 
 typedef struct report {
     char *text;
-    size_t size, used, before; /* the place precedes the message */
+    size_t size, used, before; /* the message begins with the place */
 } report;
 
 /* Compares a number of the test with its range in the scene. */

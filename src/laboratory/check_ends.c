@@ -170,8 +170,8 @@ static bool beside(const gn_step_context *ctx, int way, const reach *r) {
 /* Bits of a face: the lower one, the upper one. */
 enum { LOWER_FACE = 1, UPPER_FACE = 2 };
 
-/* Faces across a direction at which a part of an end is: in the outer third, and as far out as the
- * outermost particles there, or beyond all of them. */
+/* Returns the faces across a direction at which a part of an end is: in the outer third, and at
+ * least as far out as the outermost particles there. */
 static int face_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                    const gn_solids *solids, int way, const char *name) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0,
@@ -336,7 +336,7 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     char doubt[240];
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     if (!d->ends || d->sign > 0 || d->beam) return false;
-    /* An unbonded beginning becomes another specimen once stages have bonded it. */
+    /* An unbonded initial state becomes another specimen when stages have bonded it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return false;
     /* With particles beside elements either may be the specimen. */
     if (!dem->particles.soa.count == !solids->count) return false;

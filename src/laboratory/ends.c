@@ -1,6 +1,6 @@
-/* The two ends of a test: their forces, their travel, their first contact with the specimen, and
- * the control of their motion. An end may have several parts (two supports under a beam): forces
- * are summed, travels averaged. */
+/* The two ends of a test: their forces, their displacements, their first contact with the specimen,
+ * and the control of their motion. An end may have several parts (two supports under a beam):
+ * forces are summed, displacements averaged. */
 #include "laboratory/ends.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"
@@ -225,7 +225,7 @@ double gn_ends_free(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
     return gap > least && gap < height ? gap : height;
 }
 
-/* Ends that begin away from the specimen: their approach is no strain. */
+/* Ends that start away from the specimen: their approach is no strain. */
 
 /* Distance from which an end touches, as a share of a mean radius (without particles, of the
  * length). */
@@ -314,8 +314,8 @@ void gn_ends_note_contact(gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
     double lower, upper;
     if (a->away[0] == 0.0 && a->away[1] == 0.0) return;
     gn_ends_forces(ctx, dem, boundary, solids, &lower, &upper);
-    /* Both ends count in one step, because a specimen that one end has pushed off moves to the
-     * other. */
+    /* Both ends count in one step, because a specimen that one end pushes moves towards the other.
+     * */
     if ((a->away[0] != 0.0 && lower == 0.0) || (a->away[1] != 0.0 && upper == 0.0)) return;
     a->away[0] = a->away[1] = 0.0;
     a->way = gn_ends_deflection(ctx, dem, boundary, solids);
@@ -372,7 +372,7 @@ void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
     gn_machine *m = &ctx->machine;
     if (!ctx->scene.test.has_control || ctx->step % LOOK_INTERVAL != 0) return;
     const double now = reading(ctx, dem, boundary, solids, gauge), most = rate(c) * c->response;
-    if (isnan(now)) return; /* too little of the specimen is left for a reading */
+    if (isnan(now)) return; /* too little of the specimen remains for a reading */
     m->wanted = fmin(m->wanted + rate(c) * (ctx->time - m->looked), now + most);
     m->looked = ctx->time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));

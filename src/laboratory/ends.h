@@ -17,8 +17,8 @@ struct gn_approach {
     double way;     /* m, travel of both ends when the last of them touched the specimen */
 };
 
-/* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along
- * the plane that are not moved along it do not count beside others. */
+/* Change of the distance of the ends, m, positive in the sense of the test. In shear, walls along
+ * the plane that do not move along it do not count if there are other parts. */
 double gn_ends_deflection(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_boundary *boundary, const gn_solids *solids);
 /* Change of the distance since both ends have touched the specimen, m; 0 before that. */
@@ -58,8 +58,8 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
 gneiss_status gn_ends_check(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids,
                             gneiss_error *error);
-/* Returns GNEISS_ERROR_INPUT if the specimen of an oedometer test has nothing at one of its sides
- * nearer than a tenth of its width. Call after all parts are made. */
+/* Returns GNEISS_ERROR_INPUT if at one of its sides no body is nearer to the specimen of an
+ * oedometer test than a tenth of its width. Call after all parts are made. */
 gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids,
                              gneiss_error *error);

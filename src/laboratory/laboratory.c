@@ -21,8 +21,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Mean section, m2, across an axis of the particles' volume, enlarged for the body of which they
- * fill a part (`couple`) by the ratio of the sides. */
+/* Mean section, m2, across an axis of the particles' volume, enlarged by the ratio of the sides if
+ * they fill a part of the body (`couple`). */
 static double mean_section(const gn_step_context *ctx, const gn_solids *solids, int axis) {
     double section = ctx->volume / (ctx->upper[axis] - ctx->lower[axis]);
     for (int a = 0; ctx->scene.has_couple && a < (int)ctx->scene.dimension; a++)
@@ -58,8 +58,8 @@ static void add_prism(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
         ctx->scene.has_couple ? mean_section(ctx, solids, x->axis) : ctx->volume / x->length;
 }
 
-/* Between periodic sides the sheared specimen lies between the ends, over the whole box. Other ends
- * may hold most of the height, but the section is the mean one all the same. */
+/* With periodic sides the sheared specimen is between the ends, over the whole box. Other ends may
+ * hold most of the height, but the section is the mean one all the same. */
 static void add_sheared(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids, gn_tested_specimen *x) {
     const int normal = (int)ctx->scene.test.normal;
@@ -254,7 +254,7 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     size_t count = 0;
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     const int way = (int)(d->sheared ? t->normal : t->axis);
-    /* An unbonded beginning becomes another specimen once stages have bonded it. */
+    /* An unbonded initial state becomes another specimen when stages have bonded it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return 0;
     /* With particles beside elements either may be the specimen. */
     if (!dem->particles.soa.count == !solids->count) return 0;

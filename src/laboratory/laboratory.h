@@ -1,4 +1,4 @@
-/* The specimen as a test sees it: lengths, areas, sections, and the stress in its middle. */
+/* The specimen of a test: lengths, areas, sections, and the stress in its middle. */
 #ifndef GN_LABORATORY_LABORATORY_H
 #define GN_LABORATORY_LABORATORY_H
 
@@ -9,12 +9,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The shape of the test from the scene, else from the extent and the volume of the specimen, which
- * the world has. */
+/* Returns the shape of the test from the scene, or else from the extent and the volume of the
+ * specimen in the world. */
 gn_tested_shape gn_test_shape(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, const gn_solids *solids);
 
-/* Origin of the area, in words; "": the scene gives it, or there is none. */
+/* Origin of the area, in words; "": it is given in the scene, or there is none. */
 const char *gn_test_area_source(const gn_step_context *ctx);
 
 /* Mean stress, Pa, of a disc's region about its centre (test.centre): sum over contacts of f_a l_b
@@ -38,7 +38,7 @@ gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
                                 gneiss_error *error);
 
 /* Computes the extent, m, of the specimen at the start: of the particles, radii included, and of
- * the elements of the same body (`couple`), of which they may fill a part. */
+ * the elements of the same body (`couple`), which the particles may fill in part. */
 void gn_tested_extent(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
                       double upper[3]);
 

@@ -1,7 +1,7 @@
 /* Only outer particles have a weight in the average strain, and those are the first to detach as
  * chips and debris: a single one that has moved by the size of the specimen adds a strain of some
- * per cent. So the gauge is rebuilt from the rest, with the positions of the start: the mean
- * displacement gradient of the remaining specimen. */
+ * per cent. Therefore the gauge is rebuilt from the rest, with the positions of the start: it gives
+ * the mean displacement gradient of the remaining specimen. */
 #include "laboratory/strain_gauge.h"
 
 #include "base/ball.h"

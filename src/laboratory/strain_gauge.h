@@ -17,7 +17,7 @@ struct gn_gauge {
     size_t count;     /* 0: without bonds */
 };
 
-/* Makes the gauge of the start. Writes the gauge alone. */
+/* Creates the gauge for the initial state. Writes the gauge only. */
 gneiss_status gn_gauge_create(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
                               gneiss_error *error);
 

@@ -9,9 +9,9 @@
 
 enum { N = 6, GROUP_LEAST = 96, GROUPS_MOST = 64 };
 
-/* Pivots below this fraction of their diagonal are left to the particles: such a motion has almost
- * no stiffness (a disc that rolls between plates), and the residual load of an iteration would move
- * it far. */
+/* Pivots below this fraction of their diagonal are excluded from the coarse level: such a motion
+ * has almost no stiffness (a disc that rolls between plates), and the residual load of an iteration
+ * would move it far. */
 static const double no_pivot = 1e-4;
 
 static size_t group_of(const gn_coarse *coarse, size_t p) {

@@ -3,12 +3,12 @@
 #include "base/memory.h"
 #include "limit/springs.h"
 
-/* Returns a number uniformly distributed in [-1, 1), from the place alone. */
+/* Returns a number uniformly distributed in [-1, 1) that depends on the index only. */
 static double noise(size_t place) {
     return (double)((int64_t)gn_hash_place(place) >> 11) * 0x1p-52;
 }
 
-/* The operator at one tau. */
+/* The operator for one tau. */
 typedef struct instant {
     const gn_damped *system;
     double viscosity;
@@ -79,7 +79,8 @@ static gneiss_status climb(const gn_damped *system, double tolerance, double *x,
          system->damped && round < 12 && fabs(top->rate - tau) > 0.1 * tolerance * top->rate;
          round++) {
         tau = top->rate;
-        /* Noise excites all modes, since another one may overtake the one found so far. */
+        /* Noise excites all modes, because another mode may have a larger rate than the one found
+         * so far. */
         for (size_t k = 0; k < n; k++)
             x[k] += system->moves[k] > 0.0
                         ? 1e-2 / sqrt((double)whole) *

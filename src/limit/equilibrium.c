@@ -460,8 +460,8 @@ static bool touches_more(const cg *solver) {
     return false;
 }
 
-/* Rebuilds the preconditioner if the system changed or may have, since contacts open and slide.
- * Drag, which is part of the diagonal, has another rate every time. */
+/* Rebuilds the preconditioner if the system changed or may have changed, because contacts open and
+ * slide. Drag, which is part of the diagonal, changes with the rate. */
 static gneiss_status make_preconditioner(cg *solver, gneiss_error *error) {
     gn_preconditioner *m = solver->made;
     const size_t n = solver->y.particles;

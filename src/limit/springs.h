@@ -72,7 +72,7 @@ bool gn_springs_can_move(const gn_springs *system, int32_t i);
 /* Returns the place of a particle's degree of freedom in v x y z, w x y z. */
 int gn_springs_component(const gn_springs *system, int dof);
 
-/* Returns a member's place in the specimen. */
+/* Returns the index of a member in the specimen. */
 static inline size_t gn_springs_place(const gn_springs *system, size_t p) {
     return system->member ? (size_t)system->member[p] : p;
 }
@@ -100,7 +100,7 @@ double gn_block_largest(const gn_block *block, double tau, double *vector);
  * touch them, ascending. */
 typedef struct gn_spring_part {
     size_t begin, end, springs;
-    uint32_t *spring; /* NULL: all of them */
+    uint32_t *spring; /* NULL: all springs */
 } gn_spring_part;
 
 /* The operator of the springs, divided among threads. */

@@ -171,7 +171,7 @@ static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, u
     return status;
 }
 
-/* The question about the step, see gn_step_holds. */
+/* The data of the question, see gn_step_holds. */
 typedef struct inquiry {
     double step, tolerance;
     bool limit;

@@ -448,8 +448,8 @@ static int32_t fastest_particle(const gn_springs *system, const double *x) {
     return system->spectrum->assembly->particles->id[gn_springs_place(system, best)];
 }
 
-/* Sets the sharp limit. `place` has the entries among those of all particles (base/eigen.h); NULL:
- * all. */
+/* Sets the sharp limit. `place` has the indices of the entries among those of all particles
+ * (base/eigen.h); NULL: all. */
 static gneiss_status set_sharp(const gn_spring_operator *matrix, const size_t *place,
                                double tolerance, double *x, gn_step_limit *limit,
                                gneiss_error *error) {

@@ -66,9 +66,9 @@ double gn_energy_stored(const gn_energy *energy);
  * initial stored energy, stored energy and dissipation, each as a sum of absolute values. */
 double gn_energy_throughput(const gn_energy *energy);
 
-/* Returns the maximum of the energy that has passed so far, to which the residual is compared:
- * inputs that are recovered (a ball thrown up that comes down, a wall that moves back and forth)
- * leave no term large, although the work was done. */
+/* Returns the maximum of the energy that has been supplied so far, to which the residual is
+ * compared: if inputs are recovered (a ball that is thrown up and falls, a wall that moves back and
+ * forth), no term is large at the end, although the work was done. */
 double gn_energy_scale(const gn_energy *energy);
 
 /* Returns (stored - stored_at_start - input + lost)/scale; 0 if the scale is 0. */

@@ -96,8 +96,8 @@ static bool half_space_of(const double *points, const int32_t *corner, int dimen
     return true;
 }
 
-/* Computes a body inside the hull; none if there are too few particles for it to matter, or if no
- * body is found. */
+/* Computes a body inside the hull; none if the number of particles is too small for it to matter,
+ * or if no body is found. */
 static void inner_body(const gn_particles *particles, int dimension, const double lower[3],
                        const double upper[3], half_spaces *spaces) {
     const size_t few = 1000;

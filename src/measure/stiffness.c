@@ -130,7 +130,7 @@ bool gn_stiffness_by_stress(int dimension, const gn_stiff_bond *bond, size_t cou
     return true;
 }
 
-/* Gives the part of a pair of rows in sums over all four indices: shear rows stand for two. */
+/* Returns the factor of a pair of rows in sums over all four indices: shear rows count twice. */
 static double weight(int dimension, int row) {
     return row < dimension ? 1.0 : 2.0;
 }

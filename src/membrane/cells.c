@@ -59,7 +59,7 @@ gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, 
 /* Factor of squared distances across the direction. */
 static const double across = 4.0;
 
-/* Never less than the length of d. */
+/* The result is at least the length of d. */
 static double far_away(const double d[3], const double *along) {
     double square = gn_dot3(d, d), size = along ? gn_dot3(along, along) : 0.0;
     if (!(size > 0.0)) return sqrt(square);
@@ -67,7 +67,7 @@ static double far_away(const double d[3], const double *along) {
     return sqrt(straight + across * across * fmax(square - straight, 0.0));
 }
 
-/* The particle of a cell whose surface is nearest to x, if nearer than *least. */
+/* Finds the particle of a cell whose surface is nearest to x, if nearer than *least. */
 static void look_in(const gn_start_grid *g, int64_t cell, const double x[3], const double *along,
                     double *least, int32_t *found) {
     const gn_particles *q = g->particles;
@@ -83,7 +83,7 @@ static void look_in(const gn_start_grid *g, int64_t cell, const double x[3], con
     }
 }
 
-/* Shells of cells, until no particle further out can be nearer. */
+/* Visits shells of cells until no particle farther out can be nearer. */
 int32_t gn_start_grid_nearest(const gn_start_grid *g, const double x[3], const double *along) {
     int64_t at[3], far = 0;
     double least = INFINITY;
@@ -220,7 +220,8 @@ static int32_t owner_of(const gn_cell *cell, size_t particle, const double x[3],
     return found;
 }
 
-/* Between a voxel and the next along an axis, one of which may be of the cell. */
+/* Tests the face between a voxel and the next along an axis, one of which may belong to the cell.
+ * */
 static void add_between(gn_cell *cell, int32_t one, int32_t next, int axis, double area,
                         const double x[3]) {
     const bool out = one == GN_CELL_OWN;

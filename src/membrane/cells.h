@@ -29,7 +29,7 @@ void gn_start_grid_free(gn_start_grid *grid);
  * distance; -1: none. With `along`, a vector, distances across it count four times. */
 int32_t gn_start_grid_nearest(const gn_start_grid *grid, const double x[3], const double *along);
 
-/* Calls with every particle of the cells within `reach` of x along each axis. */
+/* Calls a function for every particle in the cells within `reach` of x along each axis. */
 void gn_start_grid_visit(const gn_start_grid *grid, const double x[3], double reach,
                          void (*see)(void *context, int32_t particle), void *context);
 
@@ -44,7 +44,7 @@ typedef struct gn_cell_face {
 typedef struct gn_cell {
     const gn_start_grid *all; /* with every particle */
     double around; /* m: largest distance of a point of a cell from the surface of its particle */
-    double width;  /* m, of the voxels of fine particles */
+    double width;  /* m, size of the voxels of fine particles */
     size_t count, capacity; /* faces */
     gn_cell_face *face;
     size_t voxels;

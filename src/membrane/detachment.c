@@ -28,7 +28,7 @@ static const double inside = -1.0, bare = -2.0, going = -3.0;
 
 enum { NONE = -1, PLANES = 8 };
 
-/* Patches while they change hands: as lists of those of each particle. */
+/* Patches during their transfer: as lists for each particle. */
 typedef struct transfer {
     const gn_step_context *ctx;
     gn_dem *dem;

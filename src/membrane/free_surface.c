@@ -45,7 +45,7 @@ static void count_bodies(view *v, size_t n) {
     for (size_t p = 0; p < n; p++) v->bodies += v->members[p] > 0;
 }
 
-/* Contacts that are or may be bonded, or touch. */
+/* Contacts that are or may become bonds, or touch. */
 static void add_borne(const gn_step_context *ctx, const gn_dem *dem, view *v, size_t i, size_t j) {
     const double *x = dem->particles.pos + 4 * i, *y = dem->particles.pos + 4 * j;
     const double way[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};

@@ -116,7 +116,7 @@ double gn_gradient_spread(const gn_gradient_fit *f) {
     return values[d - 1];
 }
 
-/* F = sum(x X) sum(X X)^-1, from the means on. */
+/* F = sum(x X) sum(X X)^-1, relative to the means. */
 bool gn_gradient_of(const gn_gradient_fit *f, double gradient[9]) {
     double moved[9], spread[9], cofactor[9], size = 0.0;
     for (int k = 0; k < 9; k++) gradient[k] = k % 4 == 0;

@@ -1,5 +1,5 @@
-/* Pressure on the surface of a packed specimen, as of a cell: loads on its skin particles that may
- * follow the deformation. */
+/* Pressure on the surface of a packed specimen, as in a triaxial cell: loads on its outer particles
+ * that may follow the deformation. */
 #ifndef GN_MEMBRANE_MEMBRANE_H
 #define GN_MEMBRANE_MEMBRANE_H
 
@@ -21,8 +21,8 @@ typedef struct gn_membrane_state {
     double missing[3];  /* m2, area of the surface minus that of the patches */
     double rest[9];     /* moment of the surface minus that of the patches */
     double arms[9];     /* arms from the centres of the bearers, rotated back by the gradient */
-    double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
-                        shape */
+    double enclosed; /* m3, enclosed at the start by the surface of particles without a given shape;
+                        0: a shape is given */
     double from;     /* Pa, pressure at the start of a ramp */
     double since;    /* s, start of the ramp */
     double unlike;  /* largest share of the skin at any update that followed the mean motion because
@@ -38,15 +38,15 @@ typedef struct gn_patch {
     double area[3];  /* m2, outward */
     double rest[9];  /* m3, sum of areas times arms from the middle */
     double size;     /* m2; 0: a face, whose size is the magnitude of its area */
-    int32_t owner;   /* id of the particle that carries it; -1: none is left */
+    int32_t owner;   /* id of the particle that carries it; -1: no particle is left */
     int32_t body;    /* its body among those of the skin at the last update */
 } gn_patch;
 
 struct gn_membrane {
     gn_membrane_state *state;   /* NULL: there is no membrane */
-    double (*skin_gradient)[9]; /* [bodies] of each in the last step */
-    int32_t *skin_body;         /* [particles] of those of the skin, of several bodies */
-    gn_patch *patches;          /* [patch_count] */
+    double (*skin_gradient)[9]; /* [bodies] gradient of each in the last step */
+    int32_t *skin_body; /* [particles] index of the body of the skin, if there are several */
+    gn_patch *patches;  /* [patch_count] */
     size_t patch_count;
 };
 
@@ -66,7 +66,7 @@ gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem
                                          const gn_solids *solids, gneiss_error *error);
 
 /* Marks [particles] those that contacts support against a push in any direction, detached ones
- * excepted; without bonds, or if there is none, all of these. */
+ * excepted. Without bonds, or if no particle is supported, marks all but the detached ones. */
 gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_dem *dem, bool *held,
                                          gneiss_error *error);
 
@@ -85,7 +85,7 @@ gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, gn_mem
 /* Tells whether the membrane covers a surface with this area vector. */
 bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]);
 
-/* Returns the particle that carries a patch; -1: none is left. */
+/* Returns the particle that carries a patch; -1: no particle is left. */
 int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 
 /* Updates the areas of the skin from its patches, each deformed with its surroundings, and balances
@@ -101,14 +101,14 @@ gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gn
 const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_membrane *membrane,
                                       size_t p);
 
-/* A body of those that the skin is of. */
+/* A body of the skin. */
 typedef struct gn_skin_body {
-    const int32_t *group; /* of each particle; NULL: all are one */
+    const int32_t *group; /* body of each particle; NULL: there is one body */
     int32_t is;
 } gn_skin_body;
 
-/* The least change of the areas (rows of 4, as q->skin) of a body after which their moment about 0,
- * with particles at `place` (rows of 4), is `moment`, m3. */
+/* Makes the least change of the areas (rows of 4, as q->skin) of a body that gives them the moment
+ * `moment`, m3, about 0, with particles at `place` (rows of 4). */
 void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body,
                          const double *place, const double moment[3], double *area);
 /* Balances the areas of all particles at present positions to the moment of the surface, which
@@ -122,7 +122,7 @@ double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_membrane *m
 void gn_membrane_enter(const gn_step_context *ctx, gn_membrane *membrane, size_t stage,
                        double pressure);
 
-/* Applied forces of the instant; before the forces of a step. */
+/* Sets the applied forces of the instant, before the forces of a step. */
 gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                 gneiss_error *error);
 
@@ -155,7 +155,7 @@ static inline bool gn_is_loaded_of(const gn_particles *particles, gn_skin_body b
     return gn_is_loaded(particles, p) && gn_is_in_body(body, p);
 }
 
-/* x = F X by least squares of places that were at X and are at x, both from their means on. */
+/* Least-squares fit x = F X of positions X and x, relative to their means. */
 typedef struct gn_gradient_fit {
     int dimension;
     double sum, from[3], to[3]; /* sum of weights; weighted sums of positions */
@@ -165,7 +165,7 @@ void gn_gradient_add(gn_gradient_fit *fit, double weight, const double from[3], 
 /* Returns the weighted sum of squared distances from the mean, m2, along the axis where it is
  * least. */
 double gn_gradient_spread(const gn_gradient_fit *fit);
-/* False, and the identity, where the places do not span space. */
+/* Returns false, and the identity, if the positions do not span the space. */
 bool gn_gradient_of(const gn_gradient_fit *fit, double gradient[9]);
 
 /* c = adj(a)^T: maps area vectors if `a` maps lengths (Nanson: J F^-T dA). */

@@ -20,11 +20,11 @@
 /* In mean radii: radius of the surroundings of a particle; cell size of the grid. */
 static const double around = 5.0, cell_size = 2.5;
 
-/* Share of the change to the present areas that an update applies: areas that followed waves of
- * some hundred steps would be late and drive them. */
+/* Fraction of the difference to the present areas that an update applies: areas that followed waves
+ * of some hundred steps would lag behind and excite them. */
 static const double pace = 1.0 / 8.0;
 
-/* Surroundings are widened so often, each time by so much, where they say too little. */
+/* Number and factor of enlargements of surroundings with too few particles. */
 enum { OPEN = -1, WIDENED = 3 };
 static const double wider = 1.5;
 
@@ -35,7 +35,7 @@ static const double stretch_most = 3.0;
 
 typedef struct view {
     const gn_particles *particles;
-    const int32_t *group; /* bodies; NULL: all are one */
+    const int32_t *group; /* bodies; NULL: there is one */
     size_t middle;
     double reach;
     gn_gradient_fit fit;
@@ -160,9 +160,9 @@ static double stretch_of(const gn_patch *patch, const double turn[9], const doub
     return all > 0.0 ? sqrt(here / all) : 1.0;
 }
 
-/* Surroundings that would stretch a patch so much more or less than the skin of its body are not
- * trusted: the patch then moves as that skin. Returns the size of the patches from the k-th on that
- * this concerns, otherwise 0. */
+/* Surroundings that would stretch a patch much more or less than the skin of its body are ignored:
+ * the patch then moves with that skin. Returns the size of such patches from the k-th on, otherwise
+ * 0. */
 static double limit_stretch(const double as_whole[9], const gn_membrane *membrane, size_t k,
                             double gradient[9]) {
     const int32_t owner = membrane->patches[k].owner;
@@ -205,8 +205,8 @@ static void add_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *me
         membrane->state->unlike = fmax(membrane->state->unlike, unlike / gn_membrane_area(dem));
 }
 
-/* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
- * times place, from a particle `base` on. Of a closed surface they are 0 and its volume. */
+/* Sums over the patches of a body, deformed with the whole skin: area, and area times position
+ * relative to a particle `base`. For a closed surface they are 0 and its volume. */
 static void surface_sums(const gn_dem *dem, const gn_membrane *membrane, gn_skin_body body,
                          size_t base, double area[3], double tensor[9]) {
     const gn_dem *d = dem;
@@ -297,8 +297,8 @@ static void find_open(const gn_dem *dem, const gn_membrane *membrane, int32_t *g
     }
 }
 
-/* Numbers from 0 on for bodies that are closed, the last for all others. Returns how many. `number`
- * [particles] is room. */
+/* Numbers closed bodies from 0 on, and all others with the last number. Returns the count. `number`
+ * [particles] is scratch. */
 static int64_t number_bodies(gn_dem *dem, gn_membrane *membrane, const int32_t *group,
                              int32_t *number) {
     gn_dem *d = dem;

@@ -16,7 +16,7 @@ static const double turn = 2.0 * M_PI;
  * spheres, and gaps (rad) that rounding leaves between hidden parts. */
 static const double contact = 1e-9, gap = 1e-9;
 
-/* Hidden angles of a circle, from `begin` in [0, 2 pi) on. */
+/* Hidden angles of a circle, starting at `begin` in [0, 2 pi). */
 typedef struct hidden {
     double begin, width;
 } hidden;
@@ -25,7 +25,7 @@ typedef struct roll {
     const gn_rolled *rolled;
     size_t *start; /* [particles + 1] into neighbour */
     int32_t *neighbour;
-    hidden *hidden; /* of the circle at hand */
+    hidden *hidden; /* of the present circle */
     size_t hidden_count;
     bool *bounded; /* [particles] neighbours hide parts of its sphere */
     bool *touched; /* [particles] the ball touches it */
@@ -86,7 +86,7 @@ static bool next_arc(const roll *v, size_t *k, double *end, arc *free) {
     return false;
 }
 
-/* Calls with every free arc of the circle at hand. */
+/* Calls a function for every free arc of the present circle. */
 static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc *free),
                      const void *circle) {
     const size_t n = v->hidden_count;
@@ -105,7 +105,7 @@ static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc
 
 /* --- in space --- */
 
-/* Where the ball touches particles i and j: a circle about `axis`, from i to j. */
+/* The circle of ball centres that touch particles i and j, about `axis`, from i to j. */
 typedef struct circle {
     size_t member[2];
     double axis[3], e1[3], e2[3], radius;
@@ -394,7 +394,8 @@ static void roll_in_plane(roll *v, size_t i) {
 
 /* --- cells --- */
 
-/* Directions in which a cell is measured; cells at most; how many of the deep ones would do. */
+/* Number of directions in which a cell is measured; largest number of cells; sufficient number of
+ * deep ones. */
 enum { DIRECTIONS = 256, CELLS = 20000, FEW = 8 };
 
 /* Evenly over the sphere (Fibonacci's spiral) or the circle. */

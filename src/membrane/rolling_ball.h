@@ -1,4 +1,4 @@
-/* The surface over which a ball rolls, shared out among the particles that it rolls on. */
+/* The surface over which a ball rolls, divided among the particles that it touches. */
 #ifndef GN_MEMBRANE_ROLLING_BALL_H
 #define GN_MEMBRANE_ROLLING_BALL_H
 
@@ -20,15 +20,15 @@ typedef struct gn_rolled {
     const gn_particles *particles;
     int dimension;
     double ball;               /* m, its radius */
-    const gn_pair_list *pairs; /* all whose gap is less than twice that */
+    const gn_pair_list *pairs; /* all with a gap below twice the ball's radius */
     /* [particles] of each layer: m2 outward, as a vector; 2D: 1 m thick */
     double (*area[GN_ROLLED_LAYERS])[3];
     /* [particles] m3, trace of areas times arms from the centre; the enclosed volume is (sum of
      * area x + arms) / dimension */
     double *arms[GN_ROLLED_LAYERS];
-    double *cell; /* [particles] m3 of space that is nearest to one of those deep inside, or where
-                   * these are too few that the ball does not touch; of others 0, and of some of
-                   * very many */
+    double *cell; /* [particles] m3, volume of the cells of deep particles or, if these are too few,
+                     of particles that the ball does not touch; 0 for all others, and for some if
+                     there are very many */
 } gn_rolled;
 
 /* Sets `area`, `arms` and `cell`, which are 0. */

@@ -34,9 +34,9 @@ typedef struct footing {
 } footing;
 
 /* Tangential over normal stiffness; least stiffness of a supported particle over that of one
- * contact. One contact has 0 across it, two in space across their plane; the corner of a hexagonal
- * lattice has 0.50, of a face-centred one 0.54, of a square 1.0, of a cubic one 1.2. Narrow tripods
- * have less. */
+ * contact. One contact has stiffness 0 across it, two in 3D across their plane; the corner of a
+ * hexagonal lattice has 0.50, of a face-centred one 0.54, of a square 1.0, of a cubic one 1.2.
+ * Narrow tripods have less. */
 static const double slant = 0.4, least = 0.45;
 
 static void add_contact(footing *f, const double n[3], double sign) {
@@ -142,7 +142,7 @@ gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_de
     return GNEISS_OK;
 }
 
-/* Size of pieces of the surface in mean radii: a share has some fifty pieces. */
+/* Size of pieces of the surface in mean radii: about fifty pieces per particle. */
 static const double piece_size = 0.25;
 
 /* Patches that a particle may have: three in the corner of a box. */
@@ -202,8 +202,9 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
     }
 }
 
-/* Areas act at centres, not where the pieces are: together they would turn the specimen. The least
- * change that restores the moment of the surface, A_i b x (x_i - mean), changes no force. */
+/* Areas act at centres, not at the positions of the pieces: together they would exert a moment on
+ * the specimen. The least change that restores the moment of the surface, A_i b x (x_i - mean),
+ * changes no force. */
 void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body,
                          const double *place, const double moment[3], double *area) {
     const gn_particles *q = &dem->particles;
@@ -237,7 +238,7 @@ void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_
 
 /* --- patches --- */
 
-/* Those of each particle's room that have a size. */
+/* Keeps the patches of each particle that have a size. */
 static gneiss_status keep_patches(gn_dem *dem, gn_membrane *membrane, const gn_patch *all,
                                   gneiss_error *error) {
     gn_dem *d = dem;
@@ -282,8 +283,8 @@ static gneiss_status skin_of_shape(const gn_step_context *ctx, gn_dem *dem, doub
     return status;
 }
 
-/* The middle of a patch is along its area, on the particle at most; the remaining product of area
- * and distance is the same along all axes. */
+/* The middle of a patch is in the direction of its area, at most at the surface of the particle;
+ * the remaining product of area and distance is the same along all axes. */
 static void set_patch(gn_patch *patch, const double area[3], double size, const double *at,
                       double radius, int dimension, double arms) {
     const double along = size > 0.0 ? fmin(fmax(arms / size, 0.0), radius) : 0.0;

@@ -15,7 +15,7 @@ typedef struct boundary {
     gn_mesh *mesh;
     const char *name;
     gneiss_error *error;
-    int dimension;           /* also the nodes of a face */
+    int dimension;           /* also the number of nodes per face */
     gn_mesh_elements *inner; /* tetrahedra or triangles */
     gn_mesh_elements *faces; /* triangles or lines, which are replaced */
     gn_mesh_table table;     /* face -> row of owner */

@@ -13,7 +13,7 @@
 static const int opposite[4][4] = {{0, 1, 2, 3}, {1, 0, 2, 3}, {2, 0, 1, 3}, {3, 0, 1, 2}};
 
 static gneiss_status no_memory(const gn_joint_search *search) {
-    return gn_fail(search->error, GNEISS_ERROR_MEMORY, "%s: no memory to look at %zu elements",
+    return gn_fail(search->error, GNEISS_ERROR_MEMORY, "%s: no memory to check %zu elements",
                    search->name, search->solids->count);
 }
 

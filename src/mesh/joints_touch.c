@@ -339,7 +339,7 @@ gneiss_status gn_joints_check_touch(gn_joint_search *search) {
     bool *seen = gn_alloc_array(search->mesh->node_count + 1, sizeof *seen);
     touch_count across = {0};
     if (!seen)
-        return gn_fail(search->error, GNEISS_ERROR_MEMORY, "%s: no memory to look at %zu nodes",
+        return gn_fail(search->error, GNEISS_ERROR_MEMORY, "%s: no memory to check %zu nodes",
                        search->name, search->mesh->node_count);
     for (size_t k = 0; k < 3 * search->facet_count; k++) {
         int32_t node = search->facet[k];

@@ -17,7 +17,7 @@ typedef struct gn_mesh_source {
     size_t at, end;
     const char *section; /* for messages, "" before the first */
     bool binary;         /* the fields are binary, not text */
-    bool by_offset;      /* messages give bytes, not lines */
+    bool by_offset;      /* messages give byte offsets instead of lines */
 } gn_mesh_source;
 
 /* Opens and reads the whole file; checks `scale`. It must be closed also on failure. */
@@ -71,7 +71,7 @@ typedef struct gn_mesh_table {
 /* Adds a value unless the key has one; *held is the value that the key then has. Returns false
  * without memory. */
 bool gn_mesh_table_add(gn_mesh_table *table, gn_mesh_key key, int64_t value, int64_t *held);
-int64_t gn_mesh_table_find(const gn_mesh_table *table, gn_mesh_key key); /* -1: not there */
+int64_t gn_mesh_table_find(const gn_mesh_table *table, gn_mesh_key key); /* -1: absent */
 void gn_mesh_table_free(gn_mesh_table *table);
 /* Returns a key that is the same for every order of `count` (2 or 3) nodes. */
 gn_mesh_key gn_mesh_face_key(const int32_t *node, int count);

@@ -30,7 +30,7 @@ typedef struct search {
     uint8_t *level; /* [particles] */
 } search;
 
-/* Pairs found by one thread. */
+/* The pairs found by one thread. */
 typedef struct bucket {
     size_t count, capacity;
     int32_t (*pair)[2];

@@ -104,8 +104,9 @@ static bool has_normal(const gn_facet *facet) {
     return gn_dot(facet->normal, facet->normal) > 0;
 }
 
-/* Gives needles the normal of a neighbour that has one: the one along the longest edge or, with
- * `any`, the first. Returns whether there was such a needle; *left: one that has none yet. */
+/* Gives degenerate facets (needles) the normal of a neighbour that has one: the one along the
+ * longest edge or, with `any`, the first. Returns whether a normal was set; *left: there is still a
+ * needle without one. */
 static bool lend_normals(gn_facets *facets, bool any, const gn_facet **left) {
     bool progress = false;
     *left = NULL;

@@ -64,7 +64,7 @@ double gn_sizes_mean(const gn_sizes *sizes) {
     return sum / DRAWN;
 }
 
-/* Returns the cumulative normal distribution. */
+/* Returns the cumulative distribution function of the normal distribution. */
 static double below(double deviations) {
     return 0.5 * erfc(-deviations / sqrt(2.0));
 }

@@ -172,7 +172,7 @@ gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
 
 /* ---- the cache of packings, by a hash of the request ---- */
 
-/* To be raised whenever the same request gives another packing. */
+/* Must be incremented whenever the same request results in another packing. */
 enum { METHOD_VERSION = 1, METHOD_OF_SIZES = 2 };
 
 /* ---- the key ---- */

@@ -18,7 +18,7 @@
 
 /* --- columns --- */
 
-/* Those that kernels write of pairs. */
+/* Columns of pairs that kernels write. */
 #define GN_WRITTEN_COLUMNS(X) X(shear) X(fd) X(closeness) X(roll)
 
 static bool is_uniform(const gn_field *field, const gn_uniform *uniform) {
@@ -209,9 +209,10 @@ static void begin_span(gn_near *near, int steps) {
     near->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
 }
 
-/* A search costs about half of what the kernel takes for as many pairs; the longer its result is to
- * be valid, the more of its pairs do not touch. The number of steps with the least total cost is
- * found by varying it up and down; the cost is counted in pairs, not in seconds. */
+/* A search costs about half as much as the kernel for the same number of pairs; the longer its
+ * result is to be valid, the more of the found pairs do not touch. The number of steps with the
+ * least total cost is found by varying it up and down; the cost is counted in pairs, not in
+ * seconds. */
 static void tune_steps(gn_near *near) {
     enum { MOST = 64 };
     static const double look = 0.5; /* relative cost of the search for a pair, the kernel being 1 */
@@ -233,7 +234,7 @@ void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_arg
     if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
     if (!n->on) return;
     if (memcmp(&n->uniform, &pairs->uniform, sizeof n->uniform) != 0) {
-        if (!n->again) gn_near_repack(ctx, dem); /* else nothing is packed yet */
+        if (!n->again) gn_near_repack(ctx, dem); /* otherwise no pair is packed yet */
         find_columns(n, pairs->contacts, &pairs->uniform);
     }
     const gn_near_span *s = &n->span;
@@ -273,7 +274,7 @@ void gn_near_moved(const gn_step_context *ctx, gn_dem *dem) {
 
 /* --- which --- */
 
-/* A block in the list, and where it is packed. */
+/* A block in the list, and its place when packed. */
 typedef struct block_of_pairs {
     size_t number, begin, end, groups, at;
     uint8_t *act;
@@ -323,7 +324,7 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
         (int32_t)(n->whole ? take_all(block) : kernels->find(&args, block->act));
 }
 
-/* Packs their ends and places. */
+/* Packs the ends and the indices of pairs. */
 static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_contact_args *pairs,
                       const block_of_pairs *block) {
     const gn_near_kernels *kernels = ctx->kernels->near;
@@ -353,8 +354,8 @@ static void move_packed(const gn_step_context *ctx, double *data, const packed_b
     ctx->kernels->near->repack(data, old, was->act, block->act, block->groups);
 }
 
-/* Columns of the block, with zeros behind them. Those that the kernel writes are where `was` are
- * packed, if that is given, else in the list. */
+/* Gathers the columns of the block, with zeros after the last pair. Columns that the kernel writes
+ * are read from the place where `was` are packed, if that is given, else from the list. */
 static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                   const packed_before *was, const block_of_pairs *block) {
     const gn_near *n = &dem->near;
@@ -371,8 +372,9 @@ static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contac
         }
 }
 
-/* And back. Of pairs that are not packed it is zero, as they did not touch when they last were.
- * Zeros lose their sign: whether a pair that does not touch was worked on must not show. */
+/* Scatters them back. The columns of unpacked pairs are zero, because they did not touch when they
+ * were last packed. Zeros lose their sign, so that the result does not depend on which non-touching
+ * pairs were processed. */
 static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                 const block_of_pairs *block) {
     const gn_near *n = &dem->near;

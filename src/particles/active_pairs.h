@@ -18,11 +18,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A column that is packed. */
+/* A packed column. */
 typedef struct gn_near_column {
     size_t offset; /* of its pointer within gn_contacts */
     int components;
-    bool written;  /* by the kernel; of pairs that never touched it is zero */
+    bool written;  /* written by the kernel; zero for pairs that never touched */
     size_t stream; /* of its first component, in gn_near.data */
 } gn_near_column;
 
@@ -30,7 +30,7 @@ enum { GN_NEAR_COLUMNS = 48 };
 
 /* The last steps. */
 typedef struct gn_near_past {
-    int known;    /* how many of the last steps, at most two, were steps from the one before */
+    int known;    /* number of the last steps, at most two, that followed each other */
     double dt[2]; /* s, of the last one and the one before that */
 } gn_near_past;
 
@@ -39,7 +39,7 @@ typedef struct gn_near_span {
     double ahead;   /* s, duration for which the search holds, see gn_near_args */
     double elapsed; /* s, time since the search */
     bool over;      /* some particle may have moved beyond its margin */
-    int steps;      /* sweeps that worked on it */
+    int steps;      /* number of sweeps that used it */
 } gn_near_span;
 
 /* The part of the state in checkpoints apart from `act`, in doubles. The pairs that are packed
@@ -55,18 +55,18 @@ typedef struct gn_near {
     bool on;        /* for the present lists */
     bool disabled;  /* forced off, for reference comparisons */
     bool fresh;     /* no sweep yet over these lists */
-    bool packed;    /* the columns of those found */
-    bool unsettled; /* columns of the list that the kernel writes are not up to date */
+    bool packed;    /* the columns of active pairs are packed */
+    bool unsettled; /* columns of the list that the kernel writes are outdated */
     bool whole;     /* in this sweep: all pairs are worked on */
     bool look;      /* in this sweep: the active pairs are found again, */
-    bool move;      /* and columns that stay packed move to their new places */
-    bool again;     /* in the next sweep: those of `act` are packed from the list, */
+    bool move;      /* and columns that stay packed move to their new positions */
+    bool again;     /* in the next sweep: the pairs of `act` are packed from the list, */
     bool take;      /* in this one */
     gn_near_past past;
     gn_near_span span;
     int steps, towards;  /* steps for which a search is to hold; 1 or -1: direction in which their
                             number is varied */
-    double listed, cost; /* pairs; of the last span, in pairs worked on per step */
+    double listed, cost; /* number of pairs; cost of the last span, in pairs processed per step */
     gn_near_kept kept;   /* state of a checkpoint that was read, until lists exist; */
     uint8_t *kept_act;   /* [kept_groups], NULL: none */
     size_t kept_groups;
@@ -79,14 +79,14 @@ typedef struct gn_near {
     size_t blocks,
         stride;  /* of pairs in the arrays below: number of blocks, distance between two blocks */
     size_t room; /* pairs, with padding */
-    size_t streams;  /* columns of data that there is room for */
+    size_t streams;  /* number of allocated columns of data */
     int32_t *i, *j;  /* [room] */
     uint16_t *place; /* [room][2] of their rows, see gn_partials */
     double *data;    /* [streams][room] */
-    uint8_t *act;    /* [room/GN_NEAR_GROUP] bits: which of a block */
+    uint8_t *act;    /* [room/GN_NEAR_GROUP] bits: active pairs of a block */
     int32_t *count;  /* [blocks] */
 
-    gn_uniform uniform; /* that `column` was made for */
+    gn_uniform uniform; /* for which `column` was made */
     gn_near_column column[GN_NEAR_COLUMNS];
     int columns;
 } gn_near;
@@ -102,8 +102,8 @@ size_t gn_near_bytes(const gn_dem *dem);
  * there. The list is then as without packing; as this does not change the state, a constant world
  * may be settled. */
 void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
-/* Columns of pairs were or will be changed by others than the kernel; also velocities or places, by
- * others than a step. */
+/* gn_near_repack: columns of pairs were or will be changed by code other than the kernel;
+ * gn_near_forget: velocities or positions, by code other than a step. */
 void gn_near_repack(const gn_step_context *ctx, gn_dem *dem);
 void gn_near_forget(const gn_step_context *ctx, gn_dem *dem);
 /* Prepares a checkpoint, which also holds `paths`: settles the list, returns the state, and

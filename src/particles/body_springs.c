@@ -25,7 +25,7 @@ static const gn_material *material_of(const gn_scene *scene, size_t place) {
                                           : NULL;
 }
 
-/* Returns the friction of a material, or without one that of the side. */
+/* Returns the friction of a material, or that of the side if the material has none. */
 static double friction_of(const gn_scene *scene, size_t place) {
     const gn_material *m = material_of(scene, place);
     return m ? m->friction : gn_scene_surface_at(scene, place).friction;

@@ -10,7 +10,7 @@
 
 #include <stddef.h>
 
-/* Walls and bodies are counted through, as by gn_scene_surface_at. */
+/* Walls and bodies are numbered consecutively, as in gn_scene_surface_at. */
 typedef struct gn_body_spring {
     gn_touch_side side; /* stiffness 0: they have no contact; kratio 0: no tangential spring */
     double damping;     /* of critical, of dashpots */

@@ -1,4 +1,4 @@
-/* Sections of bonds, for laws by area: found once, when the bonds are made. */
+/* Sections of bonds, for laws by area; they are computed once, when the bonds are made. */
 #ifndef GN_PARTICLES_BOND_SECTIONS_H
 #define GN_PARTICLES_BOND_SECTIONS_H
 
@@ -13,9 +13,9 @@ gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
 
 /* Ratio of the volume of the bonds to that of the body. */
 typedef struct gn_area_check {
-    double filled;        /* sum of sections times lengths over dimension times volume: 1 wanted */
-    double free;          /* the same of the faces that no bond has; with polyhedron */
-    size_t open;          /* particles with such faces */
+    double filled; /* sum of sections times lengths over dimension times volume: should be 1 */
+    double free;   /* the same for faces without a bond; with polyhedron */
+    size_t open;   /* particles with such faces */
     double dempack_gamma; /* 40 e/n_c, the value of the source for gamma */
 } gn_area_check;
 gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem, gn_area_check *check,

@@ -1,4 +1,4 @@
-/* Bonds at the start: which pairs are glued and how strong. */
+/* Formation of bonds: the bonded pairs and their strengths. */
 #include "particles/bonds.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -98,7 +98,7 @@ static void set_bond(const gn_step_context *ctx, gn_dem *dem, size_t c, int32_t 
 
 /* --- overlaps that are free of stress, without a bond --- */
 
-/* Pairs without a bond that overlap, and the distances at which they have no force. */
+/* Pairs without a bond that overlap, and their stress-free distances. */
 typedef struct free_overlaps {
     gn_pair_list pairs;
     double *rest; /* [pairs.count] m */
@@ -282,8 +282,8 @@ static gneiss_status keep_overlaps(const gn_step_context *ctx, gn_dem *dem, cons
     return status;
 }
 
-/* Pairs that have bonds from the start, with their distances of no force in `from` if it is another
- * run that had them, and those that overlap without. */
+/* Finds the pairs that are bonded from the start, with their stress-free distances in `from` if
+ * another run had them, and overlapping pairs without bonds. */
 static gneiss_status find_bonds(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs,
                                 gn_from_run *from, free_overlaps *loose, gneiss_error *error) {
     const gn_pair_query query = bond_query(ctx, dem);
@@ -331,7 +331,7 @@ static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem, gneiss_
 
 /* --- in a later stage --- */
 
-/* m: by how much the distance of the ends grew in the last step. */
+/* m: increase of the distance of the ends in the last step. */
 static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                         int32_t i, int32_t j, const double d[3], double length) {
     const double *a = dem->particles.vel + 4 * (int64_t)i, *b = dem->particles.vel + 4 * (int64_t)j;
@@ -445,7 +445,7 @@ void gn_bonds_strengthen(gn_dem *dem, double factor) {
     }
 }
 
-/* Those that neither are nor were bonds, in the same order. */
+/* Keeps the pairs that neither are nor were bonds, in the same order. */
 static void drop_known(const gn_dem *dem, gn_pair_list *pairs) {
     const gn_contacts *b = &dem->bonds.contacts;
     size_t kept = 0;
@@ -457,8 +457,8 @@ static void drop_known(const gn_dem *dem, gn_pair_list *pairs) {
     pairs->count = kept;
 }
 
-/* A bond at the distance where a contact has no force begins without any; else it goes on with the
- * tangential force of the contact that it was. */
+/* A bond at the distance where its contact has no force starts without a tangential force;
+ * otherwise it takes over that of the contact. */
 static void take_shear(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds,
                        size_t c) {
     const gn_contacts *pairs = &dem->pairs.contacts;
@@ -507,7 +507,7 @@ static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn
     gn_free(fresh);
     GN_TRY(status);
     d->bonds_at_start += (int64_t)pairs->count;
-    gn_free(d->loose); /* found again with the lists */
+    gn_free(d->loose); /* found again when lists are made */
     d->loose = NULL;
     return gn_list_changed(ctx, dem, &d->bonds, error);
 }

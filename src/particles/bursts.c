@@ -1,5 +1,5 @@
-/* Breaks are taken in the order of time; those before one that are near enough hang in a grid of
- * cells, the latest of a cell first, so that few are looked at however many there are. */
+/* Breaks are visited in the order of time; earlier ones that are near enough in time are linked in
+ * a grid of cells, the latest of a cell first, so that few are visited however many there are. */
 #include "particles/bursts.h"
 
 #include "base/error.h"
@@ -69,7 +69,7 @@ static void look_into(const grid *g, const int64_t cell[3], int32_t k) {
     for (int32_t m = g->latest[bucket_of(g, cell)]; m >= 0; m = g->before[m]) {
         const gn_event *of = &g->events[m];
         double d[3];
-        if (e->time - of->time > g->bursts->window) return; /* and so are all before it */
+        if (e->time - of->time > g->bursts->window) return; /* and so are all earlier ones */
         if (gn_branch(g->ctx, of->place, e->place, d) <= g->bursts->reach * g->bursts->reach)
             gn_set_unite(g->parent, m, k);
     }

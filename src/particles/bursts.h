@@ -1,4 +1,4 @@
-/* Bursts of breaking bonds, as acoustic emission is heard in a laboratory. */
+/* Bursts of breaking bonds, which correspond to acoustic emissions in a laboratory. */
 #ifndef GN_PARTICLES_BURSTS_H
 #define GN_PARTICLES_BURSTS_H
 
@@ -12,7 +12,7 @@
 typedef struct gn_burst {
     double time, duration; /* s, of its first break; from that to its last one */
     double place[3];       /* m, mean position of its breaks in the user's coordinates */
-    double energy;         /* J, that its breaks released; NaN: without the ledger */
+    double energy;         /* J, energy released by its breaks; NaN: without the ledger */
     int32_t size, tension; /* number of breaks, and of breaks in tension */
     int64_t first;         /* index of its first break in the list of events */
 } gn_burst;
@@ -20,7 +20,7 @@ typedef struct gn_burst {
 typedef struct gn_bursts {
     gn_burst *row; /* in the order of their first breaks */
     size_t count;
-    int32_t *of;          /* [events] which burst a break is of, -1: no break */
+    int32_t *of;          /* [events] burst of a break, -1: no break */
     double reach, window; /* m, s */
 } gn_bursts;
 

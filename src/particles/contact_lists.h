@@ -49,12 +49,12 @@ typedef struct gn_list_kind {
     bool (*used)(const gn_scene *scene);
     /* Returns the effects of the list, which select its law and its kernel. */
     gn_effects (*effects_of)(gn_effects scene_effects);
-    /* Forms the contacts at the start, when particles are sorted, and sorts them; NULL: there are
-     * none then. */
+    /* Forms the contacts at the start, when particles are sorted, and sorts them; NULL: the list is
+     * empty then. */
     gneiss_status (*form)(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 } gn_list_kind;
 
-/* Each list defines its own. */
+/* Each list defines its own kind. */
 #define X(NAME, name) extern const gn_list_kind gn_list_kind_##name;
 GN_CONTACT_LISTS(X)
 #undef X

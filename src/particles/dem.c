@@ -56,7 +56,7 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
     if (ctx->effects & GN_FX_HERTZ) dem->driven = gn_alloc_array(drives + 1, sizeof(double));
     if (ctx->effects & GN_FX_HERTZ && !dem->driven)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu motions", drives);
-    if (packing->count) { /* sources may be all that there is */
+    if (packing->count) { /* all particles may come from sources */
         memcpy(q->pos, packing->sphere, packing->count * 4 * sizeof(double));
         memcpy(q->start, packing->sphere, packing->count * 4 * sizeof(double));
     }
@@ -124,7 +124,7 @@ static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.15 * sum / (double)dem->particles.soa.count;
 }
 
-/* A particle must not meet two images of another one: pairs are looked for within a reach. */
+/* A particle must not touch two images of another one: pairs are searched within a reach. */
 static gneiss_status check_period(const gn_step_context *ctx, const gn_dem *dem,
                                   gneiss_error *error) {
     const gn_scene *s = &ctx->scene;

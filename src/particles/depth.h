@@ -1,4 +1,5 @@
-/* Particles that were not bonded at the start, and the contact that was pressed furthest. */
+/* Particles that were not bonded at the start, and the contact with the largest relative overlap.
+ * */
 #ifndef GN_PARTICLES_DEPTH_H
 #define GN_PARTICLES_DEPTH_H
 

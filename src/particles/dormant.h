@@ -1,5 +1,5 @@
-/* Particles of a body that elements still represent: they have no mass, contacts or blocks to work
- * on until their element leaves. */
+/* Dormant particles of a body that is still represented by elements: they have no mass and no
+ * contacts, and their blocks are skipped, until their element converts. */
 #ifndef GN_PARTICLES_DORMANT_H
 #define GN_PARTICLES_DORMANT_H
 
@@ -29,7 +29,7 @@ static inline size_t gn_dormant_element(const gn_dem *dem, size_t p) {
     return (size_t)gn_dormant_of(dem, p)->element;
 }
 
-/* Prepares a model of which elements convert, at the start: no particle has its element yet. */
+/* Prepares a model with converting elements, at the start: no particle has an element yet. */
 gneiss_status gn_dormant_create(gn_dem *dem, gneiss_error *error);
 /* Makes all particles dormant and stores their bonds in dem->prepared. */
 gneiss_status gn_dormant_deactivate_all(const gn_step_context *ctx, gn_dem *dem,

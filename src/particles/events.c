@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MARKS = 3 }; /* of a bond in one step, at most */
+enum { MARKS = 3 }; /* most events of a bond in one step */
 
 static gneiss_status grow(gn_events *list, size_t more, gneiss_error *error) {
     if (list->count + more <= list->capacity) return GNEISS_OK;
@@ -27,7 +27,7 @@ static gneiss_status grow(gn_events *list, size_t more, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Where the contact was at the instant of the forces: the ends have moved on since. */
+/* Returns the position of the contact at the instant of the forces, before the last motion. */
 static void place_of(const gn_step_context *ctx, const gn_dem *dem, size_t c, double place[3]) {
     const gn_particles *q = &dem->particles;
     const size_t i = (size_t)dem->bonds.contacts.i[c], j = (size_t)dem->bonds.contacts.j[c];
@@ -64,7 +64,7 @@ static void take_marks(const gn_step_context *ctx, gn_dem *dem, size_t c) {
         add_event(ctx, dem, c, b->cause[c], b->released ? b->released[c] : 0.0);
 }
 
-/* Those of one step, in an order that does not depend on that of the lists. */
+/* Sorts the events of one step, so that their order does not depend on that of the lists. */
 static int by_ends(const void *a, const void *b) {
     const gn_event *x = a, *y = b;
     if (x->i != y->i) return x->i < y->i ? -1 : 1;

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* J/kg that gravity and applied forces add while the lists last. */
+/* Energy per mass, J/kg, that gravity and applied forces add until the next lists. */
 static double fall(const gn_step_context *ctx, const gn_dem *dem) {
     const double *g = ctx->scene.gravity;
     double pull = ctx->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;

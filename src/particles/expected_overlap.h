@@ -1,4 +1,4 @@
-/* Overlaps that contacts of Hertz's law are expected to reach. */
+/* Expected overlaps of contacts with Hertz's law. */
 #ifndef GN_PARTICLES_EXPECTED_OVERLAP_H
 #define GN_PARTICLES_EXPECTED_OVERLAP_H
 
@@ -7,8 +7,8 @@
 
 #include <stddef.h>
 
-/* Least expected overlap over the radius of a contact: with less a step has no bound at the start.
- */
+/* Least expected overlap over the radius of a contact: without it the step at the start would have
+ * no bound. */
 #define GN_OVERLAP_LEAST 1e-6
 
 /* Returns the radius of a contact of two particles, m: r_i r_j/(r_i + r_j). */

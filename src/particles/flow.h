@@ -19,11 +19,11 @@ typedef struct gn_source_state {
     double momentum[3];   /* N s */
     double energy;        /* J */
     double sizes, places; /* random numbers used for radii, and for places */
-    double radius;        /* m, of the next one, which waits for room; 0: not drawn yet */
+    double radius;        /* m, of the next particle, which waits for room; 0: not drawn yet */
     double full;          /* number of checks at which there was no room for it */
 } gn_source_state;
 typedef struct gn_sink_state {
-    double number, mass;       /* particles that left; kg */
+    double number, mass;       /* number of particles that left; kg */
     double momentum[3];        /* N s */
     double energy;             /* J, kinetic */
     double row_mass, row_time; /* at the last row of the history: no state */
@@ -39,31 +39,32 @@ typedef struct gn_flow {
     gn_sink_state *sinks;     /* [scene.sink_count] */
     gn_domain **region;       /* [sources + sinks] relative to the origin; NULL: a plane */
     size_t regions;
-    double *unit; /* m [sources]: of the sizes that are drawn */
+    double *unit; /* m [sources]: unit of the drawn sizes */
     gn_lost *lost;
     size_t lost_count, lost_room;
-    double largest; /* m: radius, when the lists were made; with sinks */
+    double largest; /* m: largest radius when the lists were made; with sinks */
 } gn_flow;
 
-/* A particle that comes in. */
+/* A particle that enters. */
 typedef struct gn_arrival {
     double sphere[4], velocity[3]; /* m, m/s */
     size_t source;
 } gn_arrival;
 
-/* Regions, from the scene: also of a world that is resumed. */
+/* Creates the regions from the scene, also for a resumed world. */
 gneiss_status gn_flow_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Sets all counts to zero. */
 gneiss_status gn_flow_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_flow_free(gn_flow *flow);
 
-/* m: the smallest (largest) radius that a source may bring; INFINITY (0) without sources. The mean
- * over sources; the box about all of them, which is empty without. */
+/* Return the smallest (largest) radius that a source may bring, m; INFINITY (0) without sources. */
 double gn_flow_least_radius(const gn_step_context *ctx, const gn_dem *dem);
 double gn_flow_largest_radius(const gn_step_context *ctx, const gn_dem *dem);
 /* m: the largest radius of present particles and of those that a source may bring. */
 double gn_flow_widest_radius(const gn_step_context *ctx, const gn_dem *dem);
-/* Notes it for sinks when lists have been made. */
+/* gn_flow_listed stores it for sinks when lists have been made; gn_flow_mean_radius returns the
+ * mean radius over sources, gn_flow_bounds the box around all sources, which is empty if there are
+ * none. */
 void gn_flow_listed(const gn_step_context *ctx, gn_dem *dem);
 double gn_flow_mean_radius(const gn_step_context *ctx);
 void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[3],
@@ -75,7 +76,7 @@ bool gn_sink_has(const gn_step_context *ctx, const gn_dem *dem, size_t sink, con
 void gn_flow_count(const gn_step_context *ctx, gn_dem *dem);
 gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t particle,
                                 gneiss_error *error);
-/* A row of the history has been written. */
+/* To be called when a row of the history was written. */
 void gn_flow_row(const gn_step_context *ctx, gn_dem *dem);
 /* Returns the number of particles in the model. */
 size_t gn_world_present(const gn_dem *dem);

@@ -157,7 +157,7 @@ static bool is_there(const gn_dem *dem, size_t p) {
     return gn_particle_is_active(&dem->particles, p) && !gn_is_dormant(dem, p);
 }
 
-/* `at`: the first particle of the piece by its id, for images. */
+/* `at`: the first particle of the fragment by id, next to which images are taken. */
 static void add_particle(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *fragment,
                          size_t at, size_t p) {
     const gn_particles *q = &dem->particles;

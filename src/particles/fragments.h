@@ -1,4 +1,4 @@
-/* Pieces that bonds hold together. */
+/* Fragments: particles connected by bonds. */
 #ifndef GN_PARTICLES_FRAGMENTS_H
 #define GN_PARTICLES_FRAGMENTS_H
 
@@ -27,14 +27,14 @@ double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem);
 typedef struct gn_fragment {
     double volume;      /* m3, in 2D m2 x 1 m, of its particles */
     double mass;        /* kg, without mass added for a longer step */
-    double centre[3];   /* m, of mass, as the user sees it; in periodic boxes of the images next to
-                           its first particle */
-    double velocity[3]; /* m/s, of that, half a step before the instant */
-    int32_t particles, first; /* the least of their ids */
+    double centre[3];   /* m, centre of mass in the user's coordinates; in periodic boxes of the
+                           images next to its first particle */
+    double velocity[3]; /* m/s, velocity of the centre, half a step before the instant */
+    int32_t particles, first; /* the smallest of their ids */
 } gn_fragment;
 
 typedef struct gn_fragment_list {
-    gn_fragment *row; /* the largest volume first, of the same the least id */
+    gn_fragment *row; /* sorted by volume, the largest first, then by least id */
     size_t count;
     int32_t *of; /* [particles] row, -1: removed or dormant */
 } gn_fragment_list;
@@ -46,7 +46,7 @@ void gn_fragments_free(gn_fragment_list *list);
 
 /* Returns the sizes of bodies, which are particles connected by intact bonds and touching contacts:
  * members[p] is the number of particles of the body of p, 0 for removed particles; NULL without
- * bonds. Valid until the next call of this function or the next one. */
+ * bonds. Valid until the next call of this function or of gn_fragments_list. */
 const int32_t *gn_dem_body_sizes(const gn_step_context *ctx, const gn_dem *dem);
 
 /* Tells whether a bond has broken or was dissolved, or a particle has left the domain. */

@@ -27,7 +27,7 @@ static gneiss_status no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the particles of another run");
 }
 
-/* Rows of a data set into columns [first, first + components) of `out` [count][width]. */
+/* Reads rows of a data set into columns [first, first + components) of `out` [count][width]. */
 static gneiss_status take(source *s, const char *name, size_t components, double *out, size_t width,
                           size_t first, gneiss_error *error) {
     GN_TRY(gn_h5_get(s->file, name, GN_F64, s->all, components, 0, s->vector, error));
@@ -37,7 +37,7 @@ static gneiss_status take(source *s, const char *name, size_t components, double
     return GNEISS_OK;
 }
 
-/* A row of a data set that a particle, a bond or a volume cannot have. */
+/* Reports a row of a data set that is impossible for a particle, a bond or a volume. */
 static gneiss_status refuse(const char *name, const char *expected, double found, size_t row,
                             gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -78,7 +78,7 @@ static gneiss_status take_motion(source *s, gn_from_run *from, gneiss_error *err
     return take(s, "particles/spin", 3, from->motion, 6, 3, error);
 }
 
-/* Bonds that hold, those that have softened or yielded included. */
+/* Intact bonds, including those that have softened or yielded. */
 static bool holds(int32_t state) {
     return state == 0 || state == 4 || state == 5;
 }
@@ -138,8 +138,9 @@ static gneiss_status check_dimension(const gn_scene *scene, const source *s, con
                    (int)scene->dimension, (int)dimension);
 }
 
-/* One particle of another order of size than all others is none of a specimen: every step would be
- * as short as the smallest needs, and lists as long as the largest reaches. */
+/* A particle whose size differs from all others by orders of magnitude is no part of a specimen:
+ * every step would be as short as the smallest requires, and lists as long as the largest reaches.
+ * */
 static gneiss_status check_sizes(const gn_from_run *from, gneiss_error *error) {
     const double apart = 1e4;
     double *radius = gn_alloc_array(from->count + 1, sizeof *radius);

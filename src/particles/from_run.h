@@ -15,9 +15,9 @@ typedef struct gn_from_run {
     double *motion;      /* [count][6] m/s, rad/s; NULL unless requested, and for a packing */
     size_t bonds;        /* bonds, and overlaps that are free of stress; 0 unless requested */
     int32_t (*bond)[2];  /* [bonds] by place in `sphere` */
-    double *rest_length; /* [bonds] m, at which there is no normal force */
-    uint8_t *holds;      /* [bonds] 0: it broke, was dissolved or never was a bond */
-    double volume;       /* m3 (2D: m2) of the body that was packed; of a run 0 */
+    double *rest_length; /* [bonds] m, stress-free distance */
+    uint8_t *holds;      /* [bonds] 0: broken, dissolved or never a bond */
+    double volume;       /* m3 (2D: m2) of the packed body; 0 for a run */
 } gn_from_run;
 
 /* Reads the run that specimen.from names, with the data that the scene requests. */

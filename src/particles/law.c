@@ -182,7 +182,8 @@ void gn_contacts_set_dashpots(const gn_step_context *ctx, const gn_dem *dem, gn_
     }
 }
 
-/* Damage stays: it is also in the strengths of a bond, and a broken one has a negative strength. */
+/* Damage stays: it also reduces the strengths of a bond, and a broken one has a negative strength.
+ * */
 static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->mu) list->mu[c] = now->mu[c];
     if (list->rolling) list->rolling[c] = now->rolling[c];

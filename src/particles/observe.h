@@ -17,8 +17,8 @@ gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_periodic_box *box, const gn_contacts *list,
                                   const int32_t *chosen, size_t count, gn_contacts *seen,
                                   gneiss_error *error);
-/* The lists with the forces of the present positions in their rows (velocities and tangential
- * forces of the last step): for output. The world is not changed; the copies are the caller's. */
+/* All lists with the forces at the present positions in their rows (velocities and tangential
+ * forces of the last step), for output. The world is not changed; the caller frees the copies. */
 typedef struct gn_observed {
     gn_contacts list[GN_LIST_COUNT];
 } gn_observed;
@@ -27,10 +27,10 @@ gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
                                gneiss_error *error);
 void gn_observed_free(gn_observed *observed);
 
-/* m; of all rows of particles. */
+/* Returns the mean radius over all rows of particles, m. */
 double gn_dem_mean_radius(const gn_dem *dem);
 
-/* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
+/* Returns 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem);
 
 /* Performs a step of zero length on a copy of a list, in double: failures of bonds stay

@@ -28,7 +28,7 @@
 typedef struct gn_verlet {
     double skin;       /* m, present value */
     double skin_start; /* m, value at the start */
-    double widened;    /* m, the widest that it had to be beyond the scene's; 0: never */
+    double widened;    /* m, the largest value that was needed beyond the scene's; 0: never */
     double drift;      /* m, bound on any particle's path since `ref` was set */
     double closed; /* m, bound on how much two unlisted particles have approached each other since
                       then */
@@ -49,31 +49,32 @@ typedef struct gn_dem_sums {
 /* Masses that are raised for a longer step, when the lists were made. */
 typedef struct gn_raised_masses {
     double added;   /* kg */
-    double largest; /* mass over own mass, the most */
+    double largest; /* the largest ratio of mass to own mass */
     int64_t count;  /* particles */
 } gn_raised_masses;
 
 /* A particle of a body that converts (conversion.h). */
 typedef struct gn_dormant_particle {
-    /* 1/kg, 1/(kg m2): those that it has when it is released; 0: it is active */
+    /* 1/kg, 1/(kg m2): values when it is released; 0: it is active */
     double inverse_mass, inverse_inertia;
-    int32_t element; /* the element that contains it at the start, by its place in the mesh */
+    int32_t element; /* the element that contains it at the start, by its index in the mesh */
 } gn_dormant_particle;
 
-/* Room for counting fragments (fragments.c), with bonds. */
+/* Scratch for counting fragments (fragments.c), with bonds. */
 typedef struct gn_pieces {
     int32_t *parent, *members; /* [particles] */
     double *volume;            /* [particles] m3, in 2D m2 */
 } gn_pieces;
 
-/* The contact of a particle that was pressed furthest, in doubles, as checkpoints have it. */
+/* The contact of a particle with the largest relative overlap so far, in doubles, as checkpoints
+ * store it. */
 typedef struct gn_depth {
     double excess;  /* overlap over the smaller radius, divided by the ratio that is too large */
     double share;   /* overlap over the smaller radius; 0: none */
     double overlap; /* m */
-    double time;    /* s, when it was seen */
-    double first, second; /* id of the particle; of another one, or -1 less the place of a wall,
-                             behind the walls of a surface */
+    double time;    /* s, when it was found */
+    double first, second; /* id of the particle; id of the other one, or -1 - index of a wall;
+                             surfaces follow the walls */
     double looked;        /* step of the last check */
 } gn_depth;
 
@@ -87,11 +88,11 @@ struct gn_dem {
         };
         gn_contact_list list[GN_LIST_COUNT];
     };
-    gn_contacts prepared;         /* bonds of all particles, whole, with couple.convert */
+    gn_contacts prepared;         /* bonds of all particles at full weight, with couple.convert */
     gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
     uint8_t *still; /* [motion_blocks] it has no active particle, with couple.convert; else NULL */
     int32_t *index_of_id; /* [ids] -1: removed together with its row */
-    int64_t ids, made;    /* ids given so far; those of the specimen, which come first */
+    int64_t ids, made;    /* number of ids given so far; those of the specimen come first */
     gn_derived derived;
     gn_prescription prescribed;
     int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
@@ -102,29 +103,30 @@ struct gn_dem {
     double radius_min; /* m */
     double mass; /* kg, without added mass, of the particles present when the lists were made */
     gn_raised_masses raised;
-    double
-        damping_fraction; /* of critical, of contacts that are pressed; by Hertz's law the most */
-    double damping_least; /* the same of the contacts that are damped least */
+    double damping_fraction; /* fraction of critical damping of compressed contacts; with Hertz's
+                                law the largest */
+    double damping_least;    /* the least damping fraction of any contact */
     /* [materials][gn_scene_sides] pairs of materials with walls, bodies and other sides; NULL
      * without GN_FX_HERTZ */
     gn_hertz_pair *hertz;
-    /* [walls, bodies, sets] m/s, the largest speed of each that contacts were looked at with; NULL
+    /* [walls, bodies, sets] m/s, the largest speed of each for which contacts were evaluated; NULL
      * without GN_FX_HERTZ */
     double *driven;
 
     gn_motion_kernel *motion_kernel;
     gn_deal deal; /* of steps among the threads */
     gn_hold hold; /* particles that wait for an exchange */
-    gn_near near; /* pairs that can act before long */
+    gn_near near; /* active pairs */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
     gn_dem_sums done; /* in the last step */
-    /* [particles][4] velocities and spins before the step, where it has another length than the
-     * last one; else NULL */
+    /* [particles][4] velocities and spins before the step, if its length differs from the last one;
+     * else NULL */
     double *vel_past, *spin_past;
     gn_pieces pieces;
-    double *around; /* [particles][2] N, m2: of their bonds, with law.confinement mean; else NULL */
-    bool pressed;   /* a contact was pressed further in the last step than expected */
+    double *around; /* [particles][2] N, m2: sums over their bonds, with law.confinement mean; else
+                       NULL */
+    bool pressed;   /* an overlap exceeded the expected one in the last step */
     double speed_most; /* m/s, largest in the last step; 0: unknown (start, resume) */
 
     gn_depth depth; /* the furthest so far */
@@ -134,16 +136,16 @@ struct gn_dem {
     gn_events events;
     gn_flow flow;
     int64_t lost;          /* particles that left the domain */
-    int64_t contact_steps; /* contacts worked on, summed over steps */
+    int64_t contact_steps; /* number of contacts processed, summed over steps */
 };
 
 /* Kernels and threads, from the effects of the world: also of one that is resumed. */
 gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
-/* The particles of a packing, in its order, without mass. */
+/* Creates the particles of a packing, in its order, without mass. */
 gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_packing *packing,
                             gneiss_error *error);
-/* Masses, sets and skin, once the specimen is measured. */
+/* Sets masses, sets and skin, when the specimen is measured. */
 gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Creates empty records, so that other code needs no special case. */
 gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
@@ -171,12 +173,13 @@ static inline double gn_branch(const gn_step_context *ctx, const double *x, cons
     }
     return d2;
 }
-/* The part of a particle's mass that is its own: the rest was added for a longer step and has no
+/* Returns the particle's own fraction of its mass: the rest was added for a longer step and has no
  * weight. */
 static inline double gn_own_share(const gn_particles *particles, size_t p) {
     return particles->own_share ? particles->own_share[p] : 1.0;
 }
-/* Share of a unit vector's square along components that are free: bit k of `mask` holds k. */
+/* Returns the square of the part of a unit vector along free components: bit k of `mask` holds k.
+ * */
 static inline double gn_free_share(uint8_t mask, const double n[3]) {
     double free = 0.0;
     for (int a = 0; a < 3; a++)
@@ -188,7 +191,7 @@ static inline double gn_free_share(uint8_t mask, const double n[3]) {
 gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_periodic_box *box, const gn_contact_list *list,
                                     bool measure);
-/* Shares out the lists among the threads. */
+/* Distributes the lists among the threads. */
 gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error);
 
 #endif

@@ -33,12 +33,12 @@ double gn_polyhedron_ratio(int dimension, double n) {
 
 /* --- missing faces --- */
 
-/* Half the angle of the widest cone without a neighbour that is still no hole. A tetrahedron leaves
- * 71 degrees between its faces, a triangle 60; a flat skin leaves 90. */
+/* Largest half angle of a cone without a neighbour that is not a hole. A tetrahedron leaves 71
+ * degrees between its faces, a triangle 60; a flat surface leaves 90. */
 static const double hole = 75.0 * M_PI / 180.0;
 
-/* The parts of the directions that neighbours cover, as triangles (2D: arcs) between them. Of each
- * neighbour the share of the full angle that they take at it belongs to them. */
+/* The directions that neighbours cover, as triangles (2D: arcs) between them. Each neighbour counts
+ * with the share of its full angle that they take. */
 typedef struct cover {
     double neighbours, parts;
     bool open;

@@ -48,10 +48,10 @@ static double widest_skin(const gn_step_context *ctx, const gn_dem *dem) {
     return fmax(widest, dem->verlet.skin);
 }
 
-/* A rebuild costs about as much as fifteen steps, so lists that live for less than 150 cost more
- * than a tenth of the run: the skin grows. Lists that live long may be needlessly wide: it shrinks
- * again. Steps and not seconds decide, so that every run does the same; forces do not depend on the
- * skin at all. */
+/* A rebuild costs about as much as fifteen steps, so that lists that last less than 150 steps cost
+ * more than a tenth of the run: the skin grows. Lists that last long may be needlessly wide: it
+ * shrinks again. Steps and not seconds decide, so that every run does the same; forces do not
+ * depend on the skin at all. */
 void gn_dem_tune_skin(const gn_step_context *ctx, gn_dem *dem) {
     enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
     if (ctx->scene.skin > 0.0 || dem->verlet.rebuilds == 0 || dem->verlet.forced) return;
@@ -61,7 +61,8 @@ void gn_dem_tune_skin(const gn_step_context *ctx, gn_dem *dem) {
     if (life > LONG_LIFE) dem->verlet.skin = fmax(0.8 * dem->verlet.skin, dem->verlet.skin_start);
 }
 
-/* Whatever was in touch a step ago has to be listed: its contact acted for a part of the step. */
+/* Pairs that were in contact a step ago have to be listed: their contact acted for a part of the
+ * step. */
 void gn_dem_widen_skin(const gn_step_context *ctx, gn_dem *dem, double gap) {
     gn_verlet *q = &dem->verlet;
     bool given = ctx->scene.skin > 0.0;

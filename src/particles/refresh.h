@@ -14,7 +14,7 @@ bool gn_dem_order_is_old(const gn_step_context *ctx, const gn_dem *dem);
 /* Moves particles into the periodic box, with their places at the start. */
 void gn_dem_wrap(const gn_step_context *ctx, gn_dem *dem);
 
-/* Adapts the skin to the life of the last lists. */
+/* Adapts the skin to the lifetime of the last lists. */
 void gn_dem_tune_skin(const gn_step_context *ctx, gn_dem *dem);
 /* Widens the skin to `gap`, m, by which two things that may touch moved apart in the last step. */
 void gn_dem_widen_skin(const gn_step_context *ctx, gn_dem *dem, double gap);

@@ -29,8 +29,8 @@ static gneiss_status take_rows(const gn_step_context *ctx, gn_dem *dem, const in
     return GNEISS_OK;
 }
 
-/* Changes the number of rows, and frees the arrays that depend on it or on the number of their
- * blocks; these are made with the lists. */
+/* Changes the number of rows, and frees the arrays that depend on it or on the number of blocks;
+ * these are allocated when lists are made. */
 static gneiss_status change_count(const gn_step_context *ctx, gn_dem *dem, const int32_t *order,
                                   size_t count, gneiss_error *error) {
     GN_TRY(take_rows(ctx, dem, order, count, error));
@@ -85,7 +85,7 @@ static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *arri
     if (q->orientation) q->orientation[4 * p] = 1.0;
     dem->radius_min = fmin(dem->radius_min, r);
     if (dem->loose) dem->loose[q->id[p]] = 1;
-    /* The limit of flights uses the largest speed. */
+    /* The limit for particles in flight uses the largest speed. */
     dem->done.motion.speed2 =
         fmax(dem->done.motion.speed2, gn_dot3(arrival->velocity, arrival->velocity));
 }

@@ -19,7 +19,7 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, const gn_arri
                           size_t count, gneiss_error *error);
 /* Drops the rows of removed particles, except those in persistent lists, if they are more than a
  * sixteenth. *place [rows]: the new index of each row, -1: none, freed by the caller; NULL: all
- * rows stay. Lists must be made next. */
+ * rows stay. The caller must rebuild the lists afterwards. */
 gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, int32_t **place,
                           gneiss_error *error);
 /* Allocates and fills the rows of ids (gn_dem_number_ids). */

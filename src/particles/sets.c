@@ -57,7 +57,7 @@ bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, 
 static bool starts_in(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
     if (!gn_particle_is_active(q, p)) return false; /* it was removed */
-    if (q->id[p] >= dem->made) return false;        /* a source's: sets are of the specimen */
+    if (q->id[p] >= dem->made) return false; /* of a source: sets are parts of the specimen */
     return gn_set_selected(ctx, dem, set, p);
 }
 
@@ -109,7 +109,7 @@ gneiss_status gn_sets_assign(const gn_step_context *ctx, gn_dem *dem, gneiss_err
     return GNEISS_OK;
 }
 
-/* Initial motion and force of one set; the total force is shared out by mass. */
+/* Sets the initial motion and force of one set; the total force is distributed by mass. */
 static void apply_set(const gn_step_context *ctx, gn_dem *dem, const gn_set_def *set_def) {
     gn_particles *q = &dem->particles;
     double mass = 0.0;
@@ -220,7 +220,7 @@ void gn_reactions_sum(const gn_step_context *ctx, gn_dem *dem) {
     memset(dem->set_reaction, 0, ctx->scene.set_count * 6 * sizeof *dem->set_reaction);
     for (size_t slot = 0; slot < dem->prescribed.count; slot++)
         for (int k = 0; k < 6; k++) {
-            int32_t s = dem->channel_set[6 * slot + k]; /* of several sets the one that drives it */
+            int32_t s = dem->channel_set[6 * slot + k]; /* the set that drives it, of several */
             if (s >= 0) dem->set_reaction[6 * s + k] += dem->prescribed.load[6 * slot + k];
         }
 }

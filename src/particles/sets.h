@@ -10,8 +10,8 @@
 
 /* Tells whether a set contains a particle, by its position at the start. */
 bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t particle);
-/* gn_sets_assign gives particles the materials and groups of their sets; gn_sets_apply, when masses
- * are known, the motions and forces. */
+/* gn_sets_assign sets the materials and groups of the particles of each set; gn_sets_apply, called
+ * when masses are known, sets their motions and forces. */
 gneiss_status gn_sets_assign(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gneiss_status gn_sets_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Updates motions and forces of sets from the scene of another stage. */

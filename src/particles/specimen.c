@@ -182,8 +182,8 @@ void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
     if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);
 }
 
-/* A generated packing has to lie in the box as it is; rows of a file may include particles that
- * have passed through its sides. */
+/* A generated packing must be inside the box; rows of a file may include particles that have passed
+ * through its sides. */
 static gneiss_status check_box(const gn_scene *scene, const gn_packing *packing,
                                gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;

@@ -28,8 +28,8 @@ void gn_extent_add(gn_extent *extent, const double point[3], double radius);
 /* Estimates the extent of the specimen. Nothing is added for a geometry that gmsh has to mesh
  * first, nor for a file that cannot be read: packing it will report the reason. */
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent);
-/* Has the preparation of the scene change the particles that were just created, and checks what it
- * leaves. GNEISS_ERROR_INPUT: particle, value. */
+/* Calls the preparation of the scene, which may change the particles just created, and checks the
+ * result. GNEISS_ERROR_INPUT: particle, value. */
 gneiss_status gn_specimen_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Tells whether the radii of a packing cover a narrower range than requested, and writes a message
  * to `text`. Never with sources or sinks, because the message is about the specimen (specimen.c).

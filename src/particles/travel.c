@@ -21,9 +21,9 @@ typedef struct ways {
 typedef struct grid {
     double low[3], scale[3]; /* scale: cells per m */
     size_t count[3];
-    bool closed[3];    /* the last cell is beside the first */
-    size_t begin, end; /* layers of cells, of one place along the last axis, with a particle in them
-                          or in the next one; cells of all others are unused */
+    bool closed[3];    /* periodic: the last cell is next to the first */
+    size_t begin, end; /* range of layers along the last axis that have a particle in them or in the
+                          next layer; other cells are unused */
     ways *cell;
 } grid;
 

@@ -202,7 +202,8 @@ static gneiss_status time_grid(const gn_step_context *ctx, const gn_solids *soli
 }
 
 /* Two lattices with different numbers of neighbours separate the cost of particles from that of
- * contacts; if noise makes one of them zero or less, the other takes all. */
+ * contacts; if noise makes one of them zero or negative, the whole cost is attributed to the other.
+ * */
 static void divide(const timed *few, const timed *many, gn_cost *cost) {
     double p = few->particles, c = few->contacts, q = many->particles, d = many->contacts;
     double determinant = p * d - q * c;

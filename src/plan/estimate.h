@@ -30,8 +30,8 @@ typedef struct gn_estimate {
     double radius;               /* m, mean */
 } gn_estimate;
 
-/* Makes the estimate; if the scene is no test of the study, sets only `absent` and what it needs.
- */
+/* Computes the estimate; if the scene is no test that the study covers, sets only `absent` and what
+ * it needs. */
 gneiss_status gn_estimate_make(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, gn_estimate *estimate, gneiss_error *error);
 

@@ -15,8 +15,8 @@ static bool packs(const gn_step_context *ctx) {
     return ctx->given.specimen.pack.shape != GN_SHAPE_NONE;
 }
 
-/* Returns the step over that of the scene: the stable step is proportional to the particle size.
- * Added mass gives less than initially once bonds have broken. */
+/* Returns the ratio of the step to that of the scene: the stable step is proportional to the
+ * particle size. Added mass has less effect than initially once bonds have broken. */
 static double step_ratio(const gn_step_context *ctx, const gn_plan *plan,
                          const gn_proposal *proposal, bool breaks) {
     double finer = proposal->particles / plan->groups.particles;
@@ -196,8 +196,8 @@ static void try_numbers(setting_search *search, gn_proposal proposal) {
         }
 }
 
-/* Centre of the tried speeds: that of the scene, or the fastest known one if the scene's is beyond
- * it. */
+/* Centre of the tried speeds: that of the scene, or the fastest known one if the speed of the scene
+ * is above it. */
 static double middle_pace(const gn_plan *plan, const gn_step_context *ctx) {
     const gn_slope *law = gn_slope_find(plan->groups.study, plan->reading, "velocity", false);
     double speed = plan->estimate.speed;

@@ -1,5 +1,5 @@
-/* The error budget of a finished run: how far each of its readings may be off, by cause. An error
- * is measured in the run where the run shows it, and else estimated by the laws of the accuracy
+/* The error budget of a finished run: the possible error of each of its readings, by cause. An
+ * error is measured in the run if it shows there, and else estimated by the laws of the accuracy
  * study. */
 #ifndef GN_RUN_BUDGET_H
 #define GN_RUN_BUDGET_H
@@ -13,7 +13,7 @@
 
 typedef struct gn_budget {
     char absent[GN_REASON_SIZE]; /* why there is no budget; "": there is one */
-    double speed; /* speed of the test as the accuracy laws define it, for this run */
+    double speed; /* speed of the test as defined by the accuracy laws, for this run */
     double imbalance,
         kinetic; /* imbalance of the ends; kinetic over elastic energy; NaN: not known */
     gn_error_causes of[GN_READING_COUNT]; /* count 0: no laws for this reading */

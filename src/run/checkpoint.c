@@ -194,7 +194,7 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     if (w->outcome.halt[0]) GN_TRY(gn_h5_attribute_text(file, "/", "halt", w->outcome.halt, error));
     GN_TRY(gn_scene_results(w, file, error));
     GN_TRY(put_stages(w, file, error));
-    gn_strain_gauge gauge = w->gauge.weights; /* list_gauge returns writable places */
+    gn_strain_gauge gauge = w->gauge.weights; /* list_gauge returns pointers that are not const */
     int32_t *belongs = w->gauge.belongs;
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
     list_gauge(&gauge, &belongs, w->gauge.count, arrays);
@@ -328,7 +328,7 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
 }
 
 /* The saved steps must resemble the earlier ones, and rates must be possible with the saved step:
- * values far from these would make a run without end. */
+ * with values far from these a run would never end. */
 static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_error *error) {
     const double far = 1e5, steps = (double)(world->ctx.step - world->ctx.first_step);
     const double least = steps > 0.0 ? world->ctx.time / steps / far : 0.0,
@@ -355,7 +355,7 @@ static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_
     return GNEISS_OK;
 }
 
-/* The rows at which stages begin must rise, and the cause that ended a stage must be a known
+/* The rows at which stages begin must increase, and the cause that ended a stage must be a known
  * one. */
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
@@ -363,7 +363,7 @@ static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_er
     for (size_t k = 0; k < w->ctx.given.stage_count && k <= w->stages.now; k++) {
         const gn_stage_state *s = &w->stages.state[k];
         bool good = s->row >= least && s->row <= (int64_t)run->history.row_count && s->step >= 0 &&
-                    s->step <= w->ctx.step && s->ended >= 0 && s->ended <= GN_STAGE_PRESSED;
+                    s->step <= w->ctx.step && s->ended >= 0 && s->ended <= GN_STAGE_ASKED;
         least = s->row;
         if (!good)
             return gn_fail(error, GNEISS_ERROR_INPUT,

@@ -41,7 +41,8 @@ static size_t list_arrays(gn_world *world, gn_checkpoint_array out[MOST_ARRAYS])
 }
 
 gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
-    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays returns writable places */
+    gn_world *w =
+        (gn_world *)(uintptr_t)world; /* list_arrays returns pointers that are not const */
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->boundary, error));

@@ -120,7 +120,8 @@ static gneiss_status put_dormant(const gn_world *world, gn_h5 *file, gneiss_erro
 }
 
 gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
-    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays returns writable places */
+    gn_world *w =
+        (gn_world *)(uintptr_t)world; /* list_arrays returns pointers that are not const */
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
     size_t groups;

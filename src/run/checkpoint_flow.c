@@ -19,13 +19,14 @@ static size_t list_arrays(gn_world *world, gn_checkpoint_array out[ARRAYS_MOST])
                                    sizeof(gn_source_state) / 8, &f->sources);
     out[n++] = GN_CHECKPOINT_ARRAY("sinks", GN_F64, world->ctx.scene.sink_count,
                                    sizeof(gn_sink_state) / 8, &f->sinks);
-    /* Computed from particles of which some have been removed. */
+    /* Quantities of particles, some of which have been removed since. */
     out[n++] = GN_CHECKPOINT_ARRAY("loose", GN_U8, (size_t)world->dem.ids, 1, &world->dem.loose);
     return n;
 }
 
 gneiss_status gn_checkpoint_put_flow(const gn_world *world, gn_h5 *file, gneiss_error *error) {
-    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays returns writable places */
+    gn_world *w =
+        (gn_world *)(uintptr_t)world; /* list_arrays returns pointers that are not const */
     gn_checkpoint_array arrays[ARRAYS_MOST];
     return gn_checkpoint_put_arrays(file, arrays, list_arrays(w, arrays), error);
 }

@@ -14,7 +14,7 @@ typedef struct range {
     double least, most;
 } range;
 
-static const double light = 299792458.0; /* m/s: no speed of a scene comes near it */
+static const double light = 299792458.0; /* m/s: far above every speed of a scene */
 #define FAR    1e30                      /* m: squares and cubes of such distances are finite */
 #define GROUPS 1e6 /* the bound of specimen.group: arrays have an entry for each group */
 #define ANY    INFINITY

@@ -4,6 +4,7 @@
 #include "io/h5.h"
 #include "io/listing.h"
 #include "io/snapshot.h"
+#include "run/status.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -282,7 +283,7 @@ gneiss_status gn_folder_check(const char *directory, gneiss_error *error) {
     }
     for (size_t k = 0; k < SERIES; k++)
         GN_TRY(check_series(directory, series[k], k < LISTED, error));
-    return GNEISS_OK;
+    return gn_status_is_own(directory) ? GNEISS_OK : not_ours(directory, "status.json", error);
 }
 
 /* --- removal of earlier files --- */
@@ -303,6 +304,8 @@ gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gnei
         GN_TRY(status);
     }
     GN_TRY(gn_checkpoint_prune(directory, 0, error));
+    gn_status_path(directory, path);
+    GN_TRY(remove_file(path, error));
     for (size_t k = 0; k < SINGLE; k++) {
         snprintf(path, sizeof path, "%s/%s", directory, single[k]);
         GN_TRY(remove_file(path, error));

@@ -32,8 +32,8 @@ gneiss_status gn_folder_check(const char *directory, gneiss_error *error);
 gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error);
 bool gn_folder_holds_sweep(const char *directory);
 
-/* Uses of a folder that exclude each other: files of one would seem to belong to the other, and
- * what is still to be continued would lose files. */
+/* Uses of a folder that exclude each other: otherwise files of one would seem to belong to the
+ * other, and a run that is to be continued would lose files. */
 typedef enum gn_folder_use {
     GN_FOLDER_OF_RUN,
     GN_FOLDER_OF_RUNS,

@@ -60,8 +60,8 @@ static double largest(const double x[3]) {
     return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
 }
 
-/* m: the largest coordinate at the start. Positions are rounded relative to it, and not to the
- * extent, if the model lies away from the origin. */
+/* Returns the largest coordinate at the start, m. Positions are rounded relative to it, and not to
+ * the extent, if the model is far from the origin. */
 static double largest_coordinate(const gn_world *world) {
     double most = fmax(largest(world->ctx.lower), largest(world->ctx.upper));
     double lower[3] = {0, 0, 0}, upper[3] = {0, 0, 0};

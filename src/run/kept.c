@@ -12,8 +12,8 @@
 
 /* An interval has at most PARTS parts. Up to LEAST_COUNT regular snapshots are kept while the run
  * advances even if fewer are requested, because one of them is to be near half of the peak. A file
- * costs tens of milliseconds, so intervals are those of at most MOST_WRITTEN snapshots up to
- * time.end. */
+ * takes tens of milliseconds, so the intervals allow at most MOST_WRITTEN snapshots up to time.end.
+ * */
 enum {
     PARTS = 1 << GN_SNAPSHOT_HALVINGS,
     LEAST_STEPS = 40,
@@ -73,7 +73,7 @@ void gn_kept_free(gn_kept *kept) {
 
 /* --- the peak --- */
 
-/* Returns the last candidate of the peak; NULL: there is none. */
+/* Returns the last candidate for the snapshot at the peak; NULL: there is none. */
 static const gn_kept_snapshot *candidate(const gn_kept *kept, gn_kept_kind kind) {
     for (size_t n = kept->count; n > 0; n--)
         if (kept->list[n - 1].kind == (double)kind) return &kept->list[n - 1];

@@ -20,14 +20,14 @@
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
-/* The data from which fields of bodies, and of their vertices and facets numbered through, are
- * read. */
+/* The data from which fields of bodies are read, and those of their vertices and facets, numbered
+ * consecutively. */
 typedef struct view {
     const gn_world *world;
     double *place;        /* [vertices][3], in the user's coordinates */
     int32_t *vertex_body; /* [vertices] */
     int32_t *facet_body;  /* [facets] */
-    int32_t *corner;      /* [facets][corners], vertices of all bodies numbered through */
+    int32_t *corner;      /* [facets][corners], vertices of all bodies numbered consecutively */
     size_t vertices, facets, corners;
 } view;
 
@@ -97,7 +97,7 @@ static void read_orientation(const void *of, size_t k, double *value) {
     gn_rigid_orientation(&((const view *)of)->world->boundary.bodies[k], value);
 }
 
-/* Fields in addition to those that the history has of bodies (quantities.c). */
+/* Fields in addition to those of bodies in the history (quantities.c). */
 static const gn_output_field of_bodies[] = {
     {"position", "m", "reference point; free: centre of mass", RESULTS, GN_F64, false, 3,
      read_position, 0},

@@ -1,5 +1,5 @@
-/* Active contacts as files show them: intact bonds, and all touching particles, walls, bodies and
- * finite elements. */
+/* Active contacts in files: intact bonds, and all touching particles, walls, bodies and finite
+ * elements. */
 #ifndef GN_RUN_OUTPUT_CONTACTS_H
 #define GN_RUN_OUTPUT_CONTACTS_H
 

@@ -30,7 +30,7 @@ typedef struct view {
     size_t number;                /* number of the solid */
     char prefix[GN_ELEMENT_PATH]; /* prefix of its groups; "" for the first */
     int32_t *node_row;            /* [nodes] */
-    int32_t *element_row;         /* [elements] that are left, in the order of the mesh */
+    int32_t *element_row;         /* [elements] the remaining ones, in the order of the mesh */
     double (*element)[6];         /* [elements] Pa, stresses */
     double (*nodal)[6];           /* [nodes] Pa */
     double *pressure;             /* [nodes] Pa, tension positive */

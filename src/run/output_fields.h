@@ -1,5 +1,4 @@
-/* Particles and bonds as files show them: the view from which the fields of their tables are
- * read. */
+/* Particles and bonds in files: the view from which the fields of their tables are read. */
 #ifndef GN_RUN_OUTPUT_FIELDS_H
 #define GN_RUN_OUTPUT_FIELDS_H
 

@@ -51,4 +51,4 @@ const gn_quantity gn_cut_quantities[GN_CUT_QUANTITIES] = {
     SCALAR(cut, GN_AFTER_STEP, "side_impulse", "N s", read_side_impulse,
            "the same sum of side_force"),
     SCALAR(chipped, GN_AFTER_STEP, "removed_volume", "m3", read_removed,
-           "rock that no intact bond joins to the anchored rest any more, with its pores")};
+           "rock, pores included, that intact bonds no longer connect to the anchored part")};

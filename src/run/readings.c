@@ -49,7 +49,7 @@ static double returned(const gn_world *world, const gn_history *rows, bool over)
     return column && rows->row_count ? column[rows->row_count - 1] : NAN;
 }
 
-/* s: the interval in which bursts are counted, without its end. */
+/* s: the interval in which bursts are counted, excluding its end. */
 typedef struct span {
     double from, until;
 } span;
@@ -105,7 +105,7 @@ static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool o
                          : "the scene has no bonds"};
 }
 
-/* `over`: the rows have ended before the run. */
+/* `over`: the history ended before the run. */
 static gneiss_status compute(const gn_world *world, const gn_history *rows, span when, bool over,
                              gn_readings *readings, gneiss_error *error) {
     gn_tested tested = tested_of(world, rows, over);

@@ -28,7 +28,7 @@ enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* --- setting up --- */
 
-/* s: until the end of the run, or of the stage. */
+/* Returns the time to the end of the run, or of the stage, s. */
 static double span_of(const gn_run *run) {
     return gn_run_staged(run) ? gn_run_stage_duration(run) : run->world.ctx.scene.end;
 }
@@ -127,8 +127,8 @@ static void stop(gn_run *run, const char *format, double value) {
     snprintf(run->stop_reason, sizeof run->stop_reason, format, value);
 }
 
-/* A fall of the stress is evaluated once something has broken (or, without bonds, after this many
- * rows) because the first rows of a dynamic test swing through zero. */
+/* A fall of the stress is evaluated after the first bond has broken (or, without bonds, after this
+ * many rows) because the first rows of a dynamic test oscillate about zero. */
 enum { ROWS_BEFORE_PEAK = 20 };
 
 /* Ends the run if the model itself requires it. */
@@ -158,8 +158,8 @@ static bool broken_through(const gn_run *run) {
     return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
 }
 
-/* Converts a number of rows out of the default of a thousand to the rows of the same time if more
- * or fewer are requested. */
+/* Converts a number of rows out of the default of a thousand to the number for the same time if
+ * more or fewer rows are requested. */
 static size_t rows_of_thousand(const gn_run *run, size_t rows) {
     const double wanted = (double)run->world.ctx.scene.history_rows * (double)rows / 1000.0;
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
@@ -322,7 +322,7 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
         if (*damaged == 0) first = reading;
         same = same && strcmp(first.message, reading.message) == 0;
     }
-    /* An error that is the same for each is not caused by the checkpoints (an override). */
+    /* An error that all checkpoints have in common is not caused by them (an override). */
     return count == 1 || same
                ? gn_fail(error, first.status, "%s", first.message)
                : gn_fail(error, first.status,
@@ -531,8 +531,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* A disk that has no room for one file must not cost the others: `before` is the status of the
- * earlier ones, and the first error counts. After other errors nothing more is written. */
+/* A disk without room for one file must not lose the others: `before` is the status of the earlier
+ * ones, and the first error is returned. After other errors nothing more is written. */
 static gneiss_status also_write(gneiss_status before,
                                 gneiss_status (*write)(const gn_run *, gneiss_error *),
                                 const gn_run *run, gneiss_error *error) {

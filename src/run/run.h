@@ -43,30 +43,31 @@ typedef struct gn_run {
     struct gn_run_read *read; /* the readings that were computed last (readings.c) */
     char directory[GN_PATH_SIZE];
     int64_t history_interval; /* steps */
-    double history_spacing;   /* s between rows that are never removed, 0: none */
-    int64_t history_end_row;  /* 1: the last row is that of the end, at no regular time */
+    double history_spacing;   /* s between rows that are never removed, 0: unset */
+    int64_t
+        history_end_row; /* 1: the last row is that of the end, which is not at a regular time */
     int64_t history_halvings; /* present halvings of the interval (run/spacing.h) */
     int64_t history_begin;    /* first row that the thinning may remove */
     gn_samples samples;
-    int64_t snapshot_interval; /* steps, 0: none */
+    int64_t snapshot_interval; /* number of steps, 0: none */
     int64_t snapshot_next;     /* step of the next snapshots */
     double snapshot_span;      /* s, in which the scene's number of snapshots is requested */
     gn_kept kept;
     double wall_before;     /* s of wall time in earlier sessions */
     double wall_start;      /* gn_now() at the start of this session */
-    double cpu_before;      /* s of processors, all threads, in earlier sessions */
+    double cpu_before;      /* s of processor time of all threads in earlier sessions */
     double cpu_start;       /* gn_process_time() at the start of this session */
     double next_checkpoint; /* gn_now() */
     double peak;            /* largest stress since the test began, Pa */
     gn_beginning beginning; /* beginning of the test, by the history so far */
     int64_t bad_since;      /* step since which the ledger has not closed; -1: it closes */
     bool finished;
-    double expected_end; /* s, end of the test predicted from its specimen; 0: not known */
+    double expected_end; /* s, end of the test predicted from its specimen; 0: unknown */
     char stop_reason[256];
     gn_snapshot_times snapshot_times; /* of the output folder */
-    size_t series_length;             /* number of times that the series files list */
+    size_t series_length;             /* number of snapshots that the series files list */
     int folder_lock;            /* descriptor that excludes other runs from the folder; 0: none */
-    gn_first_break first_break; /* the state with which the run began; steps 0: it began at rest */
+    gn_first_break first_break; /* the initial equilibrium; steps 0: the run began at rest */
     char note[GNEISS_MESSAGE_SIZE]; /* set by gn_run_resume: the damaged checkpoint; "": none */
 } gn_run;
 
@@ -119,7 +120,8 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
  * written; errors as with gn_run_advance. */
 gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error);
 
-/* As gn_run_steps; *interrupt != 0 stops it between steps, and *steps is what is left. */
+/* Does the same as gn_run_steps, but stops between steps if *interrupt != 0; *steps is then the
+ * number of steps left. */
 gneiss_status gn_run_some_steps(gn_run *run, int64_t *steps, const volatile sig_atomic_t *interrupt,
                                 gneiss_error *error);
 
@@ -163,14 +165,14 @@ gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error);
 /* Called after all outputs were written. GNEISS_ERROR_UNSTABLE: the run ended above that limit. */
 gneiss_status gn_run_check_final_ledger(const gn_run *run, gneiss_error *error);
 
-/* output_bodies.c: kg/s taken by a sink, between the rows at which a quarter and three quarters of
- * its mass had passed; NaN: too few rows. */
+/* output_bodies.c: returns the rate of a sink, kg/s, between the rows at which a quarter and three
+ * quarters of its mass had passed; NaN: too few rows. */
 double gn_sink_steady_rate(const gn_history *history, const char *sink);
 
 /* Warnings about the validity of the results, each under a name that scripts can look for. */
 typedef struct gn_warning {
     const char *name;
-    char text[640]; /* lists are on the stack */
+    char text[640]; /* lists are allocated on the stack */
 } gn_warning;
 enum { GN_WARNINGS_MAX = 48 };
 typedef struct gn_warnings {

@@ -11,8 +11,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A row costs some 20 us, so rows that are thinned later are at least this many steps apart. With
- * GN_ROW_HALVINGS the run may end at 1/32 of time.end before there are fewer rows than
+/* A row costs some 20 us, so that rows that are thinned later are at least this many steps apart.
+ * With GN_ROW_HALVINGS the run may end at 1/32 of time.end before there are fewer rows than
  * requested. */
 enum { LEAST_STEPS = 5 };
 
@@ -86,8 +86,8 @@ static bool goes_by_steps(const gn_run *run) {
     return run->history_halvings > 0 || adapts(&run->world, run->world.stages.now);
 }
 
-/* Rows that may be removed are at multiples of the interval. All others are equal times apart, from
- * the last one on, because the step may become shorter. */
+/* Rows that may be removed are at multiples of the interval. All others are at equal time intervals
+ * from the last one, because the step may become shorter. */
 bool gn_run_row_is_due(const gn_run *run) {
     const gn_world *w = &run->world;
     const size_t rows = run->history.row_count;

@@ -38,8 +38,8 @@ bool gn_run_row_is_due(const gn_run *run);
 /* Tells whether the last step of the run has a row although none is due, so that the history
  * includes all particles that entered and left. */
 bool gn_run_has_end_row(const gn_run *run);
-/* Removes such a row before a step: a run that continues after it does so as if it had never
- * ended. */
+/* Removes such a row before a step, so that a run that continues gives the same rows as one that
+ * did not stop there. */
 gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error);
 
 /* Tells whether a row of the history is a sample. */

@@ -20,7 +20,7 @@
 #include <string.h>
 
 /* Unbalanced forces, and stress after a peak, are evaluated after this number of samples
- * (spacing.h) of the stage because the first ones swing through zero. Servos must hold for
+ * (spacing.h) of the stage because the first ones oscillate about zero. Servos must hold for
  * ROWS_HELD samples. */
 enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD, ROWS_MOST = ROWS_BEFORE + 1 };
 
@@ -205,7 +205,8 @@ const char *gn_stage_reason(const gn_stage *stage, gn_stage_cause cause, char *t
                  {"stress fell by %g of its peak", stage->peak_drop},
                  {"unbalanced force ratio fell below %g", stage->unbalanced},
                  {"servos held their forces to %g", stage->held},
-                 {"the mean stress held the pressure of the membrane to %g", stage->held}};
+                 {"the mean stress held the pressure of the membrane to %g", stage->held},
+                 {"a program ended it", 0.0}};
     snprintf(text, size, texts[cause].format, texts[cause].value);
     return text;
 }
@@ -244,6 +245,10 @@ void gn_run_stage_time(gn_run *run) {
     bool begun = e->time == 0.0 || w->ctx.step > s->step;
     bool over = begun && w->ctx.time - s->time >= e->time - 0.5 * w->ctx.dt;
     if (s->ended == 0 && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
+}
+
+void gn_run_end_stage(gn_run *run) {
+    if (state_of(run)->ended == 0) end(run, GN_STAGE_ASKED);
 }
 
 double gn_run_stage_duration(const gn_run *run) {

@@ -15,7 +15,8 @@ typedef enum gn_stage_cause {
     GN_STAGE_PEAK_DROP,
     GN_STAGE_UNBALANCED,
     GN_STAGE_HELD,
-    GN_STAGE_PRESSED
+    GN_STAGE_PRESSED,
+    GN_STAGE_ASKED
 } gn_stage_cause;
 
 bool gn_run_staged(const gn_run *run);
@@ -32,6 +33,8 @@ bool gn_run_stages_left(const gn_run *run);
  * after a step; the end of the last stage ends the run. */
 void gn_run_stage_row(gn_run *run);
 void gn_run_stage_time(gn_run *run);
+/* Ends the present stage because a program asks for it, unless it has ended. */
+void gn_run_end_stage(gn_run *run);
 /* Enters the next stage, before a step, when the present one has ended, and skips stages without
  * steps. */
 gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error);

@@ -417,8 +417,8 @@ static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     gn_warn(list, "no_normal_stress", "%s", text);
 }
 
-/* A factor that alternates between its bounds is no control; one that reverses beyond the initial
- * position of the ends unloads without a load. */
+/* A factor that alternates between its bounds is no control; one that moves the ends beyond their
+ * initial positions unloads without a load. */
 enum { SWINGS = 10 };
 
 static void warn_of_control(const gn_run *run, gn_warnings *list) {

@@ -403,7 +403,8 @@ static void warn_of_balance(const gn_readings *readings, gn_warnings *list) {
         100.0 * readings->end_imbalance);
 }
 
-/* The largest rise from one row to the next, that of twenty rows of a stress that rises evenly. */
+/* The largest increase from one row to the next, that of twenty rows of a stress that increases
+ * uniformly. */
 static const double rise_limit = 0.05;
 
 static void warn_of_rows(const gn_readings *readings, gn_warnings *list) {
@@ -428,7 +429,8 @@ static void warn_of_rows(const gn_readings *readings, gn_warnings *list) {
              ": more output.history_rows resolve it better");
 }
 
-/* The largest initial stress that vanished, relative to the later peak: as much may break bonds. */
+/* The largest initial stress that vanished, relative to the later peak: a larger one may have
+ * broken bonds. */
 static const double initial_limit = 0.5;
 
 static void warn_of_beginning(const gn_readings *readings, gn_warnings *list) {

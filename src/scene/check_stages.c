@@ -199,8 +199,8 @@ static const char *strains_by(const gn_scene *scene) {
     return d->sheared ? "shear the specimen" : d->sign < 0 ? "close" : "come apart";
 }
 
-/* True if the motion of each part of an end is prescribed and none is ever in the sense of `sign`;
- * counts the parts that move the other way. */
+/* True if the motion of each part of an end is prescribed and none of them ever moves in the sense
+ * of `sign`; counts the parts that move in the opposite sense. */
 static bool only_against(const gn_scene *scene, const gn_test_end *end, double sign, int *against) {
     for (size_t k = 0; k < end->count; k++) {
         const gn_table *velocity = velocity_of(scene, end->name[k]);

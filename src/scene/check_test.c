@@ -324,7 +324,7 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
     return d->sides_stand ? check_sides_stand(c, s) : GNEISS_OK;
 }
 
-/* As src/sweep/envelope.h asks for. */
+/* The conditions of src/sweep/envelope.h. */
 enum { LEAST_CONFINEMENTS = 3 };
 
 /* Reads a pressure; an invalid one is reported when a run with it is made. */

@@ -137,7 +137,7 @@ static void print_key(key_printer *printer, const char *path, const gn_key *key)
             fallback, key->text);
 }
 
-/* Synonyms from the field and other programs, and the parts of key paths that they stand for. */
+/* Synonyms used in the field and by other programs, with the parts of key paths that they mean. */
 static const struct {
     const char *word, *parts[4];
 } synonyms[] = {
@@ -210,7 +210,7 @@ static bool is_term(const key_printer *printer, const char *path) {
     return printer->sought_count > 1 && is_synonym(term, path);
 }
 
-/* The rank of several words is the lowest of theirs; a key must contain all of them. */
+/* The rank of several words is their lowest one; a key must contain all of them. */
 static int rank_of(const key_printer *printer, const char *path, const gn_key *key) {
     int rank = RANK_START;
     for (size_t k = 0; k < printer->sought_count; k++) {

@@ -12,7 +12,7 @@ typedef enum gn_key_type {
     GN_KEY_SEED,      /* uint64_t */
     GN_KEY_TEXT,      /* char[size] */
     GN_KEY_NAME,      /* char[size], a name: not empty, usable in an override */
-    GN_KEY_FILE,      /* char[size], an existing file; its absolute path goes to `second` */
+    GN_KEY_FILE,      /* char[size], an existing file; its absolute path is stored at `second` */
     GN_KEY_CHOICE,    /* bool, enum or int64_t, by `size` */
     GN_KEY_VECTOR,    /* double[3]; two components in 2D scenes */
     GN_KEY_SPIN,      /* double[3]; one number, about z, in 2D scenes */
@@ -120,7 +120,7 @@ bool gn_range_holds(const char *text, double value);
  * vector); NULL: none. Elements of lists need not exist. */
 const gn_key *gn_scene_key_at(const char *path);
 
-/* Writes the value that a key takes in words: "number, m, in (0, inf), or auto". */
+/* Writes in words which values a key accepts: "number, m, in (0, inf), or auto". */
 enum { GN_KEY_TYPE_SIZE = 256 };
 void gn_key_describe(const gn_key *key, char *text, size_t size);
 

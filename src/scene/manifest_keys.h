@@ -4,9 +4,10 @@
 
 #include "scene/manifest.h"
 
-/* Ranges of quantities in SI units. They are wide enough for every meaningful scene, refuse slips
- * (a missing unit, an exponent too many) at their place, and keep products far from overflow.
- * Limits (strengths, a servo's velocity) may be large to stand for none. */
+/* Ranges of quantities in SI units. They are wide enough for every meaningful scene, refuse errors
+ * (a missing unit, an exponent that is too large) with the place of the key, and keep products far
+ * from overflow. Limits (strengths, the velocity of a servo) may be large enough to have no effect.
+ * */
 #define GN_AREAS         "[1e-18, 1e18]"  /* m2 */
 #define GN_SCALES        "[1e-12, 1e12]"  /* 1 */
 #define GN_DENSITIES     "[1e-9, 1e15]"   /* kg/m3 */
@@ -37,9 +38,9 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
         .size = sizeof(((STRUCT *)0)->FIELD), __VA_ARGS__                                          \
     }
 
-/* Keys by type. DEFAULT is REQUIRED, BY("0.1") or OR("none", value): a word in place of a number,
- * which stands for `value` and is the default; or PRESENT. The text may be followed by further
- * members. */
+/* Keys by type. DEFAULT is REQUIRED, BY("0.1") or OR("none", value): a word instead of a number,
+ * which means `value` and is the default; or PRESENT. The text may be followed by further members.
+ * */
 #define REQUIRED        .required = true
 #define BY(TEXT)        .fallback = TEXT
 #define OR(WORD, VALUE) .word = WORD, .word_value = VALUE, .fallback = WORD
@@ -88,7 +89,8 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
         REAL("twisting_friction", STRUCT, twisting_friction, "1", GN_FRICTIONS, BY("0"),           \
              "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced "        \
              "radius; 0: no resistance")
-/* The section of a table: its keys, the size of an element of a list, where its place is kept. */
+/* The section of a table: its keys, the size of an element of a list, the member that stores its
+ * place in the file. */
 #define KEYS_OF(NAME)  NAME##_keys, sizeof NAME##_keys / sizeof(gn_key)
 #define TABLE_OF(NAME) static const gn_section NAME##_section = {KEYS_OF(NAME), 0, GN_NO_WHERE}
 #define ELEMENTS_OF(NAME, STRUCT)                                                                  \

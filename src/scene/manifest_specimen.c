@@ -137,8 +137,8 @@ static const gn_key specimen_keys[] = {
     KEY("from", FILE, gn_scene, specimen.from, .second = offsetof(gn_scene, specimen.from_path),
         PRESENT(TEXT, gn_scene, specimen.from), .in_folder = "results.h5",
         PLACED(gn_scene, specimen.from_where),
-        .text = "folder of another run, whose particles at the end are taken without removed ones; "
-                "or of a packing; relative to the folder of the scene"),
+        .text = "folder of another run, the remaining particles of which are taken in their final "
+                "state, or of a packing; relative to the folder of the scene"),
     CHOICE("from_velocities", gn_scene, specimen.from_velocities, from_velocities, BY("keep"),
            "velocities of particles from another run: kept, or zero"),
     CHOICE("from_bonds", gn_scene, specimen.from_bonds, from_bonds, BY("none"),

@@ -31,8 +31,8 @@ void gn_problem_place(gn_problems *problems, gn_scene_place where, const char *p
 gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error);
 
 /* gn_problem_at: true if a problem concerns this very key; gn_problem_near: at, above or below it;
- * gn_problem_names: the names in a list. If more problems came than are kept, every key is in
- * doubt. */
+ * gn_problem_names: the names in a list. If there were more problems than are stored, the functions
+ * return true for every key. */
 bool gn_problem_at(const gn_problems *problems, const char *path);
 bool gn_problem_near(const gn_problems *problems, const char *path);
 bool gn_problem_names(const gn_problems *problems, const char *list);

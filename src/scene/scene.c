@@ -88,7 +88,7 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
     return gn_problems_status(reader->problems, reader->error);
 }
 
-/* The reader keeps messages even if the caller does not ask for them. */
+/* The reader stores messages even if the caller does not ask for them. */
 static gneiss_status parse_all(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
                                size_t override_count) {
     gneiss_error own = {0}, *error = reader->error;
@@ -596,7 +596,7 @@ bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
     return false;
 }
 
-/* Nodes take no moments, so that nothing resists rolling on finite elements. */
+/* Nodes have no rotations, so that finite elements do not resist rolling. */
 gn_scene_surface gn_scene_surface_at(const gn_scene *scene, size_t place) {
     const size_t walls = scene->wall_count, bodies = walls + scene->body_count;
     const gn_wall_def *wall = place < walls ? &scene->walls[place] : NULL;

@@ -73,7 +73,7 @@ const char *gn_stops_text(const gn_scene *scene, char *text, size_t size) {
 
 /* ---- keys that may change ---- */
 
-/* A path that begins with these steps may change; a star stands for any step. */
+/* A path that begins with these components may change; a star matches any component. */
 static const char *const may_change[] = {
     "gravity",
     "damping",
@@ -415,7 +415,7 @@ static void point_at_elements(const gn_key *key, const char *from, char *to, gn_
                  stage);
 }
 
-/* Copies the places of the file into the scene of a stage, which was read from another text; values
+/* Copies the places in the file to the scene of a stage, which was read from another text; values
  * that only stages have get the place of the stage. */
 static void point_at(const gn_section *section, const char *from, char *to, gn_scene_place stage) {
     if (section->where != GN_NO_WHERE) {

@@ -41,16 +41,16 @@ static inline double gn_stage_length(const gn_stage *stage, double dt) {
 gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
                              gneiss_error *error);
 
-/* Returns the condition of the first stage that never comes true unless contacts begin with a
- * force, because only ends that are fixed or separate act, and writes the reason to `why` [size];
- * NULL: there is none. `scene`: that of the stage. */
+/* Returns the first condition of the stage that can never become true unless contacts begin with a
+ * force, because all ends are fixed or separate, and writes the reason to `why` [size]; NULL: there
+ * is none. `scene`: that of the stage. */
 const char *gn_stage_never_ends(const gn_scene *scene, size_t stage, char *why, size_t size);
 
 /* Calls `visit` for every table of the scene. */
 void gn_scene_tables(gn_scene *scene, void (*visit)(void *context, gn_table *table), void *context);
 
-/* True if a stage may change the key at a path such as walls.top.motion; a star stands for any
- * element. gn_stage_may_hold: or a key below it. */
+/* True if a stage may change the key at a path such as walls.top.motion; a star matches any
+ * element. gn_stage_may_hold: also true if it may change a key below the path. */
 bool gn_stage_may_change(const char *path);
 bool gn_stage_may_hold(const char *path);
 
@@ -70,8 +70,8 @@ gn_stops gn_scene_stops(const gn_scene *scene);
 /* Tells whether a condition may end the run, or the stage if there are stages, before its time. */
 bool gn_scene_may_end_early(const gn_scene *scene, size_t stage);
 
-/* Returns the relative fall of stress from its peak that ends a test: that of gn_scene_stops; if
- * there is none, that of the kind of test, or 0.5. */
+/* Returns the relative fall of stress from its peak that ends a test: that of gn_scene_stops,
+ * otherwise that of the kind of test, otherwise 0.5. */
 double gn_scene_peak_drop(const gn_scene *scene);
 
 /* Writes "stress 0.5 below its peak or strain 0.2 (as shear tests end)"; "": none. */

@@ -4,7 +4,7 @@
 
 #include "scene/read.h"
 
-/* Checks the list by itself: names and ends. */
+/* Checks the list of stages: names and ends. */
 gneiss_status gn_check_stages(const gn_reader *reader, const gn_node *root);
 
 /* Checks the keys for dormant particles before the stage is read as a scene, so that messages name

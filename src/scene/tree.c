@@ -215,7 +215,7 @@ static gneiss_status read_node(tree_builder *builder, struct fy_event *event, gn
     }
 }
 
-/* Reads the whole stream: one document, or none (then *node stays NULL). */
+/* Reads the whole stream, which has one document or none (then *node remains NULL). */
 static gneiss_status read_stream(tree_builder *builder, gn_node **node) {
     *node = NULL;
     for (;;) {

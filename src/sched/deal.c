@@ -241,8 +241,8 @@ static void append(gn_deal *deal, sequence *order, int l, size_t end) {
     }
 }
 
-/* Orders a thread's tasks: those that its particles need come just before them, the rest at the
- * end. */
+/* Orders the tasks of a thread: those that its particles need directly precede them, the others are
+ * at the end. */
 static void put_in_order(gn_deal *deal, int t) {
     sequence s = {.t = t};
     for (int l = 0; l < deal->lists; l++) s.next[l] = deal->cut[l][t];
@@ -337,7 +337,7 @@ void gn_deal_begin(gn_deal *deal) {
     for (int t = 0; t < threads; t++) deal->mark[t].open = packed(deal->sweeps, (range){0, 0});
 }
 
-/* A thread in a sweep. */
+/* A thread of a sweep. */
 typedef struct worker {
     gn_deal *deal;
     const gn_deal_work *work;
@@ -354,8 +354,8 @@ static range open_of(const worker *thread, int t) {
     return unpacked(word, thread->sweep, count_of(thread->deal->task_first, t));
 }
 
-/* Takes the worker's own next task from the front, or another thread's last task from the back.
- * Returns its place, -1 if none is left. */
+/* Takes the next task of the worker from the front, or the last task of another thread from the
+ * back. Returns its index, -1 if none is left. */
 static int64_t take(const worker *thread, int t) {
     gn_deal_mark *mark = &thread->deal->mark[t];
     uint64_t word = atomic_load_explicit(&mark->open, memory_order_relaxed);
@@ -511,9 +511,9 @@ void gn_deal_sweep(gn_deal *deal, int pass, const gn_deal_work *work, void *cont
     deal->mark[k.me].worked += k.tasks;
 }
 
-/* Returns the tasks that a thread did beyond its own, or (negative) those of its own that others
- * did, as a fraction of its own. One per sweep is no evidence: it depends on the order of
- * arrival. */
+/* Returns the number of tasks that a thread did beyond its own, or (negative) the number of its own
+ * that others did, as a fraction of its own. A difference of one per sweep is not significant: it
+ * depends on the order of arrival. */
 static double surplus(const gn_deal *deal, int t, int sweeps) {
     static const double most = 0.5;
     const double own = (double)count_of(deal->task_first, t) * sweeps;

@@ -68,7 +68,7 @@ typedef struct gn_deal {
     size_t tasks, room;
     int32_t *task;      /* [tasks] by threads, in the order in which their particles need them */
     size_t *task_first; /* [threads + 1] */
-    int32_t *place;     /* [tasks] place of each task among those of its thread */
+    int32_t *place;     /* [tasks] index of each task among those of its thread */
     _Atomic uint64_t *taken; /* [tasks] the last sweep in which another thread did it */
 
     /* Blocks of particles by threads: "owned" blocks have all items in one share; "shared" ones

@@ -11,7 +11,7 @@ void gn_hold_free(gn_hold *hold);
 
 /* Releases all blocks. */
 void gn_hold_clear(gn_hold *hold);
-/* Holds the block of a particle from now on. */
+/* Marks the block of a particle as held. */
 gneiss_status gn_hold_particle(gn_hold *hold, size_t particle, gneiss_error *error);
 
 /* Returns the loads of a particle in a held block: force, 0, moment, 0 with a `width` of 8; force

@@ -13,7 +13,7 @@ static void lengthen(gn_pace *pace) {
 /* Threads always wait a little, since shares are never equal. */
 static const double waiting_enough = 0.3;
 
-/* Tells whether a trial of all threads has already cost twice what all its rounds would cost on one
+/* Tells whether a trial of all threads has already taken twice the time of all its rounds on one
  * thread: on a busy machine a single round may take as long as a hundred. */
 static bool is_lost(const gn_pace *pace) {
     return pace->single &&

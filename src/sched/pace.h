@@ -10,7 +10,7 @@
 typedef struct gn_pace {
     int most_threads;      /* largest number of threads */
     int trial_rounds;      /* rounds of a trial of the alternative */
-    int shortest, longest; /* rounds between two trials; doubled as long as trials change nothing */
+    int shortest, longest; /* rounds between two trials; doubled while trials change nothing */
     bool single;           /* one thread is used outside of trials */
     bool trying;
     int rounds, interval;          /* of the present period: rounds done, and its length */

@@ -1,5 +1,6 @@
-/* The state of particles as their inverse mass tells it. An inverse mass of 0 stands for a particle
- * that takes no part in the motion: it was removed, or is dormant (particles/dormant.h). */
+/* The state of particles as given by their inverse mass. An inverse mass of 0 means that the
+ * particle does not take part in the motion: it was removed, or is dormant (particles/dormant.h).
+ * */
 #ifndef GN_SOA_PARTICLE_STATE_H
 #define GN_SOA_PARTICLE_STATE_H
 

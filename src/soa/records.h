@@ -31,7 +31,8 @@
     X(load, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "N",                          \
       "applied force without that of the membrane")                                                \
     X(skin, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "m2, m2",                     \
-      "membrane area on it, without the rigid motion of the skin; its size, negative: detached")   \
+      "area of the membrane on the particle, without the rigid motion of the skin; its size, "     \
+      "negative: detached")                                                                        \
     X(start, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre at the start")               \
     X(ref, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre when the pair list was built") \
     X(own_share, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_MASS_SCALING, 0, "1",                 \

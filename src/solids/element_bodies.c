@@ -13,7 +13,7 @@
 
 /* --- which nodes belong together --- */
 
-/* [nodes] the number of the body of a node, ascending from 0; *count: of bodies. */
+/* Numbers the bodies of nodes [nodes] from 0 in ascending order; *count: number of bodies. */
 static void number_bodies(const gn_fem_solid *b, int32_t *body, size_t *count) {
     const size_t n = b->nodes.soa.count;
     for (size_t v = 0; v < n; v++) body[v] = (int32_t)v;
@@ -127,7 +127,7 @@ static bool find_frame(const double *const x[3], int corners, double frame[9]) {
     return true;
 }
 
-/* A direction turned back with the facet, to where it was at the start. */
+/* Rotates a direction back with the facet, to its initial orientation. */
 static void turn_back(const gn_surface *s, const int32_t *corner, const double n[3],
                       double turned[3]) {
     const gn_particles *nodes = &s->elements->solid.nodes;

@@ -1,4 +1,4 @@
-/* Bodies of finite elements as wholes: the mass that a particle collides with. */
+/* Bodies of finite elements as wholes: the effective mass in a collision with a particle. */
 #ifndef GN_SOLIDS_ELEMENT_BODIES_H
 #define GN_SOLIDS_ELEMENT_BODIES_H
 
@@ -10,7 +10,7 @@
 
 /* Elements that share nodes, as a rigid body at the start. */
 typedef struct gn_element_body {
-    double centre[3];          /* m, of mass, at the start */
+    double centre[3];          /* m, centre of mass at the start */
     double inverse_mass[3];    /* 1/kg along x y z; 0: a motion drives the component of a node */
     double inverse_inertia[9]; /* 1/(kg m2), symmetric; 0: a motion drives any node */
 } gn_element_body;

@@ -16,7 +16,7 @@
 /* Distance of nodes on a wall over the longest side of the body. */
 static const double on_wall = 1e-6;
 
-/* A plane that nodes are held against. */
+/* A plane on which nodes are held. */
 typedef struct plane {
     double point[3], normal[3], near; /* m */
 } plane;
@@ -111,7 +111,7 @@ static plane plane_at(const gn_step_context *ctx, const gn_solids *solids, size_
     return p;
 }
 
-/* Leaves driven nodes where the last time has them. */
+/* Moves driven nodes to their positions at the last time. */
 static gn_wall_passed predict(const gn_step_context *ctx, const gn_solids *solids,
                               const uint8_t *used, const uint8_t *driven, size_t wall) {
     enum { TIMES = 8 };

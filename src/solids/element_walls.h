@@ -9,10 +9,10 @@
 #include <stddef.h>
 
 typedef struct gn_wall_passed {
-    size_t touching; /* nodes of elements on it at the start that no motion holds against it */
-    size_t behind;   /* the most that are behind it */
+    size_t touching; /* nodes of elements on it at the start that no motion holds there */
+    size_t behind;   /* largest number of nodes behind it */
     double deepest;  /* m, of these */
-    double time;     /* s, from when on; 0: from the start */
+    double time;     /* s, first time; 0: from the start */
 } gn_wall_passed;
 
 /* Counts for the present position of a wall, at the present time. */

@@ -27,8 +27,8 @@
 
 /* --- messages --- */
 
-/* Puts the place in the scene before a message about the mesh; `group`: where that is given that
- * the message is about, NULL: it is about all of the section. */
+/* Puts the place in the scene before a message about the mesh; `group`: place of the group that the
+ * message is about, NULL: it is about the whole section. */
 static gneiss_status at(const gn_step_context *ctx, gn_scene_place where,
                         const gn_scene_place *group, const char *list, size_t index,
                         gneiss_status status, gneiss_error *error) {
@@ -198,7 +198,7 @@ static gneiss_status make_motion(const gn_step_context *ctx, gn_element_model *q
     return gn_fem_prescribe(&q->solid, &q->motion_set[k], mask, velocity, &q->motion[k], error);
 }
 
-/* A force on a group of facets is shared out by area, on other nodes by mass. */
+/* A force on a group of facets is distributed by area, on other nodes by mass. */
 static gneiss_status make_load(gn_element_model *q, size_t k, gneiss_error *error) {
     const gn_element_load *l = &q->def->loads[k];
     const gn_region *r = &l->region;
@@ -273,7 +273,7 @@ static gneiss_status make_drives(const gn_step_context *ctx, gn_element_model *q
 
 /* --- create, free --- */
 
-/* Appends an empty solid to those of the world. */
+/* Appends an empty solid to the solids of the world. */
 static gn_element_model *append(gn_solids *solids) {
     gn_element_model **all = gn_alloc_array(solids->count + 1, sizeof *all);
     gn_element_model *q = gn_alloc_array(1, sizeof *q);
@@ -464,7 +464,7 @@ void gn_elements_book(const gn_solids *solids, gn_energy *ledger) {
 
 /* --- readings --- */
 
-/* Means over the solids, by volume; where all elements were converted nothing. */
+/* Averages over the solids, by volume; does nothing if all elements were converted. */
 static double share_of(const gn_solids *solids, size_t k) {
     const double all = gn_elements_totals(solids).volume;
     return all > 0.0 ? solids->elements[k]->solid.volume / all : 0.0;
@@ -618,7 +618,7 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
     GN_TRY(gn_fem_bound_update(&q->solid, &q->limit, error));
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
-    q->stiffening = 0.0; /* the next check finds what is due */
+    q->stiffening = 0.0; /* the next check finds which bodies are due */
     return GNEISS_OK;
 }
 

@@ -23,7 +23,7 @@
 typedef struct gn_element_contact {
     int32_t *corner;       /* of facets, by indices of nodes */
     const double *force;   /* [nodes][4], N, forces of the surface; NULL: nothing touches it */
-    gn_wall_contacts rows; /* the same, of the nodes of facets, as the motion kernel takes it */
+    gn_wall_contacts rows; /* slots of the nodes of facets, for the motion kernel */
     int32_t *first;        /* [nodes + 1] */
     double travel;         /* m, as gn_rigid.travel */
     int32_t *body;         /* [nodes] of `bodies` */
@@ -34,27 +34,28 @@ typedef struct gn_element_contact {
 typedef struct gn_element_model {
     const gn_element_def *def; /* its definition in the scene; borrowed */
     gn_fem_solid solid;
-    gn_mesh_joints joints; /* of a mesh from a file when it was read */
+    gn_mesh_joints joints; /* messages about a mesh from a file when it was read */
     gn_element_contact contact;
     gn_fem_set *motion_set;  /* [def->motion_count] nodes */
-    int32_t *motion;         /* [motions] number in `solid`, -1: only watched */
+    int32_t *motion;         /* [motions] index in `solid`, -1: it only records */
     gn_fem_load *load;       /* [def->load_count] */
-    double (*load_value)[3]; /* [loads] Pa or N, at present */
+    double (*load_value)[3]; /* [loads] Pa or N, present values */
     bool loads_vary;
-    double (*weight)[3]; /* [nodes] of the mean strain */
+    double (*weight)[3]; /* [nodes] weights in the mean strain */
 
-    gn_fem_limit limit; /* of the solid at its start */
+    gn_fem_limit limit; /* limits of the solid at its start */
     double stiffening; /* factor by which the limit fell since (gn_fem_stiffening), when it was last
                           applied */
-    double stable;     /* s: sharp limit or bound, divided by it */
+    double stable;     /* s: sharp limit or bound, divided by `stiffening` */
 
-    double *vel_past;  /* [nodes][4] before a step of another length than the last; else NULL */
+    double *vel_past;  /* [nodes][4] velocities before a step whose length differs from the last;
+                          else NULL */
     double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
     double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
     bool carries, falls; /* as of gn_balance */
 } gn_element_model;
 
-/* The bodies of finite elements of a world. */
+/* The solids of finite elements of a world. */
 struct gn_solids {
     gn_element_model **elements; /* [count] */
     size_t count;
@@ -72,11 +73,12 @@ gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
 gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids, gneiss_error *error);
 void gn_elements_free(gn_solids *solids);
 
-/* A step of ctx->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not
- * wait for an exchange; */
+/* A step of ctx->dt in two parts. gn_elements_forces computes velocities, loads and forces, and
+ * moves the nodes that no exchange holds; */
 void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *seconds,
                         bool measure);
-/* then that of the others; with `measure` also stress and unbalanced. */
+/* gn_elements_move moves the others; with `measure` it also computes stress and unbalanced forces.
+ * */
 gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn_ledger *ledger,
                                double *seconds, bool measure, gneiss_error *error);
 /* Adds their ledgers of the last measured step. */
@@ -91,10 +93,11 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 /* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
-double gn_elements_stable(const gn_solids *solids); /* s, the least; INFINITY: no solids */
-/* Writes warnings: places where elements of one part touch without being joined (a sentence for
- * double nodes and one for hanging nodes, in meshes from files), and particles that may press more
- * facets than there is room for; "": none. Returns `text`. */
+double gn_elements_stable(
+    const gn_solids *solids); /* Returns the smallest limit, s; INFINITY: there are no solids. */
+/* Writes warnings: points where elements of one part touch without being joined (one sentence for
+ * double nodes and one for hanging nodes, in meshes from files), and particles that may touch more
+ * facets than their list can hold; "": none. Returns `text`. */
 const char *gn_elements_doubts(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids, char *text,
                                size_t size);
@@ -115,14 +118,14 @@ gn_element_totals gn_elements_totals(const gn_solids *solids);
 void gn_elements_strain(const gn_solids *solids, double gradient[9]);
 void gn_elements_stress(const gn_solids *solids, double stress[9]);
 void gn_elements_balance(const gn_solids *solids, gn_balance *balance);
-/* Widens a box to all nodes at the start, m. */
+/* Extends a box to all nodes at the start, m. */
 void gn_elements_extent(const gn_solids *solids, double lower[3], double upper[3]);
-/* Returns the sides of the smallest box around all of them, m. */
+/* Returns the sides of the smallest box around all elements, m. */
 void gn_elements_sides(const gn_solids *solids, double side[3]);
 double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *solids);
 
-/* Motions, counted over all solids: mean displacement of the nodes, m, and the force that it
- * supplies, N, unless it is only watched. */
+/* Motions are numbered over all solids: return the mean displacement of the nodes, m, and the force
+ * that it supplies, N, unless it only records. */
 size_t gn_elements_motions(const gn_solids *solids);
 const char *gn_elements_motion_name(const gn_solids *solids, size_t motion);
 bool gn_elements_motion_drives(const gn_solids *solids, size_t motion);

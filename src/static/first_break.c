@@ -55,7 +55,7 @@ static const double slowness = 1e6;
 /* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
  * most to these fractions of its load. */
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
-/* The path of the first increment over the smallest radius. */
+/* Path of the first increment over the smallest radius. */
 static const double first_path = 1e-5;
 /* Initial loads whose displacements are below this fraction of the smallest radius are rounding. */
 static const double no_path = 1e-9;
@@ -180,8 +180,8 @@ static gneiss_status correct(search *run, double balanced, gn_equilibrium *linea
     return GNEISS_OK;
 }
 
-/* Contacts that close and open in turn make Newton's method cycle. Takes half of the last
- * correction back if the loads have grown by it; returns false if they have not, or several halves
+/* Contacts that close and open alternately make Newton's method cycle. If the loads have grown by
+ * the last correction, half of it is undone; returns false if they have not, or several halvings
  * were in vain. */
 static bool shorten(search *run, double before, int *halves) {
     if (!run->shorter || !(run->trial.mean_load > before) || *halves == HALVES_MOST) {
@@ -369,7 +369,7 @@ static gneiss_status follow(search *run, gneiss_error *error) {
         if (breaks < INFINITY && span <= near_enough * w->ctx.scene.start_fraction * breaks)
             return GNEISS_OK;
         if (!(span > 0.0)) break;
-        if (k > 0) GN_TRY(tell(run, error)); /* the last one is reported by the first step */
+        if (k > 0) GN_TRY(tell(run, error)); /* the first step reports the last one */
         bool last =
             breaks < INFINITY && w->ctx.time + span >= 0.99 * w->ctx.scene.start_fraction * breaks;
         double wanted = breaks < INFINITY ? balanced_on_the_way : balanced_first;

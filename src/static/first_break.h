@@ -8,7 +8,7 @@
 
 typedef struct gn_first_break {
     double time;     /* s, at which the first bond fails if loading continues as at the start */
-    int64_t i, j;    /* ids of its particles */
+    int64_t i, j;    /* ids of the particles of the bond */
     double place[3]; /* m, midpoint of its particles in absolute coordinates */
     double start;    /* s: time of the resulting state */
     int64_t steps;   /* time steps that it replaces, at the present step of the world */
@@ -26,9 +26,9 @@ typedef struct gn_first_break_watch {
     void *context;
 } gn_first_break_watch;
 
-/* Takes a world without any step to the equilibrium at scene.start_fraction of the time of the
+/* Brings a world without any step to the equilibrium at scene.start_fraction of the time of the
  * first failure; the next step continues from there, with the velocities of steady loading.
- * GNEISS_ERROR_INPUT, with the place of time.start: there is none. */
+ * GNEISS_ERROR_INPUT, with the place of time.start: there is no such equilibrium. */
 gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *watch,
                                    gn_first_break *found, gneiss_error *error);
 

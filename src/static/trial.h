@@ -30,7 +30,7 @@ typedef struct gn_trial {
 
     gn_preconditioner made; /* of the tangent, while the lists are kept */
 
-    /* State of the last path. */
+    /* State of the last increment. */
     double *load;                     /* [count][6] N, N m; 0 in prescribed components */
     double rate;                      /* 1/s: rate of its displacements; 0: at rest */
     double friction, contact_damping; /* J */

@@ -33,7 +33,7 @@ void gn_convex_free(gn_convex *convex);
  * `to`, which must have room for one corner more. Returns its number of corners. */
 size_t gn_polygon_cut(const double *from, size_t count, const double n[3], double at, double *to);
 
-/* The pose of a body: x = place + axes X, with the rows of the matrix. */
+/* The pose of a body: x = position + axes X; the rows of the matrix are the axes. */
 typedef struct gn_convex_pose {
     double place[3], axes[9];
 } gn_convex_pose;

@@ -146,7 +146,8 @@ static void find_faces(work *task, int mine, double slack) {
         size_t count = corners;
         memcpy(task->buffer[0], s->corner + 3 * corners * f, 3 * corners * sizeof(double));
         for (size_t k = 0; k < planes && count; k++) {
-            size_t p = (last + k) % planes; /* the plane that cut off the last face comes first */
+            size_t p =
+                (last + k) % planes; /* the plane that cut off the last face is tried first */
             double n[3], at;
             part_at(s->plane + 4 * s->shape->on[f], other->plane + 4 * p, slack, n, &at);
             count = cut_there(task, &in, count, n, at);

@@ -14,7 +14,7 @@ static const double pi = 3.14159265358979323846;
 static const double growth = 1.3;
 enum { ARC_LEAST = 3, CORNERS = 8, LARGEST = 1 << 18 };
 
-/* A point of a chain: (distance from the axis, place along it), or (x, height). */
+/* A point of an outline: (distance from the axis, coordinate along it), or (x, height). */
 typedef struct point {
     double x, y;
 } point;
@@ -22,7 +22,7 @@ typedef struct point {
 /* A corner of a chain before it is rounded. */
 typedef struct corner {
     point at;
-    double radius; /* m, of its rounding */
+    double radius; /* m, radius of its rounding */
     bool tip;      /* the edge to the next corner belongs to the tip: facets of one size */
 } corner;
 
@@ -130,7 +130,7 @@ static gneiss_status make_chain(const corner *list, size_t count, double facet, 
         const point from = c->at[c->count - 1], to = between(list[next].at, list[k].at, end / edge);
         const size_t begin = c->count;
         if (!split || distance(from, to) < 1e-9 * edge) {
-            if (distance(from, to) < 1e-9 * edge) c->count--; /* two roundings meet */
+            if (distance(from, to) < 1e-9 * edge) c->count--; /* two roundings touch */
             continue;
         }
         put_edge(from, to, list[k].tip, facet, c);

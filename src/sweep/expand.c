@@ -105,8 +105,8 @@ static const gn_sweep_value *parameter_of_message(const gn_sweep *sweep, size_t 
     return NULL;
 }
 
-/* Moves notes about values of the sweep file to the place of the key in it, so that many values
- * give one note. */
+/* Gives notes about values of the sweep file the place of the key in it, so that many values give
+ * one note. */
 static void place_notes(const gn_sweep *sweep, size_t run, gn_scene_notes *notes) {
     for (size_t k = 0; sweep->text && k < notes->count; k++) {
         const gn_sweep_parameter *parameter = NULL;
@@ -395,7 +395,7 @@ typedef struct writer {
     char place[GN_KEY_PATH_SIZE];
 } writer;
 
-/* True if `part` is `whole` or a part of it. */
+/* True if `part` equals `whole` or is contained in it. */
 static bool holds(const char *whole, const char *part) {
     size_t length = strlen(whole);
     return strncmp(whole, part, length) == 0 && (part[length] == '.' || !part[length]);

@@ -20,7 +20,7 @@ static const gn_node *name_node(const gn_node *node, size_t k) {
     return node->kind == GN_NODE_LIST ? gn_node_item(node, k) : node;
 }
 
-/* Returns the index of the same name before number k; k: none. */
+/* Returns the index of the same name among the first k; k: there is none. */
 static size_t named_before(const gn_sweep_file *file, size_t k) {
     size_t first = 0;
     while (strcmp(file->readings[first], file->readings[k]) != 0) first++;

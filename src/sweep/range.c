@@ -163,7 +163,7 @@ static double normal_probability(double z) {
 }
 
 /* Returns the quantile `uniform` of the distribution. Whole numbers have equal probabilities: each
- * stands for the interval from itself to the next. */
+ * represents the interval from itself to the next. */
 static double draw(const gn_range_def *range, bool normal, bool whole, double uniform) {
     if (normal) {
         double low = normal_probability((range->from - range->mean) / range->deviation),

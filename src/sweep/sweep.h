@@ -42,7 +42,7 @@ typedef struct gn_sweep_parameter {
     const char *unit;     /* SI; "": none, or not numbers */
     bool numeric;         /* every value is a number */
     bool sampled;         /* drawn together with the other sampled parameters */
-    gn_scene_place where; /* place of the key */
+    gn_scene_place where; /* place of the key in the file */
     size_t count;
     gn_sweep_value *values; /* gn_alloc'ed */
 } gn_sweep_parameter;
@@ -53,7 +53,7 @@ typedef struct gn_sweep_run {
     size_t original;    /* the first run with this hash, which may be the run itself */
     uint64_t seed;
     uint64_t hash;    /* hash of the resolved scene, the files it names, and the version */
-    uint64_t packing; /* hash of its packing; 0: nothing is packed */
+    uint64_t packing; /* hash of its packing; 0: no packing */
     int64_t threads;  /* threads of its scene; 0: any */
 } gn_sweep_run;
 
@@ -87,8 +87,8 @@ typedef struct gn_sweep {
 gneiss_status gn_sweep_load(const char *path, const gn_override *overrides, size_t override_count,
                             const char *seeds, gn_sweep *sweep, gneiss_error *error);
 
-/* Makes a sweep over the seeds of one scene (NULL: none), and over the confinements of its test;
- * *wanted: it has either, otherwise nothing is allocated. */
+/* Creates a sweep over the seeds of one scene (NULL: none), and over the confinements of its test;
+ * *wanted: the scene has seeds or confinements, otherwise nothing is allocated. */
 gneiss_status gn_sweep_of_scene(const char *scene, const gn_override *overrides,
                                 size_t override_count, const char *seeds, gn_sweep *sweep,
                                 bool *wanted, gneiss_error *error);

@@ -99,8 +99,8 @@ static int64_t newest_checkpoint(const char *folder) {
     return step;
 }
 
-/* Starts `gneiss run` on scene.yaml in child->folder, or `gneiss resume`; its output goes to
- * progress.jsonl and messages.txt there. The child gets SIGTERM when its parent dies in any way. */
+/* Starts `gneiss run` on scene.yaml in child->folder, or `gneiss resume`; its output is written to
+ * progress.jsonl and messages.txt there. The child gets SIGTERM when its parent ends in any way. */
 static gneiss_status child_start(gn_child *child, const gn_child_way *way, gneiss_error *error) {
     char scene[GN_PATH_SIZE + 32], threads[16];
     snprintf(scene, sizeof scene, "%s/scene.yaml", child->folder);
@@ -198,7 +198,7 @@ enum { KILLS_MOST = 5 };
 typedef struct run_task {
     size_t run;
     gn_outcome outcome;
-    bool over; /* nothing more to do in this call */
+    bool over; /* the calling process has no more work */
     bool running;
     bool afresh;   /* its checkpoints are unusable */
     int kills;     /* without progress in between */
@@ -278,7 +278,7 @@ static void list_cores(run_pool *pool) {
     int left = (int)(pool->task_count - pool->found);
     pool->cores = pool->way->threads > 0 ? pool->way->threads : count;
     pool->jobs = pool->way->jobs > 0 ? pool->way->jobs : pool->cores;
-    /* With part of the machine the processors may be shared with another sweep. */
+    /* A sweep that uses a part of the machine may share the processors with another sweep. */
     pool->pins = pool->cores == count && pool->jobs == count && left >= count;
     if (pool->jobs > left) pool->jobs = left > 0 ? left : 1;
 }
@@ -513,7 +513,7 @@ static gneiss_status reap(run_pool *pool, gneiss_error *error) {
     return first;
 }
 
-/* Waits until a child ends or a signal comes, for at most so many seconds. */
+/* Waits until a child ends or a signal arrives, for at most the given number of seconds. */
 static void wait_a_while(double seconds) {
     sigset_t child;
     sigemptyset(&child);

@@ -26,8 +26,8 @@ typedef struct gn_sweep_way {
     int threads;           /* processors to use; 0: all */
     int jobs;              /* runs at a time; 0: as many as processors */
     size_t shard, shards;  /* index of this shard, base 0, and their number; shards 0: no shards */
-    bool force;            /* compute everything anew */
-    bool allow_gmsh;       /* every run may let gmsh mesh a geometry */
+    bool force;            /* compute all runs anew */
+    bool allow_gmsh;       /* every run may mesh a geometry with gmsh */
     gn_sweep_watch *watch; /* may be NULL */
     void *context;
     const volatile sig_atomic_t *interrupted;

@@ -12,7 +12,7 @@
  * with all of its load. */
 typedef struct gn_beginning {
     size_t rows;  /* rows examined */
-    size_t first; /* the last of them before the strain grew */
+    size_t first; /* the last such row before the strain grew */
     /* the row of the least stress since: the test begins here if the stress rises again */
     size_t least;
     bool moved; /* the strain has grown */

@@ -61,7 +61,7 @@ typedef struct gn_curves {
 /* Slopes are readings while their standard error is below this share of them. */
 static const double gn_scatter_allowed = 0.1;
 
-/* Why a reading is absent: the first reason counts. */
+/* Reasons for the absence of a reading: the first one that applies is reported. */
 void gn_reading_absent(gn_readings *readings, gn_reading which, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 char *gn_reason_of(gn_readings *readings, gn_reading which);

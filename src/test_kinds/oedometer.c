@@ -1,4 +1,4 @@
-/* Compression along an axis between sides that stand. */
+/* Compression along an axis between fixed sides. */
 #include "test_kinds/curves.h"
 
 static void read_oedometer(const gn_curves *curves, gn_readings *readings) {

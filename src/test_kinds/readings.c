@@ -129,9 +129,9 @@ static void need_one_axis(const gn_curves *curves, gn_row_span span, gn_reading 
         }
 }
 
-/* Compares the displacement of the ends with the mean strain: if far more of it goes into bending,
- * or into the ends themselves, the mean strains are not those of a specimen loaded along its
- * axis. */
+/* Compares the displacement of the ends with the mean strain: if far more of the displacement is
+ * bending, or deformation of the ends, the mean strains are not those of a specimen loaded along
+ * its axis. */
 static void need_ways(const gn_curves *curves, gn_row_span span, gn_reading which,
                       gn_readings *readings) {
     double ways =
@@ -146,8 +146,8 @@ static void need_ways(const gn_curves *curves, gn_row_span span, gn_reading whic
             unsigned_zero(ways));
 }
 
-/* Requires either that, or that the mean stress equals that of the ends: then the whole load passes
- * through the whole section, and only the ends are soft, so that the mean strains are those of a
+/* Requires the same, or that the mean stress equals that of the ends: then the whole load passes
+ * through the whole section and only the ends are soft, so that the mean strains are those of a
  * specimen loaded along its axis. */
 static void need_ways_or_stress(const gn_curves *curves, gn_row_span span, gn_reading which,
                                 gn_readings *readings) {

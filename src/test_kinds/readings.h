@@ -147,16 +147,17 @@ typedef struct gn_readings {
 #define X(name, unit, text) double name;
     GN_READINGS(X)
 #undef X
-    char reason[GN_READING_COUNT][GN_REASON_SIZE]; /* why one is absent (NaN); "": it is there */
+    char reason[GN_READING_COUNT]
+               [GN_REASON_SIZE]; /* reason for the absence of a reading (NaN); "": it is present */
     /* Relative increase of the largest stress over that of the row before, at most 1; the strains
      * of the rows before and after it. */
     double peak_rise, peak_strain_least, peak_strain_most;
-    /* By which share of itself a slope differs over the first and the second half of its rows, from
-     * what it is over all of them; 0: not known. */
+    /* Largest relative difference of the slopes over the first and the second half of the rows from
+     * the slope over all of them; 0: not known. */
     double nonlinearity[GN_READING_COUNT];
     double peak_fall;      /* share of the largest stress by which the last row is below it */
-    double initial_stress; /* Pa, that the ends bore before they moved; 0: they never did */
-    double initial_fall;   /* Pa, of which so much went before the test began (beginning.h) */
+    double initial_stress; /* Pa, stress at the ends before they moved; 0: they never moved */
+    double initial_fall; /* Pa, the part of it that vanished before the test began (beginning.h) */
 } gn_readings;
 
 const char *gn_reading_name(gn_reading which);
@@ -170,22 +171,22 @@ typedef struct gn_tested {
     gn_test_kind kind;
     int dimension, axis;                /* axis 0 1 2 */
     int sign;                           /* -1 compression, +1 tension */
-    bool elastic;                       /* nothing in it can fail */
+    bool elastic;                       /* no part of it can fail */
     bool one_sided;                     /* one end has the force of the other by definition */
     bool notched;                       /* a beam */
     bool under_gravity;                 /* under gravity */
     bool conversion_halted;             /* conversion ended the run */
-    double section;                     /* m2, of what breaks */
+    double section;                     /* m2, area of the section that breaks */
     double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
     const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
     size_t burst_count;
-    const char *no_bursts; /* why there are none */
+    const char *no_bursts; /* reason for the absence of readings */
     /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
      * as the section varies; 0: as 1; NaN: none follows from it. */
     double by_ends, by_mean;
     gn_cut cut;             /* of cutting tests */
     bool zones;             /* particles and elements share some */
-    double returned_energy; /* found elsewhere, at the end; NaN: there is none */
+    double returned_energy; /* determined elsewhere at the end; NaN: there is no value */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

@@ -14,8 +14,8 @@ static void read_shear(const gn_curves *curves, gn_readings *readings) {
     gn_read_slope(curves, GN_READING_shear_modulus, &readings->shear_modulus, readings);
 }
 
-/* A sheared specimen may hold most of its peak by friction for as long as it is pressed, so that a
- * run ends at a strain as well. */
+/* A sheared specimen under pressure may keep most of its peak stress by friction, so that a run
+ * ends at a strain as well. */
 #define SHEARED                                                                                    \
     .ends = true, .sheared = true, .sign = 1, .needs = GN_TAKES(normal), .peak_drop = 0.5,         \
     .strain = 0.2, .shape = gn_test_prism,                                                         \

@@ -66,7 +66,7 @@ typedef struct gn_tested_specimen {
     int dimension, axis;
     double side[3]; /* m */
     /* These are known for prisms and for sheared specimens. */
-    double length;  /* m: given, else that of the strained part */
+    double length;  /* m: given, otherwise that of the strained part */
     double height;  /* m: the given length, else that of the whole specimen: times the section it is
                        the volume */
     double section; /* m2: given, else the mean one, across the axis or the normal */
@@ -78,7 +78,7 @@ typedef struct gn_tested_shape {
     double area;    /* m2: force over the stress of the test */
     double section; /* m2: section that breaks: across the axis, of a disc along it, of a beam above
                        its notch */
-    double volume;  /* m3, from what the scene says of a body from a file; 0: it does not */
+    double volume;  /* m3, given by the scene for a body from a file; 0: not given */
     double diameter;  /* m, of a disc */
     double thickness; /* m, of a disc or a beam */
     double height;    /* m, of a beam */
@@ -87,7 +87,7 @@ typedef struct gn_tested_shape {
 /* A reading that a report shows first, and its name in the test. */
 typedef struct gn_test_figure {
     int reading;      /* gn_reading */
-    const char *name; /* NULL: no more */
+    const char *name; /* NULL: end of the list */
 } gn_test_figure;
 
 struct gn_curves;
@@ -128,7 +128,7 @@ typedef struct gn_test_descriptor {
 
     /* Stress and strain. */
     gn_tested_shape (*shape)(const gn_test_sizes *given, const gn_tested_specimen *specimen);
-    const char *area_source; /* where the area comes from unless the scene gives it */
+    const char *area_source; /* origin of the area unless the scene gives it */
 
     /* Readings: the set of those that belong to it (curves.h), and the function that reads those
      * that not all kinds have, NULL: there are none. */

@@ -314,7 +314,7 @@ gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
     double needed = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99);
-    *fine = false; /* of a given step the answer stays */
+    *fine = false; /* the result for a given step does not change */
     if (!full && ctx->scene.step > 0.0 && ctx->dt > ctx->choice.listed) return GNEISS_OK;
     /* The particles have to hold more than they were found to hold, because bodies yield more. */
     bool all = full || needed > ctx->choice.listed_holds, finite = needed < INFINITY;

@@ -145,7 +145,7 @@ static void set_step(gn_step_context *ctx, gn_dem *dem, double dt) {
     gn_dem_step_changed(ctx, dem);
 }
 
-/* Reports that nothing gives an automatic step. */
+/* Reports that no part determines an automatic step. */
 static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *dem,
                                     gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -156,12 +156,12 @@ static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *de
     while (sink < s->sink_count && !(f->sinks[sink].number > 0.0)) sink++;
     if (source == s->source_count || sink == s->sink_count || gn_world_present(dem) > 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: required, because nothing can move that would limit it",
+                       "%s: required, because no moving part of the model limits it",
                        gn_scene_at(s, s->time_where, "time.step").text);
     snprintf(key, sizeof key, "sources[%zu]", source);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected particles that no sink takes as they come, found that sink '%s' "
-                   "takes those of source '%s', so that nothing is left that would limit time.step",
+                   "%s: expected particles that no sink removes on entry, found that sink '%s' "
+                   "removes those of source '%s', so that no particle limits time.step",
                    gn_scene_at(s, s->sources[source].where, key).text, s->sinks[sink].name,
                    s->sources[source].name);
 }

@@ -350,7 +350,7 @@ static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 /* Returns the weight that an element leaves to particles; 0: it is in no zone, or leaves all of it,
- * which cannot be told from its volume. */
+ * which its volume does not show. */
 static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_t zone, size_t e) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double centre[3] = {0.0}, share = 0.0;

@@ -29,8 +29,8 @@ static bool add_to_dormant(const gn_step_context *ctx, const gn_dem *dem, const 
     return held;
 }
 
-/* Contacts of a particle of a zone carry its part of the body's stress, elements the other part. In
- * the plane elements have a stress across it, which contacts have not. */
+/* Contacts of a particle of a zone carry its part of the stress of the body, elements the other
+ * part. In plane strain elements have an out-of-plane stress, contacts do not. */
 gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_zones *zones, double *sigma,
                                     gneiss_error *error) {

@@ -49,7 +49,7 @@ gneiss_status gn_coupled_create(const gn_step_context *ctx, gn_dem *dem, gn_boun
 /* Does so for a world whose records were read. */
 gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 const gn_solids *solids, gn_zones *zones, gneiss_error *error);
-/* Refuses contact laws that cannot have a part of a contact. */
+/* Refuses contact laws that do not support contacts of a weight below 1. */
 gneiss_status gn_zones_check_law(const gn_step_context *ctx, gneiss_error *error);
 
 /* Their part of a step, with coupled != NULL. Holds the blocks of their particles and nodes when

@@ -16,7 +16,7 @@ EPS = 2.0**-52
 @dataclasses.dataclass(frozen=True)
 class Case:
     """A row of the table."""
-    name: str        # of the test as well
+    name: str        # name of the test as well
     hard: str        # the difficulty
     should: str      # the expected result
     scene: Callable  # folder -> scene; may write files into the folder
@@ -26,8 +26,8 @@ class Case:
     others: str = ""  # the result of other codes, where it is known
     ends: int = 0     # exit code of a run
     more: str = ""    # tests that run variants of it
-    long: float = 0.0  # how many times as long its long form is; 0: it has none
-    long_check: Callable | None = None  # of that; None: the same
+    long: float = 0.0  # Length of its long form relative to that of its short form; 0: no long form.
+    long_check: Callable | None = None  # check of the long form; None: the same
 
 
 def sphere_mass(radius, density=DENSITY):
@@ -78,7 +78,7 @@ def wall(name, point, normal, stiffness=1e6, **changes):
 
 
 def stl(folder, name, triangles):
-    """A surface as text; the normals are left to the reader."""
+    """A surface as text; the reader computes the normals."""
     lines = ["solid s"]
     for corners in triangles:
         lines += ["facet normal 0 0 0", "outer loop"]
@@ -140,15 +140,15 @@ def present_sets():
 
 
 def half_way(one, scene):
-    """The row of the history in the middle of a run, whether it came to its end or was stopped at a time that it names; 0: it
-    has none. (Of a run up to that row the rows are as far apart as those of the whole.)"""
+    """Returns the index of the row in the middle of a run, whether it reached its end or stopped at a time stated in
+    its message; 0: there is none. (A run up to that row has rows at the same spacing as the whole run.)"""
     found = re.search(r"step \d+, t = (\S+) s", one.message)
     last = one.summary["time"] if one.code == 0 else float(found.group(1)) if found else 0.0
     return int(0.5 * last / scene["time"]["end"] * scene["output"]["history_rows"])
 
 
 def taken_up(one, scene, row, sets):
-    """The run once more to a row, and from there on by other threads and another set."""
+    """Runs the case again up to a row, and continues it with another number of threads and another instruction set."""
     end, rows = scene["time"]["end"], scene["output"]["history_rows"]
     part = start(one.folder, scene, "part", "--threads", 2, "--set", f"run.isa={sets[len(sets) // 2]}", "--set",
                  f"time.end={row * end / rows!r}", "--set", f"output.history_rows={row}")
@@ -194,12 +194,12 @@ def total(one):
 
 
 def swing(values):
-    """The largest departure from the first value, over it."""
+    """The largest deviation from the first value, relative to it."""
     return float(np.abs(values / values[0] - 1).max())
 
 
 def keeps_energy(limit):
-    """Kinetic and elastic energy keep their initial sum."""
+    """The sum of kinetic and elastic energy keeps its initial value."""
     def check(one):
         off = swing(total(one))
         assert off < limit, f"energy changes by {off:.2g} of itself, expected below {limit}"
@@ -208,7 +208,7 @@ def keeps_energy(limit):
 
 
 def says(*patterns):
-    """Ends with these words, without a number that is none."""
+    """Ends with these words, and without numbers that are not finite."""
     def check(one):
         for pattern in patterns:
             assert re.search(pattern, one.message), f"expected /{pattern}/ in: {one.message[:600]}"

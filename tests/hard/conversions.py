@@ -1,4 +1,4 @@
-"""Elements that turn into particles, where that is awkward."""
+"""Elements that convert to particles in difficult situations."""
 from hard.case import *  # noqa: F403
 from hard.solids import grid, msh
 from hard.zones import HEAVY, STIFF
@@ -27,7 +27,7 @@ def drawn(folder, notches, box=None, end=5e-5, **changes):
 
 
 def centres(one):
-    """m, at the start, of the elements that are left."""
+    """Initial positions of the remaining elements, m."""
     start = one.field("nodes/position") - one.field("nodes/displacement")
     return start[one.field("elements/node")].mean(axis=1)
 
@@ -37,14 +37,14 @@ def two_places(folder):
 
 
 def between(one):
-    """Elements that are left between the notches, beside them."""
+    """Remaining elements between the notches, and beside them."""
     at = centres(one)
     return int(((at[:, 0] > 0.018) & (at[:, 0] < 0.028) & (at[:, 1] < 4e-3)).sum())
 
 
 def have_met(one):
-    """The material between the notches carries little load and converts because no zone fits there; beside a single
-    notch a part of it stays."""
+    """The material between the notches carries little load and converts because no zone fits there; with a single
+    notch a part of it remains."""
     alone = one.again(drawn(one.folder, (8,)), "alone")
     assert between(one) == 0 and between(alone) > 0, (between(one), between(alone))
     return keeps_ledger(1e-3)(one) + f"; none left between, {between(alone)} with one notch"
@@ -91,8 +91,8 @@ def edges(folder):
 
 
 def bears_as_before(one):
-    """The lower edges of the middle have converted; the bar carries the load of the elements alone, which with four
-    over the height are some percent too stiff."""
+    """The lower edges of the middle have converted; the bar carries the load of the elements only, which with four
+    over the height are some per cent too stiff."""
     at = centres(one)
     low = (at[:, 1] < 1e-3) & (abs(at[:, 0] - 0.02) < 1e-3)
     assert not low.any(), at[low]
@@ -102,7 +102,7 @@ def bears_as_before(one):
 
 
 def relaxing(folder):
-    """A disordered packing, drawn twice."""
+    """A disordered packing, pulled twice."""
     made = drawn(folder, (11,), box={"min": [4e-3, -1], "max": [0.044, 1]}, end=5.8e-5)
     pulls = [[0, 0], [2e-6, 0.05], [1e-5, 0.05], [1.1e-5, 0], [2.4e-5, 0], [2.5e-5, 0.005]]
     for sign, side in ((-1, 0), (1, 1)):

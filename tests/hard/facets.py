@@ -33,7 +33,7 @@ def sliding(start, velocity, triangles, **changes):
 
 
 def slides_as_on_a_plane(speed):
-    """Height and speed stay; the deepest overlap is 3e-8 m, and rounding of a centre some 1e-18 m."""
+    """Height and speed are conserved; the deepest overlap is 3e-8 m, and rounding of a centre about 1e-18 m."""
     def check(one):
         v, x = one.field("particles/velocity")[0], one.field("particles/position")[0]
         assert abs(np.linalg.norm(v[:2]) / speed - 1) < 1e-9, v
@@ -107,9 +107,9 @@ def groove(angle):
 
 
 def comes_back(angle):
-    """On a spring of 2 k cos^2(a/2)/(1 + f), f = (1 + 4 x)(1 - x)^4 with x = a/0.6: the largest force is v sqrt(m k),
-    of which steps of y/w resolve at least 1 - y^2/8, y up to 0.4. The speed is kept to y^4/80, with the step that
-    resolves the contact with one face in ten steps."""
+    """On a spring of 2 k cos^2(a/2)/(1 + f), f = (1 + 4 x)(1 - x)^4 with x = a/0.6, the largest force is v sqrt(m k);
+    steps of y/w resolve at least 1 - y^2/8 of it, with y up to 0.4. The speed is conserved to y^4/80 for the step
+    that resolves the contact with one face in ten steps."""
     def check(one):
         x = min(angle / 0.6, 1)
         stiffness = 1e6 * 2 * math.cos(angle / 2)**2 / (1 + (1 + 4 * x) * (1 - x)**4)
@@ -146,8 +146,8 @@ def rolling(folder):
 
 
 def rolls(one):
-    """5/7 of the acceleration, and friction does no work. The contact's spring starts without a force and swings for ever,
-    by (2/7 m g)^2/k_t: of 1e-4 of the energy."""
+    """5/7 of the acceleration, and friction does no work. The contact's spring starts without a force and oscillates
+    permanently, by (2/7 m g)^2/k_t: 1e-4 of the energy."""
     t, d = one.summary["time"], one.field("particles/displacement")[0]
     words = close(d[0], 0.5 * 5 / 7 * WEIGHT * math.tan(TILT) * t * t, 2e-3, "m of path")
     lost = one.history["energy_friction"][-1] / one.history["energy_work_gravity"][-1]

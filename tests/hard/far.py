@@ -1,7 +1,7 @@
 """Positions far from the origin, slow and fast motion, many steps at rest: effects of rounding."""
 from hard.case import *  # noqa: F403
 
-# Dyadic, so that the scene has the same digits at every place.
+# Dyadic, so that the scene has the same digits at every position.
 R, WIDTH = 2.0**-9, 2.0**-6
 
 
@@ -24,7 +24,7 @@ def moved(make, place):
 
 
 def as_near(make, dimension=3):
-    """Checks that the bits are the same, but for the place."""
+    """Checks that the bits are the same, apart from the shift of positions."""
     def check(one):
         near = one.again(make([0.0] * dimension), "near")
         assert near.code == 0, near.message
@@ -59,7 +59,7 @@ def one_ball(place, speed, **changes):
 
 
 def flies_as_far_as_it_should(one):
-    """Places 5000 km away are 1e-9 m apart, and it moves 1e-6 m."""
+    """Coordinates 5000 km away are spaced by 1e-9 m, and it moves by 1e-6 m."""
     path = one.field("particles/displacement")[0, 0]
     return close(path, 1e-3 * one.summary["time"], 1e-9, "m of path")
 
@@ -67,7 +67,7 @@ def flies_as_far_as_it_should(one):
 # --- quiet steps ---------------------------------------------------------------------------------------------
 
 def quiet(folder):
-    """A bonded block that hangs still, its bonds loaded by its weight: nothing happens, in single precision."""
+    """A bonded block hangs at rest with its bonds loaded by its weight: in single precision it stays at rest."""
     scene = spheres(lattice("cubic", [3, 3, 4]), 0.05, STRONG, bonds={}, gravity=[0, 0, -10],
                     sets=[{"name": "top", "select": {"end": {"axis": "z", "side": "upper", "depth": 1.5e-3}},
                            "motion": {"vx": 0, "vy": 0, "vz": 0}}],
@@ -88,7 +88,7 @@ def hangs(one):
 
 
 def stiff_in_single(folder):
-    """A block far from its origin is stretched by 1e-7 of its length: single precision has 6e-8 of a length."""
+    """A block far from its origin is stretched by 1e-7 of its length: single precision resolves 6e-8 of a length."""
     scene = spheres(lattice("cubic", [2, 2, 6], origin=[0.5, 0.5, 0.5]), 4e-3, {"normal_stiffness": 1e7, **STRONG}, bonds={},
                     sets=[{"name": side, "select": {"end": {"axis": "z", "side": side, "depth": 1.5e-3}},
                            "motion": {"vx": 0, "vy": 0, "vz": [[0, 0], [1e-3, v], [2e-3, 0]]}}

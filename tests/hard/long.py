@@ -11,7 +11,7 @@ HEAD = "| case | steps | what happens |\n| --- | --- | --- |"
 
 
 def run(number, case, program):
-    """Steps and figures; a case that ended otherwise is reported as it is."""
+    """Steps and figures; a case that ended otherwise is reported with its outcome."""
     from hard.case import start
 
     folder = program.place_of(number)

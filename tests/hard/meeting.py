@@ -17,8 +17,8 @@ def nearly_coincident(folder):
 
 
 def flies_apart(one):
-    """The energy 1/2 k (2 r)^2 becomes that of two spheres, along the line of their centres; in steps of y/w, ten to a half
-    wave, the scheme has 1 - y^2/4 of it."""
+    """The energy 1/2 k (2 r)^2 becomes kinetic energy of two spheres, along the line of their centres; with steps of
+    y/w, ten per half wave, the scheme gives 1 - y^2/4 of it."""
     v, y = one.field("particles/velocity"), math.pi / 10
     wanted = 2e-3 * math.sqrt(1e6 / (2 * sphere_mass(1e-3)) * (1 - y * y / 4))
     assert np.abs(v[:, :2]).max() == 0 and abs(v[0, 2] + v[1, 2]) < 1e-9, v
@@ -71,7 +71,7 @@ def does_not_stir(one):
 
 
 def bouncing(folder):
-    """Falls by a radius and comes back, 4 times; every 150 steps a contact."""
+    """Falls by a radius and rebounds, 4 times; one contact every 150 steps."""
     scene = spheres([[0, 0, 2e-3, 1e-3]], 0.1, gravity=[0, 0, -10], walls=[wall("floor", [0, 0, 0], [0, 0, 1], 1e5)])
     scene["output"]["history_rows"] = 2000
     return scene
@@ -87,7 +87,7 @@ def comes_back(one):
 
 
 def dropped(restitution):
-    """Each sphere meets the floor in another phase of a step."""
+    """Each sphere touches the floor at another phase of a step."""
     def scene(folder):
         rows = [[5e-3 * k, 0, 1e-3 + 1e-5 * (1 + 0.618 * k % 1), 1e-3] for k in range(40)]
         return spheres(rows, 1e-4, {"kratio": 0}, sets=[launched("all", None, [0, 0, -1])],
@@ -113,7 +113,7 @@ def gas(folder):
 
 
 def crowd(folder):
-    """Gaps of 1e-4 diameters: as soon as anything moves, all twelve neighbours press."""
+    """Gaps of 1e-4 diameters: after the first motion all twelve neighbours are in contact."""
     edge = 3 * 2e-3 * 1.0001 * math.sqrt(2)
     return spheres(lattice("fcc", [3, 3, 3], spacing=1.0001), 6e-3,
                    {"normal_stiffness": 1e5, "kratio": 1, "friction": 0}, periodic={"min": [0] * 3, "max": [edge] * 3},
@@ -142,14 +142,14 @@ def in_pieces(one):
 
 
 def heavy_and_light(folder):
-    """Two heavy spheres that press set the step; a light one flies at them. Masses 1 to 1000."""
+    """Two heavy spheres in contact set the step; a light one flies towards them. Masses 1 to 1000."""
     return spheres([[0, 0, 0, 1e-2], [0.01999, 0, 0, 1e-2], [0, 0.015, 0, 1e-3]], 0.012,
                    {"normal_stiffness": 1e5, "kratio": 0}, sets=[launched("light", [2], [0, -1, 0])],
                    domain={"min": [-1] * 3, "max": [1] * 3})
 
 
 def light_one_rebounds(one):
-    """From the heavy one, which a neighbour leaves free across its line."""
+    """The light sphere rebounds from the heavy one, whose neighbour does not restrain it perpendicular to its line."""
     wanted = collision_speed(1.0, 1000.0)
     v = one.field("particles/velocity")[2, 1]
     assert abs(v - wanted) < 0.01, v

@@ -1,4 +1,4 @@
-"""Writes docs/evidence/hard-cases.md from the table and from what happens: a minute of one core.
+"""Writes docs/evidence/hard-cases.md from the table and from runs of the cases: a minute of one core.
 
     /usr/bin/python3 tests/hard/page.py build/gneiss [docs/evidence/hard-cases.md]
 """

@@ -1,4 +1,4 @@
-"""Masses, sizes and stiffnesses that have nothing to do with each other in one scene."""
+"""Masses, sizes and stiffnesses of very different magnitude in one scene."""
 from hard.case import *  # noqa: F403
 
 
@@ -27,7 +27,7 @@ def rebounds(light, ratio, allowed):
 
 
 def small_and_large(folder):
-    """The small one is not the one that sets the size of anything that both have."""
+    """The small one does not set any scale that both share."""
     small, large = 1e-6, 1e-2
     return spheres([[0, 0, 0, small], [large + 1.1 * small, 0, 0, large]], 1e-6,
                    {"contact_modulus": 1e8, "normal_stiffness": "none", "kratio": 0}, law={"stiffness": "harmonic"},
@@ -64,14 +64,16 @@ def bonded_between_platens(folder):
 
 
 def two_springs(one):
-    """The platens are rigid beside two bonds in a row, and each has come by 0.02 t^2; damping takes 1 % of the force."""
+    """The platens are rigid compared with two bonds in series, and each has moved by 0.02 t^2; damping takes 1 % of
+    the force."""
     rows = one.history
     force = 0.5 * abs(rows["wall_upper_force_z"][-1] - rows["wall_lower_force_z"][-1])
     return close(force, 0.02 * rows["time"][-1]**2, 0.05, "N") + f", residual {one.residual:.0e}"
 
 
 def rattles_on_platens(folder):
-    """The bonded body, shaken and not pressed, so that it leaves the platens: those count as in contact, and are touched within a step."""
+    """The bonded body is shaken without compression, so that it leaves the platens; these count as in contact,
+    because they are touched within a step."""
     scene = bonded_between_platens(folder)
     del scene["damping"]
     for one in scene["walls"]:
@@ -97,7 +99,8 @@ def stiff_bond(folder):
 
 
 def swings_as_three(one):
-    """The stiff pair moves as one mass: beside it m - k - m - k' - 2m, with k' = 2 k in series with 1e9 N/m."""
+    """The stiff pair moves as one mass: beside it the system is m - k - m - k' - 2m, with k' = 2 k in series with 1e9
+    N/m."""
     k, m = 1e3, sphere_mass(1e-3)
     stiffness = np.array([[k, -k, 0], [-k, 3 * k, -2 * k], [0, -2 * k, 2 * k]])
     root = np.diag([1, 1, 0.5**0.5]) / m**0.5

@@ -1,4 +1,4 @@
-"""Finite elements: nearly incompressible, slivers, inside out, and a mesh that would rather not be one."""
+"""Finite elements: nearly incompressible, slivers, inverted, and degenerate meshes."""
 from hard.case import *  # noqa: F403
 
 YOUNG = 1e9
@@ -10,7 +10,7 @@ def solid(elements, end, **changes):
 
 
 def squeezed(formulation, poisson=0.4999):
-    """A square that is kept from widening, squeezed by 1e-4 of its height: the modulus of uniaxial strain."""
+    """A square without lateral strain, compressed by 1e-4 of its height: the modulus of uniaxial strain."""
     def scene(folder):
         held = [{"name": name, "group": name, "motion": {"vx": 0}} for name in ("x_lower", "x_upper")]
         ends = [{"name": "y_lower", "group": "y_lower", "motion": {"vy": 0}},
@@ -26,7 +26,7 @@ def squeezed(formulation, poisson=0.4999):
 
 
 def pushes_back(poisson=0.4999):
-    """E (1 - nu)/((1 + nu)(1 - 2 nu)) times the strain 1e-4, over 0.1 m; of the second order in it a part in 1e4."""
+    """E (1 - nu)/((1 + nu)(1 - 2 nu)) times the strain 1e-4, over 0.1 m; terms of second order are a part in 1e4."""
     def check(one):
         modulus = YOUNG * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
         found = abs(one.history["motion_y_upper_reaction_y"][-1])
@@ -109,7 +109,7 @@ def crushed(folder):
 
 
 def distorted(folder):
-    """The worst mesh that the scene may ask for, shaken by its own weight."""
+    """The worst mesh that the scene may request, vibrating under its own weight."""
     return solid({"rectangle": {"size": [0.1, 0.05], "cells": [8, 4], "distortion": 0.2499},
                   "materials": [RUBBER],
                   "motions": [{"name": "foot", "group": "x_lower", "motion": {"vx": 0, "vy": 0}}]}, 0.3, gravity=[0, -10])

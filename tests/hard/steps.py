@@ -1,4 +1,4 @@
-"""Scenes that ask for a smaller step than what touches at their start: the automatic one has to know."""
+"""Scenes in which contacts at the start require a smaller step: the automatic step has to take them into account."""
 from hard.case import *  # noqa: F403
 
 
@@ -21,7 +21,7 @@ LAYERS = {"cubic": 4, "fcc": 9 / math.sqrt(2), "hcp": 9 * math.sqrt(2 / 3)}
 
 
 def closing(kind):
-    """A lattice that nothing touches, between walls that close at 0.1 m/s."""
+    """A lattice without contacts, between walls that close at 0.1 m/s."""
     def scene(folder):
         height = 2e-3 * 1.0001 * LAYERS[kind] + 2e-3 + 2e-7
         return spheres(lattice(kind, [5, 5, 5], spacing=1.0001), 5e-4, {"normal_stiffness": 1e5},
@@ -63,7 +63,8 @@ def plate_hits(one):
 
 
 def hinge(folder):
-    """Three discs bonded at a right angle that turns: stretched out they swing 1.22 times as fast. No shear."""
+    """Three discs bonded at a right angle that changes: in a straight line they oscillate 1.22 times as fast. No
+    shear."""
     rows = [[0, 0, 1e-3], [2e-3, 0, 1e-3], [2e-3, 2e-3, 1e-3]]
     scene = spheres(rows, 0.9, {"kratio": 10, **STRONG}, bonds={})
     speed = [[7.52e-3, -15.04e-3], [7.52e-3, 7.52e-3], [-15.04e-3, 7.52e-3]]
@@ -98,7 +99,7 @@ def dies_down(one):
 
 
 def light_plate(folder):
-    """A free plate, lighter than one of the spheres, on a bed of 49 that a strong gravity presses."""
+    """A free plate, lighter than one of the spheres, on a bed of 49 under strong gravity."""
     k, g = 1e5, 1000.0
     rows = [[2.1e-3 * a, 2.1e-3 * b, 1e-3, 1e-3] for a in range(7) for b in range(7)]
     return spheres(rows, 0.004, {"normal_stiffness": k}, gravity=[0, 0, -g], walls=[wall("floor", [0, 0, 0], [0, 0, 1], k)],
@@ -126,7 +127,7 @@ def stiff_on_elements(folder):
 
 
 def servo(rows, end, fastest, **changes):
-    """A wall that holds a force on spheres between it and a floor; it may take up all that is missing in a step."""
+    """A wall whose servo holds a force on spheres between it and a floor; its relaxation is 1."""
     def scene(folder):
         top = max(row[2] for row in rows) + 1e-3 + 1e-6
         return spheres(rows, end, {"normal_stiffness": 1e5, "kratio": 0, **STRONG},

@@ -42,7 +42,7 @@ def released(one):
 
 
 def on_a_floor(friction, speed, spin, end, kratio=2, k=1e4):
-    """A sphere at its weight on a floor."""
+    """A sphere on a floor, in balance with its weight."""
     def scene(folder):
         sink = sphere_mass(1e-3) * 10 / k
         return spheres([[0, 0, 1e-3 - sink, 1e-3]], end, {"normal_stiffness": k}, gravity=[0, 0, -10],
@@ -58,8 +58,8 @@ def slides_and_spins(one):
 
 
 def sticks(one):
-    """The surface point swings on k_t with 7/2 of 1/m and comes to rest on average: v = 5/7 of the start, the spin follows;
-    nothing slides."""
+    """The surface point oscillates on k_t with 7/2 of 1/m and comes to rest on average: v = 5/7 of the initial value
+    and the spin that follows from it; no sliding."""
     rows, t = one.history, one.summary["time"]
     assert rows["energy_friction"].max() == 0, rows["energy_friction"].max()
     m, kt = sphere_mass(1e-3), 1e4 / 2
@@ -69,7 +69,7 @@ def sticks(one):
 
 
 def soft_and_stiff_shear(kratio):
-    """A pair of loose spheres that meet off centre, sticking."""
+    """A pair of loose spheres that collide off centre without sliding."""
     def scene(folder):
         return spheres([[0, 0, 0, 1e-3], [1.2e-3, 0, 1.7e-3, 1e-3]], 2e-4, {"kratio": kratio, "friction": 0.5},
                        sets=[launched("a", [0], [0, 0, 1]), launched("b", [1], [0, 0, -1])])
@@ -102,7 +102,7 @@ def with_value(**path):
 
 
 def alone(**sections):
-    """Sections that are refused before anything else is asked for."""
+    """Sections that are refused before any other key is read."""
     def scene(folder):
         return {"dimension": 3, "time": {"end": 1e-4}, **copy.deepcopy(QUIET), **sections}
     return scene
@@ -127,7 +127,7 @@ def notched(folder):
 
 
 def body_scene(step=None, **motion):
-    """Bonded spheres and a plate that moves, in steps that are given if not chosen."""
+    """Bonded spheres and a moving plate, with given steps unless automatic."""
     def scene(folder):
         made = spheres(lattice("hcp", [4, 3, 3]), 1e-4, {"bond_tension_limit": 100, "bond_shear_limit": 100}, bonds={},
                        bodies=[{"name": "tool", "box": {"size": [0.5, 1e-3, 1]}, "origin": [0.02, 0, -0.5], "reference": [0.02, 0, 0],

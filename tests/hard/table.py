@@ -1,4 +1,5 @@
-"""The one table of hard cases: from it come the tests (tests/test_hard.py), docs/evidence/hard-cases.md and the long forms."""
+"""The table of hard cases, from which the tests (tests/test_hard.py), docs/evidence/hard-cases.md and the long forms
+are made."""
 from hard import conversions, facets, far, meeting, ratios, solids, steps, strength, turning, zones
 
 FAMILIES = {

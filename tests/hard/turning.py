@@ -1,4 +1,4 @@
-"""Bodies that turn: nothing but the kinematics of contacts and the splitting of a free rotation keeps their energy."""
+"""Rotating bodies: only the kinematics of contacts and the splitting of a free rotation conserve their energy."""
 from hard.case import *  # noqa: F403
 
 RING, SPIN = 24, 500.0  # spheres; rad/s
@@ -18,13 +18,13 @@ def ring(folder):
     around = 2 * np.pi * np.arange(RING) / RING
     large = 1e-3 / math.sin(math.pi / RING)
     scene = turning(np.stack([large * np.cos(around), large * np.sin(around), 0 * around], 1), [0, 0, SPIN], 0.03)
-    for k, kick in ((0, 0.2), (RING // 2, -0.2)):  # so that it is no circle, and shears
+    for k, kick in ((0, 0.2), (RING // 2, -0.2)):  # so that the path is not a circle, and bonds are sheared
         scene["sets"][k]["initial_velocity"][0] += kick
     return scene
 
 
 def angular_momentum(one):
-    """Angular momentum of spheres about 0. Positions are a half step later than velocities, which makes no difference to it."""
+    """Angular momentum of spheres about 0. Positions are half a step later than velocities, which does not affect it."""
     x, v, w = (one.field("particles/" + name) for name in ("position", "velocity", "spin"))
     r = one.field("particles/radius")
     m = sphere_mass(r)[:, None]
@@ -49,7 +49,7 @@ def turns_for_ever(scene, limit):
 
 
 def bent_chain(folder):
-    """Three spheres at a right angle about an axis that is none of theirs: bonds bend and twist."""
+    """Three spheres at a right angle that rotate about an oblique axis: bonds bend and twist."""
     return turning([[2e-3, 0, 0], [0, 0, 0], [0, 2e-3, 0]], [30.0, 40.0, 50.0], 0.05)
 
 
@@ -60,7 +60,7 @@ def block(folder):
 
 
 def twisted_pair(folder):
-    """Turns about its own line while one end swings across it: the shear force has to turn along."""
+    """Rotates about its own line while one end moves across it: the shear force must rotate with it."""
     scene = turning([[0, 0, 0], [2e-3, 0, 0]], [2000.0, 0, 0], 0.02, ball={"kratio": 4})
     scene["sets"][1]["initial_velocity"] = [0, 1.0, 0]
     return scene
@@ -110,8 +110,8 @@ def euler(spin, inertia, end, steps):
 
 
 def flips(one):
-    """It has the spin that Euler's equations say, seen from the body, after several flips; the error of the second order
-    in the step is that of the phase."""
+    """It has the spin given by Euler's equations in the frame of the body, after several flips; the error, of second
+    order in the step, is an error of phase."""
     rows, (x, y, z) = one.history, SIDES
     inertia = np.array([y * y + z * z, z * z + x * x, x * x + y * y]) * 2000 * x * y * z / 12
     exact = euler(TOP, inertia, one.summary["time"], 4000)
@@ -123,20 +123,20 @@ def flips(one):
 
 
 def keeps_turning(one):
-    """Long after the phase is lost."""
+    """Long after the phase has become random."""
     energy = swing(one.history["energy_rotational"])
     assert energy < 1e-4, energy
     return f"energy within {energy:.0e}, {one.summary['steps']} steps"
 
 
 def turned_back(q, v):
-    """A vector of space as a body sees it that was turned by the quaternion w x y z."""
+    """Converts a vector of space to the frame of a body rotated by the quaternion w x y z."""
     w, u = q[0], -np.array(q[1:])
     return v + 2 * np.cross(u, np.cross(u, v) + w * v)
 
 
 def spinning_top(folder):
-    """A sphere pressed on a floor, pushed aside, that spins: its tangential spring turns with half its spin."""
+    """A spinning sphere pressed on a floor and pushed sideways: its tangential spring rotates with half its spin."""
     return spheres([[0, 0, 0.99e-3, 1e-3]], 0.02,
                    walls=[wall("floor", [0, 0, 0], [0, 0, 1], kratio=2, friction=100)],
                    sets=[{**launched("top", [0], [0.01, 0, 0], [0, 0, 2000]), "force": [0, 0, -10]}])

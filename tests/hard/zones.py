@@ -31,7 +31,7 @@ def falls_out(constraint):
 
 
 def fell_out(one):
-    """All particles of the zone have left; the rest has the speed of its fall."""
+    """All particles of the zone have left; the remaining body has the speed of its fall."""
     words = " ".join(warning["text"] for warning in one.summary["warnings"])
     assert "42 particles left coupling zones" in words, words
     speed = one.field("nodes/velocity")[:, 0].mean()
@@ -39,7 +39,7 @@ def fell_out(one):
 
 
 def shaken(**changes):
-    """Elements are pulled to and fro at their end."""
+    """Elements are pulled and pushed at their end."""
     def scene(folder):
         made = strip(**changes)
         made["elements"]["motions"] = [{"name": "end", "box": {"min": [0, 0], "max": [0, 1]}, "motion": {"vx": [[0, 0], [2e-6, 0.05], [4e-6, -0.05], [6e-6, 0]]}}]

@@ -24,15 +24,15 @@ import study as shared  # noqa: E402
 from machinery import Axis  # noqa: E402
 
 HEAD = "# Written by ./do accuracy (validate/accuracy/base.py): what the study's own tests found over what is foretold from their specimens.\n"
-FIXED = 0.03  # s: what a run takes besides its steps and the making of its world, as in src/plan/propose.c
+FIXED = 0.03  # s: time of a run apart from its steps and the creation of its world, as in src/plan/propose.c.
 FRACTION = 0.9  # of the first break at which statics end
 COLUMNS = ("case", "quantity", "value")
 AGAIN = 5  # times that costs are measured
 
 
 def plan(study, scene_file, again=AGAIN):
-    """As `gneiss plan` tells it; of costs the least, as others on the machine make them larger."""
-    said = [json.loads(study.call(["plan", scene_file, "--error", "5%", "--reading", "stiffness", "--log", "json", "--threads", 1]).stdout.splitlines()[-1])
+    """The figures that `gneiss plan` prints; the smallest of the costs, because other processes only increase them."""
+    said = [json.loads(study.call(["plan", scene_file, "--error", "5%", "--reading", "stiffness", "--log", "json", "--threads", 1]).stdout.splitlines()[-2])["result"]
             for _ in range(again)]
     reported = said[0]
     reported["cost"] = {name: min(one["cost"][name] for one in said) for name in reported["cost"]}
@@ -69,7 +69,8 @@ def power_of_strain(study, kind, c):
 
 
 def scatter_over_law(study, kind, c):
-    """The scatter over many packings over that of the study's law, which five of every number made; loaded at four times the speed."""
+    """Ratio of the scatter over many packings to the scatter law of the study, which is based on five packings of
+    every number; loaded at four times the speed."""
     count, seeds = (100, 2) if study.quick else (500, 24)
     scene = c.scene({**c.shape(), "particles": count})
     rows = study.axis(kind, {**scene, **timed(scene)}, Axis("base, many packings", [0.9], machinery.key("time.safety"), [0.9], seeds=seeds))
@@ -79,7 +80,8 @@ def scatter_over_law(study, kind, c):
 
 
 def run_over_lattice(study, kind, scene_file):
-    """Seconds of a run over those predicted from a lattice, measured in turns, as other programs may use the machine."""
+    """Ratio of the time of a run to the time predicted from a lattice, measured alternately, because other programs
+    may use the machine."""
     ratios = []
     for _ in range(AGAIN):
         reported, out = plan(study, scene_file, 1), study.path(kind, "base-timed")
@@ -100,7 +102,7 @@ def timed(scene):
 
 
 def of_case(study, kind):
-    """Rows of base.csv from the base of a case, of which several runs are made, and from its start at the first break."""
+    """Rows of base.csv: means over several runs of the base of a case, and of a start at the first break."""
     c = cylinder.Cylinder(kind, study.quick)
     shape = {"specimen": c.shape(), "run": {"seed": 1}}
     name = f"cylinder-{c.count}"
@@ -111,7 +113,7 @@ def of_case(study, kind):
     reported = plan(study, study.file(f"{kind}/base-plan.yaml", json.dumps(scene, indent=1)))
     mean = {r: np.mean([row[r] for row in rows]) for r in ("peak_stress", "peak_strain", "young_modulus", "young_modulus_average", "time", "steps")}
     estimate, seconds = reported["estimate"], min(row.seconds for row in rows)
-    # More particles come to press on the walls than at the start: of both moduli the ends' own share.
+    # The number of particles that press on the walls grows during a test: the share of the ends in both moduli.
     ends = 1 / mean["young_modulus"] - 1 / mean["young_modulus_average"] if estimate["compliance"] > 0 else 0.0
     body = mean["peak_strain"] - mean["peak_stress"] * ends
     run = seconds - FIXED - reported["cost"]["setup"]
@@ -139,7 +141,8 @@ def of_case(study, kind):
 
 
 def of_packing(study):
-    """The cost of making a packing in steps of its particles, measured in turns with the predicted cost of a step."""
+    """Measures the cost of making a packing in units of a step of its particles, alternating with the predicted cost
+    of a step."""
     count, found = (200 if study.quick else 2000), []
     c = cylinder.Cylinder("compression", study.quick)
     scene = {**c.scene({**c.shape(), "particles": count}), "time": {"end": 1e-9}}
@@ -177,7 +180,7 @@ def with_scatter(study, path, found):
 
 
 def written(path):
-    """The content of the table, in the form that `write` takes."""
+    """Returns the content of the table in the form that `write` expects."""
     found = {}
     for row in slopes.read(path):
         found.setdefault(row["case"], {})[row["quantity"]] = float(row["value"])

@@ -1,4 +1,4 @@
-"""A bed of grains that falls and comes to rest: how deep, and what was dissipated."""
+"""A bed of grains that falls and comes to rest: final depth and dissipated energy."""
 import numpy as np
 
 import simple

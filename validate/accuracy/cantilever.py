@@ -84,7 +84,7 @@ KINDS = {"CPE3": "CalculiX, the same triangles", "CPE8": "CalculiX, quadratic"}
 
 
 def others(study, truth):
-    """CalculiX: {label: [(seconds, error)]}, and the rows of its table."""
+    """Returns {label: [(seconds, error)]} of CalculiX, and the rows of its table."""
     points, lines = {}, []
     for kind, label in KINDS.items():
         for count, found, seconds in by_calculix(kind, (1, 2, 4) if study.quick else (1, 2, 4, 8, 16, 32)):

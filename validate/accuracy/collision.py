@@ -1,4 +1,5 @@
-"""Two grains colliding head-on: restitution against the one asked for, over the steps that a contact lasts."""
+"""Head-on collisions of two grains: the restitution reached relative to the given one, over the number of steps per
+contact."""
 import numpy as np
 
 import simple
@@ -11,7 +12,7 @@ RESTITUTION = 0.5
 
 
 def scene():
-    """Pairs far from each other, that meet at any moment of a step."""
+    """Distant pairs, each of which meets at another fraction of a step."""
     rng, rows = np.random.default_rng(5), []
     for k in range(PAIRS):
         gap = SPEED * CONTACT * rng.uniform(0.2, 0.6)

@@ -1,4 +1,5 @@
-"""A notched beam of finite elements that turn into particles where it cracks, beside the same beam of particles alone."""
+"""A notched beam of finite elements that turn into particles where it cracks, compared with the same beam of
+particles only."""
 import simple
 import words
 from machinery import Axis, key
@@ -11,7 +12,7 @@ POLYGON = [[0, 0], [LONG / 2 - WIDTH / 2, 0], [LONG / 2 - WIDTH / 2, DEPTH], [LO
 
 
 def motion(v):
-    """The load starts slowly; some 80 um of deflection break the beam."""
+    """The load starts slowly; a deflection of about 80 um breaks the beam."""
     return [[0, 0], [4e-6 / v, -v]], 80e-6 / v
 
 
@@ -69,7 +70,7 @@ def strength(row):
 
 
 def saved(truth, rows):
-    """The cost of the beam of particles over that of the cheapest coupled ones of an error."""
+    """Ratio of the cost of the beam of particles to that of the cheapest coupled beam with the same error."""
     whole, text = truth.seconds, []
     for limit in (0.05, 0.02, 0.01):
         near = [row for same in rows.values() for row in same if abs(strength(row) / strength(truth) - 1) <= limit]

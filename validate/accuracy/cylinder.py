@@ -32,7 +32,8 @@ class Cylinder:
         self.closing = (QUICK if quick else BASE)["closing"][kind]
 
     def motion(self, closing):
-        """Keys that move both ends, `closing` m/s together, and end the run where the strain does not go on."""
+        """Keys that move both ends towards each other, `closing` m/s together, and end the run where the strain
+        stops."""
         lower, upper, sense = ("walls.bottom", "walls.top", 1) if self.kind == "compression" else ("sets.lower", "sets.upper", -1)
         return {f"{lower}.motion.vz": sense * closing / 2, f"{upper}.motion.vz": -sense * closing / 2,
                 "time.end": LAST[self.kind] * HEIGHT / closing}
@@ -129,15 +130,16 @@ def groups(rows):
 
 
 def across(count, rows_of_file):
-    """Particles across the diameter, from a packing's mean radius: that of another number of the same shape by volume."""
+    """Particles across the diameter, from the mean radius of a packing: other numbers of particles of the same shape
+    follow by volume."""
     return DIAMETER / (2 * rows_of_file[:, 3].mean()) * (count / len(rows_of_file)) ** (1 / 3)
 
 
-MUCH = 0.4  # damping from which strength hardly notices it
+MUCH = 0.4  # damping above which it hardly affects strength
 
 
 def m_base(rows, reading):
-    """A reading at the base's damping."""
+    """Returns a reading at the damping of the base."""
     return next(row for row in rows if row.value == BASE["damping"])[READINGS.get(reading, reading)]
 
 
@@ -152,7 +154,7 @@ class Measured:
         self.bulk = DENSITY * np.sum(4 / 3 * np.pi * packing[:, 3] ** 3) / volume
         self.wave = np.sqrt(self.base["young_modulus_average"] / self.bulk)
         self.floor = {r: fits.scatter(column(found["round-off"], r)) for r in READINGS}
-        # what two single runs differ by, by round-off alone, at two standard deviations
+        # Difference of two single runs by round-off only, two standard deviations.
         self.noise = {r: 2 * np.sqrt(2) * floor for r, floor in self.floor.items()}
         self.by_count = groups(found["particles"] + found["more particles"])
         self.packing_scatter = {r: {n: fits.scatter(column(rows, r)) for n, rows in groups(found["particles"]).items()} for r in READINGS}
@@ -167,14 +169,15 @@ class Measured:
         return closing / (self.wave * self.base["peak_strain"])
 
     def at_rest(self, reading):
-        """The reading of ever slower loading, its change from there to every speed of the axis, and the order (0: it is reached)."""
+        """The limit of the reading for slow loading, its change from there to every speed of the axis, and the order
+        (0: converged)."""
         rows = sorted(self.found["velocity"], key=lambda row: row.value)
         values = column(rows, reading)
         still, order = fits.halved(values, self.noise[reading])
         return still, {row.value: value / still - 1 for row, value in zip(rows, values)}, order
 
     def limit(self, reading):
-        """The reading of so many particles that more change nothing, loaded slowly."""
+        """Returns the limit of the reading for many particles and slow loading."""
         at_base = self.still[reading][1].get(self.c.closing, 0.0)
         return self.limits[reading][0][0] / (1 + at_base)
 
@@ -238,8 +241,9 @@ def bias_of(m, reading, kind, rows, count, spread):
 
 
 def settings(m, reading, kind):
-    """(seconds, error, count, speed, seeds, steps): the error of a mean over so many packings: bias, and scatter over the root of their
-    number. The scatter is that of the law over all numbers of particles, where there is one: five seeds tell a deviation to a third."""
+    """(seconds, error, count, speed, seeds, steps): the error of a mean over this number of packings is the bias plus
+    the scatter over the square root of the number. The scatter follows the fitted law over all numbers of
+    particles, if there is one, because five seeds determine a standard deviation only to a third."""
     found, law = [], slope_of(m, reading, "packing")
     base = m.c.closing
     for name, speed in (("particles", lambda v: base), ("more particles", lambda v: base), ("particles and velocity", lambda v: v[1]),
@@ -269,7 +273,7 @@ def cheapest(m, reading, kind, wanted, yade):
 
 
 def front_rows(m, yade):
-    """For every error the cheapest settings, here and in YADE."""
+    """The cheapest settings for every error, for gneiss and YADE."""
     return [[m.case, reading, kind, *(cheapest(m, reading, kind, wanted, yade) for wanted in WANTED)]
             for reading in ("strength", "E") for kind in KINDS]
 
@@ -491,7 +495,7 @@ def draw_axes(pictures, m):
             axes.set_xscale("log")
         axes.set_xlabel(label)
         axes.set_ylabel("strength, MPa")
-        if name == "safety":  # as wide as packings scatter: less is nothing
+        if name == "safety":  # The scatter of packings: smaller deviations are not significant.
             middle = m.base["peak_stress"] / 1e6
             width = 2 * middle * m.packing_scatter["strength"].get(m.c.count, 0.02)
             axes.set_ylim(middle - width, middle + width)

@@ -43,7 +43,8 @@ def one_limit(x, y, p):
 
 
 def limit(x, y, fixed=None):
-    """y = limit - a x^-p: limit, a, p. The exponent by search; 1, that of a layer at the surface, where points do not tell it."""
+    """Fits y = limit - a x^-p and returns limit, a, p. The exponent is found by search; it is 1, as for a layer at
+    the surface, if the points do not determine it."""
     x, y = clean(x, y)
     if len(np.unique(x)) < 2:
         return (y.mean() if len(y) else float("nan")), float("nan"), float("nan")
@@ -67,9 +68,10 @@ def limit_spread(x, groups, draws=200):
 
 
 def halved(values, noise):
-    """Limit and order of values at steps (or speeds) that double from one to the next, the finest first, `noise` what two of them differ by
-    for no reason. The mean of those at the beginning that differ by no more (order 0: reached); else Richardson's extrapolation of the
-    first three, of order 1 where they do not tell it."""
+    """Limit and order of values at steps (or speeds) that double from one to the next, the finest first; `noise` is
+    the difference of two values by chance. The mean of the first values if they differ by no more than that (order
+    0: converged); otherwise Richardson's extrapolation of the first three, with order 1 if they do not determine
+    it."""
     values = clean(values)[0]
     if not len(values):
         return float("nan"), float("nan")
@@ -85,7 +87,7 @@ def halved(values, noise):
 
 
 def scatter(values):
-    """Standard deviation over the mean, of a sample."""
+    """Coefficient of variation of a sample."""
     values = clean(values)[0]
     return values.std(ddof=1) / abs(values.mean()) if len(values) > 1 else float("nan")
 

@@ -1,4 +1,4 @@
-"""A silo that empties through a hole in its flat bottom: how fast, and what was dissipated."""
+"""A silo that discharges through a hole in its flat bottom: flow rate and dissipated energy."""
 import simple
 from machinery import Axis, key
 
@@ -27,7 +27,7 @@ def scene(quick):
 
 
 def sides(count):
-    """Settings of the number of sides of the prisms that stand for the silo and its hole."""
+    """Settings for the number of sides of the prisms that represent the silo and its hole."""
     return {"bodies.silo.cylinder.sides": count, "bodies.bottom.cylinder.sides": count}
 
 
@@ -40,7 +40,7 @@ AXES = [Axis("steps per contact", [48, 24, 12, 6], key("time.contact_steps"), [2
 
 
 def rate(row):
-    """kg/s between a quarter and three quarters of what runs out."""
+    """Mean flow in kg/s between a quarter and three quarters of the discharge."""
     found = row.summary["sinks"][0]["steady_rate"]
     return float("nan") if found is None else found
 
@@ -51,7 +51,8 @@ def out(row):
 
 
 def dissipated(row):
-    """Share of what gravity did and the source brought that friction and dashpots took; the rest left with the grains."""
+    """Share of the energy supplied by gravity and the source that friction and dashpots dissipated; the grains
+    carried the rest away."""
     return (row["energy.friction"] + row["energy.contact_damping"]) / (row["energy.work_gravity"] + row.summary["sources"][0]["energy"])
 
 

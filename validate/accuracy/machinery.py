@@ -1,4 +1,4 @@
-"""Shared by the cases: runs by `gneiss sweep`, kept under their hashes, and what is read from them."""
+"""Shared by the cases: runs by `gneiss sweep`, stored under their hashes, and their readings."""
 import csv
 import json
 import os
@@ -35,7 +35,7 @@ def key(name):
 
 
 class Row:
-    """A run: `value` of its axis, seed, and what it left."""
+    """A run: `value` of its axis, seed and results."""
 
     def __init__(self, axis, value, record, folder, terms):
         self.axis, self.value, self.seed, self.folder = axis, value, int(record["seed"]), folder
@@ -48,7 +48,7 @@ class Row:
         return self.status == "done" and bool(self.summary)
 
     def __getitem__(self, name):
-        """A reading, count, term of the ledger, or cost; not a number where the run has none."""
+        """Returns a reading, count, term of the ledger or cost; not a number if the run does not have it."""
         places = ({**self.terms, **self.summary.get("readings", {})}, self.summary.get("counts", {}), self.summary)
         for place in places:
             if name in place:
@@ -65,7 +65,7 @@ class Row:
 
 
 class Study:
-    """Where the runs, sections and numbers of a study are. `quick`: the form that takes seconds."""
+    """Folder of the runs, sections and numbers of a study. `quick`: the form that takes seconds."""
 
     def __init__(self, folder, quick):
         self.folder, self.quick, self.rows = Path(folder), quick, []
@@ -83,7 +83,7 @@ class Study:
         return path
 
     def call(self, arguments):
-        """The program; packings are made anew by every run, so that each pays for its own."""
+        """The program. Every run makes its packing anew, so that its cost is included."""
         environment = dict(os.environ, OMP_WAIT_POLICY="passive", GNEISS_CACHE="off")
         done = subprocess.run([study.PROGRAM, *map(str, arguments)], env=environment, text=True, capture_output=True)
         if done.returncode not in (0, 5):
@@ -106,7 +106,7 @@ class Study:
         return records, out, terms
 
     def axis(self, case, scene, axis, **options):
-        """Rows of an axis: for every value, for every seed."""
+        """Returns the rows of an axis: for every value and every seed."""
         values = axis.taken(self.quick)
         if not values:
             return []

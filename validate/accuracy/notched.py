@@ -23,7 +23,7 @@ def motion(v):
 
 
 def boxes(count):
-    """Where discs are held and pushed: two or three of so many, so that the beam may turn there."""
+    """Where discs are held and pushed: two or three discs, so that the beam can rotate there."""
     size = 1.6 * math.sqrt(0.85 * AREA / (math.pi * count))
     places = {"left": ((LONG - SPAN) / 2, 0), "right": ((LONG + SPAN) / 2, 0), "load": (LONG / 2, HEIGHT)}
     return {name: {"min": [x - size, y - size], "max": [x + size, y + size]} for name, (x, y) in places.items()}
@@ -42,7 +42,8 @@ def more(v, count):
             "sets": [{"name": "left", "select": {"box": box["left"]}, "motion": {"vy": 0, "vx": 0}},
                      {"name": "right", "select": {"box": box["right"]}, "motion": {"vy": 0}},
                      {"name": "load", "select": {"box": box["load"]}, "motion": {"vy": keys["sets.load.motion.vy"]}}],
-            # 3 F S / (2 (H - a)^2) in Pa per 1 m of thickness: the stress of a beam of what the notch leaves
+            # 3 F S / (2 (H - a)^2) in Pa per 1 m of thickness: the bending stress of a beam of the height above the
+            # notch.
             "test": {"kind": "compression", "axis": "y", "lower": ["left", "right"], "upper": "load", "length": HEIGHT,
                      "area": 2 * (HEIGHT - DEPTH) ** 2 / (3 * SPAN)},
             "time": {"end": keys["time.end"], "stop": {"peak_drop": 0.5}}}

@@ -20,7 +20,7 @@ def section(pictures, measured):
         "the root of the sum of squares of bias and of scatter over the root of their number. Only settings that were run are included, with damping and bonds of the sections below. "
         f"YADE's seconds are computed, not measured: particle-steps times its measured seconds for one "
         f"({1e6 / yade['particle_steps']:.2f} us, one thread) and its {yade['longer']:.1f} times as many steps "
-        f"([both on rock-a](evidence/performance.md#beside-other-codes)); its packing is not counted.",
+        f"([both on rock-a](performance.md#beside-other-codes)); its packing is not counted.",
         cylinder.draw_front(pictures, measured),
         f"Crosses: runs of one packing, one axis at a time, relative to the finest run of that axis (for damping, which is a choice, to the base). "
         f"Green: {min(counts)} to {max(counts)} particles at several speeds, calibrated. Black: the front, the smallest error at each cost. Dotted: the floors."])

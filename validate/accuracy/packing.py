@@ -9,7 +9,7 @@ VOLUME = np.pi / 4 * DIAMETER**2 * HEIGHT
 
 
 def scene(count):
-    """A run of hardly a step: the seconds are those of the packing and of setting up."""
+    """A run of almost no steps: its time is that of the packing and the set-up."""
     return {"title": "a packing", "dimension": 3,
             "specimen": {"cylinder": {"diameter": DIAMETER, "height": HEIGHT}, "particles": count, "packing": {"overlap": "passive", "size_ratio": 3}},
             "materials": [{"name": "rock", "density": 2650, "contact_modulus": "10 GPa", "kratio": 3.7, "tensile_strength": "40 MPa",

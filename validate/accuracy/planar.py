@@ -20,7 +20,8 @@ def scene(specimen, more):
 
 
 def rows_of(study, case, shape, count, motion, more, speeds, counts, number=key("specimen.particles"), seeds=5):
-    """Rows of the axes; `speeds` down to the slowest, `counts` with so many seeds each, `number` the keys of a count."""
+    """Rows of the axes: `speeds` down to the slowest, `counts` with a number of seeds each, `number` the keys of a
+    count."""
     quick = study.quick
     packed = {**shape, "particles": count, "packing": {"size_ratio": 3}, "material": "rock"}
     request = {"dimension": 2, "specimen": packed, "run": {"seed": 1}}

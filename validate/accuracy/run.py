@@ -1,4 +1,4 @@
-"""The cost of accuracy in time; writes docs/accuracy.md, its pictures, and validate/accuracy/slopes.csv and base.csv,
+"""The cost of accuracy in time; writes docs/evidence/accuracy.md, its pictures, and validate/accuracy/slopes.csv and base.csv,
 which `gneiss plan --error` and the error budget of runs are compiled from.
 
     ./do accuracy                everything; what is kept in runs/accuracy is not run again: an hour of one core
@@ -66,7 +66,7 @@ def write(page):
 
 def put_elsewhere(name, text):
     """A section of the page that another study has measured."""
-    page = page_at(study.ROOT / "docs" / "accuracy.md", study.ROOT / "runs" / "accuracy")
+    page = page_at(study.ROOT / "docs" / "evidence" / "accuracy.md", study.ROOT / "runs" / "accuracy")
     page.keep(name, text)
     write(page)
 
@@ -106,7 +106,7 @@ def places(arguments, quick):
     folder = Path(out).resolve() if out else study.ROOT / "runs" / ("accuracy-quick" if quick else "accuracy")
     if out or quick:
         return folder, folder / "accuracy.md", folder / "pictures", folder / "slopes.csv"
-    docs = study.ROOT / "docs"
+    docs = study.ROOT / "docs" / "evidence"
     return folder, docs / "accuracy.md", docs / "pictures", HERE / "slopes.csv"
 
 

@@ -47,7 +47,7 @@ def in_plane(study, kind, law):
     return planar.scene({"rectangle": {"width": WIDTH, "height": HEIGHT}, "particles": 100 if study.quick else COUNT, "material": "rock"}, more)
 
 
-# Among the planar cases the disc stands for all tension, as in src/accuracy/accuracy.c.
+# Among the planar cases the disc represents all tests in tension, as in src/accuracy/accuracy.c.
 CASES = {"compression": (in_space, "compression"), "tension": (in_space, "tension"), "compression-plane": (in_plane, "compression"),
          "brazilian": (in_plane, "tension")}
 

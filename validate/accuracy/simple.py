@@ -92,8 +92,8 @@ class Measured:
                 self.slopes.power(reading, axis, "scatter", self.case.groups[axis][0], [p[1] for p in scattered], [p[3] for p in scattered])
 
     def chance(self, axis, reading, point):
-        """The error that a mean over seeds may have by chance, at two standard errors of it and its reference; for single runs the
-        difference that round-off makes between two of them."""
+        """The possible error by chance of a mean over seeds: two standard errors of the mean and of its reference;
+        for single runs the difference of two runs by round-off."""
         if np.isfinite(point[3]):
             return 2 * np.sqrt(2) * point[3] / np.sqrt(point[5]) if reading not in self.case.absolute else 0.0
         shaken = [p[2] for p in self.errors.get(("round-off", reading), [])]

@@ -39,7 +39,7 @@ class Slopes:
         return row
 
     def power(self, reading, effect, kind, group, x, y):
-        """Power law of deviations y over x; its sign is that of most of them."""
+        """Fits a power law to deviations y over x; its sign is that of most deviations."""
         x, y = fits.clean(x, y)
         keep = y != 0
         x, y = x[keep], y[keep]
@@ -67,7 +67,7 @@ class Slopes:
         return self.add(reading, effect, kind, group, "exponential", c, abs(c) * a_error, None, None, -1 / slope, x.min(), x.max(), len(x))
 
     def ratio(self, reading, effect, group, x, y, reference):
-        """The slope of a reading over that at the reference."""
+        """Returns the slope of a reading relative to its value at the reference."""
         x, y = fits.clean(x, y)
         u, v = np.log(x / reference), np.log(y)
         if not np.sum(u * u) > 0:
@@ -91,7 +91,7 @@ def read(path):
 
 
 def write(path, measured, cases):
-    """Rows of the cases that were measured take the place of those that the file has of them."""
+    """Replaces the rows of the measured cases in the file."""
     fresh = {row["case"] for row in measured}
     rows = [row for row in read(path) if row["case"] not in fresh] + measured
     rows.sort(key=lambda row: (list(cases).index(row["case"]) if row["case"] in cases else len(cases)))
@@ -104,7 +104,7 @@ def write(path, measured, cases):
 
 
 def law(row):
-    """A row as a formula."""
+    """Returns a row as a formula."""
     c = float(row["coefficient"])
     if row["form"] == "power":
         return f"{100 * c:.2g} % x (g / {float(row['reference']):.3g})^{float(row['exponent']):.2f}"
@@ -118,7 +118,7 @@ def law(row):
 
 
 def at(row, group):
-    """The error that a row says for a group."""
+    """Returns the error that a row predicts for a value of its group."""
     c, reference = float(row["coefficient"]), float(row["reference"] or 1)
     if row["form"] == "power":
         return c * (group / reference) ** float(row["exponent"])

@@ -24,7 +24,8 @@ COMMON = {"time": {"end": END}, "output": {"history_rows": 50, "snapshots": 0, "
 
 
 def chain_settings(count):
-    """A row of so many touching particles of the same length, mass per length aside: the stiffness gives the same speed of waves."""
+    """A row of touching particles of the same length; the stiffness is chosen for the same wave speed, whatever their
+    mass per length."""
     r = LENGTH / (2 * count)
     mass = DENSITY * 4 / 3 * np.pi * r**3
     return {"specimen.lattice.radius": r, "specimen.lattice.cells": [count, 1, 1],
@@ -70,7 +71,7 @@ def profile(row):
 
 
 def instant(row):
-    """The instant of the velocities: leapfrog has those of the last half step."""
+    """The time of the velocities, which leapfrog has at the middle of the last step."""
     return row["time"] - 0.5 * row["dt"]
 
 

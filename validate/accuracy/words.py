@@ -1,4 +1,4 @@
-"""Tables, sentences and pictures of the page: every figure in a sentence comes from here, with the claim that goes with it."""
+"""Tables, sentences and pictures of the page: every figure in a sentence is formed here together with its claim."""
 import numpy as np
 
 import study
@@ -68,7 +68,7 @@ class Pictures:
 
     @staticmethod
     def seconds_axis(axes):
-        """Seconds as plain numbers; between the decades only where there is one alone."""
+        """Formats seconds as plain numbers; ticks between decades only if the axis has a single decade."""
         from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
         low, high = axes.get_xlim()

@@ -112,7 +112,7 @@ def text_of(job):
 
 
 def run_gneiss(name, job):
-    """The job in gneiss; a new build runs it anew."""
+    """Runs the job in gneiss; a new build repeats it."""
     key = digest(text_of(own_half(job)), Path(job["spheres"]).read_bytes(), Path(own.__file__).read_bytes(),
                  Path(study.LIBRARY).read_bytes())
     path = RUNS / name / "gneiss.npz"
@@ -124,7 +124,7 @@ def run_gneiss(name, job):
 
 
 def run_yade(name, job):
-    """The job in YADE, one thread: two runs on several threads differ."""
+    """Runs the job in YADE on one thread, because two runs on several threads differ."""
     script = HERE / "peer.py"
     key = digest(text_of(peer_half(job)), Path(job["spheres"]).read_bytes(), script.read_bytes())
     folder = RUNS / name
@@ -185,7 +185,7 @@ def apart(job, a, b):
 
 
 def worst(found, steps):
-    """Largest difference within so many steps over the largest value within them, of all parts."""
+    """Largest difference within this number of steps relative to the largest value within them, over all components."""
     values = [0.0]
     for instants, difference, size in found.values():
         inside = (instants > 0) & (instants <= steps)  # at the start the codes keep different half-step velocities

@@ -10,22 +10,22 @@ import own
 
 ROCK = {**lab.ROCK, "yade": {"fresh": "aligned"}}
 SEEDS = (1, 2, 3, 4, 5)  # packings
-PAIRED = SEEDS[:3]       # those that are run in YADE as well
+PAIRED = SEEDS[:3]       # Kinds that are run in YADE as well.
 PRESSURES = (5e6, 20e6)
-RAMP, HELD = 0.05e-3, 0.1e-3  # s: the pressure comes, ends stand
+RAMP, HELD = 0.05e-3, 0.1e-3  # s: duration of the pressure ramp, during which the ends are fixed
 DISC, THICK = 0.050, 0.025    # m
-SHIFTS, PEER_SHIFTS = 4, 2  # copies of packings shifted by round-off: in gneiss of each of PAIRED, in YADE of the first
+SHIFTS, PEER_SHIFTS = 4, 2  # Copies of packings changed by round-off: in gneiss of each of PAIRED, in YADE of the first.
 
 
 def packing(name, shape, count, seed):
-    """File of a packing of so many particles, made by `gneiss pack`."""
+    """File of a packing of this number of particles, made by `gneiss pack`."""
     text = (f"specimen:\n  cylinder: {shape}\n  particles: {count}\n  packing: {{size_ratio: 3, overlap: passive}}\n"
             f"run: {{seed: {seed}}}\n")
     return jobs.packed(f"{name}-{seed}", text) / "packing.txt"
 
 
 def with_steps(job, travel, speed, after):
-    """`travel` m at `speed` m/s, after so many seconds of standing."""
+    """A displacement of `travel` m at `speed` m/s, after an interval at rest, in s."""
     job["dt"] = float(f"{0.9 * own.stable_step(job):.3g}")
     job["steps"] = int((after + travel / speed) / job["dt"])
     job["every"] = max(1, job["steps"] // 1500)
@@ -47,7 +47,8 @@ def ends_of(job, lists, axis, speed, after, across=None):
 def triaxial(seed, pressure):
     path = packing("triaxial", "{diameter: 23 mm, height: 46 mm}", 1000, seed)
     job = {"spheres": str(path), **ROCK, "sets": [], "pressure": {"value": pressure, "ramp": RAMP}, "peak_drop": 0.3}
-    # Held across, as rough platens do: loads that keep their directions would turn a specimen over that nothing holds.
+    # Held laterally, as by rough platens: loads of fixed directions would turn over a specimen without lateral
+    # support.
     job = ends_of(job, lab.end_lists(np.loadtxt(path)), 2, 0.4, HELD, 0.0)
     job["yade"] = {**job["yade"], "skin": own.skin(job).tolist()}
     return with_steps(job, 0.035 * lab.LENGTH, 0.4, 1.5 * HELD)
@@ -72,7 +73,7 @@ def bending(seed):
 
 
 def closing(job, run):
-    """By how much the ends have come together, m: velocities of the middles of the steps, summed up."""
+    """Approach of the ends, m: the sum of the velocities at the middles of steps."""
     tables = [s["v"][job["axis"]] for s in job["sets"]]
     middle = (np.arange(run["step"][-1]) + 0.5) * job["dt"]
     total = np.zeros(len(middle))

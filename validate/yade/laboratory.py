@@ -68,7 +68,7 @@ def readings(job, run):
     start = run["snapshot"][0]
     axial, lateral = np.array([mean_strain(start, now) for now in run["snapshot"][inside]]).T
     half = stress[peak:] <= 0.5 * stress[peak]
-    end = peak + int(np.argmax(half)) if half.any() else len(stress) - 1  # gneiss goes on to the next snapshot
+    end = peak + int(np.argmax(half)) if half.any() else len(stress) - 1  # gneiss continues to the next snapshot
     return {"E": modulus, "nu": -np.polyfit(axial, lateral, 1)[0], "strength": stress[peak], "strain": strain[peak],
             "tension": int(run["broken_tension"][peak]), "shear": int(run["broken_shear"][peak]),
             "tension_end": int(run["broken_tension"][end]), "shear_end": int(run["broken_shear"][end]),
@@ -130,7 +130,7 @@ FRICTIONAL_ROCKS = ("rock-b", "rock-c", "rock-a")
 CHAOS = {"rock-b": (8, 3), "pack-2": (8, 3)}  # shifted copies run in gneiss and in YADE; elsewhere:
 CHAOS_ELSEWHERE = (4, 0)
 
-# On rock-b: what YADE's own definitions, and gneiss' own, do to the test.
+# On rock-b: the effect of YADE's own definitions, and of gneiss' own, on the test.
 VARIANTS = [
     ("the same definitions", {}),
     ("YADE's shear arms (avoidGranularRatcheting)", {"yade": {"fresh": "aligned", "arms": "ratcheting"}}),
@@ -169,7 +169,7 @@ def run_test(test, name):
 
 
 def run_variants():
-    """(what, job, readings of gneiss or None, readings of YADE or None) of each variant on rock-b."""
+    """(description, job, readings of gneiss or None, readings of YADE or None) of each variant on rock-b."""
     rows = []
     for number, (what, change) in enumerate(VARIANTS):
         job = job_for("UCS", "rock-b", **change)

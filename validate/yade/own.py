@@ -32,7 +32,7 @@ def library():
 
 
 class World:
-    """A world made from the text of a scene."""
+    """Creates a world from the text of a scene."""
 
     def __init__(self, text):
         self.lib, self.error = library(), Error()
@@ -87,7 +87,7 @@ class World:
 
 
 def scene(job):
-    """The job as text of a scene."""
+    """Returns the job as text of a scene."""
     rows = np.loadtxt(job["spheres"], ndmin=2)
     choice = job.get("gneiss", {})
     lines = ["dimension: 3", "specimen:"]
@@ -140,7 +140,7 @@ def skin(job):
 
 
 def fallen(job, reaction, broken, peak):
-    """True if the load has fallen by the wanted part of its peak; and the peak."""
+    """Returns whether the load has fallen by the given part of its peak, and the peak."""
     names = [s["name"] for s in job["sets"]]
     a, b = (names.index(end) for end in job["ends"])
     load = 0.5 * np.abs(reaction[:, a, job["axis"]] - reaction[:, b, job["axis"]])
@@ -149,7 +149,7 @@ def fallen(job, reaction, broken, peak):
 
 
 def broken_pairs(world, job):
-    """Particles of every broken bond, by their place in the specimen, [n, 2]."""
+    """Particles of every broken bond, by their index in the specimen, [n, 2]."""
     if not job.get("bonded", True):
         return np.zeros((0, 2), int)
     place = world.field(PARTICLES, "id")[:, 0]

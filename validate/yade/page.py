@@ -73,6 +73,6 @@ def keep(name, text):
 
 
 def spread(values):
-    """Standard deviation over the mean, of a sample, in per cent."""
+    """Coefficient of variation of a sample, per cent."""
     values = np.asarray(values)
     return 100 * values.std(ddof=1) / values.mean()

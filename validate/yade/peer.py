@@ -55,12 +55,12 @@ tables = [(s, any(isinstance(v, list) for v in s["v"])) for s in job["sets"]]
 
 
 def at(value, instant):
-    """A prescribed velocity or a table of it."""
+    """A prescribed velocity, constant or a table."""
     return np.interp(instant, *np.transpose(value)) if isinstance(value, list) else value
 
 
 def follow_tables(n):
-    """Velocities of the coming step, which are those of its middle."""
+    """Velocities of the next step, which are those at its middle."""
     for s, changes in tables:
         now = [at(v, (n + 0.5) * dt) for v in s["v"]] if changes else []
         for k in s["ids"] if changes else []:
@@ -78,7 +78,7 @@ def give_velocities():
                 now = [old if v is None else at(v, 0.5 * dt) for old, v in zip(now, values)]
                 setattr(states[k], target, Vector3(*now))
     if choice["start"] == "aligned" and gravity.norm() > 0:
-        for state in states:  # the first kick is a whole one in YADE: half of it is taken back beforehand
+        for state in states:  # The first kick is a whole one in YADE; half of it is subtracted beforehand.
             free = [0 if axis in state.blockedDOFs else 1 for axis in "xyz"]
             kept = 1 - job["damping"]
             state.vel -= Vector3(*(0.5 * dt * kept * g * f for g, f in zip(gravity, free)))
@@ -96,7 +96,7 @@ def record(n):
     for s in job["sets"]:
         total = Vector3(0, 0, 0)
         for k in s["ids"]:
-            total -= O.forces.f(k) + states[k].mass * gravity  # NewtonIntegrator keeps the weight to itself
+            total -= O.forces.f(k) + states[k].mass * gravity  # NewtonIntegrator does not report the weight.
         reactions += list(total)
     rows.append([n, *reactions, law.nbTensCracks, law.nbShearCracks])
     drop = job.get("peak_drop")
@@ -142,7 +142,7 @@ class Contacts:
         self.normal = np.array([[*i.geom.normal] for i in members]).reshape(-1, 3).T
 
     def look(self):
-        """At the end of a step, before its forces: velocities are those of the step."""
+        """Called at the end of a step, before its forces: velocities are those of the step."""
         now = np.empty((len(self.states), 9))
         for row, s in enumerate(self.states):
             x, v, w = s.pos, s.vel, s.angVel
@@ -180,7 +180,8 @@ class Contacts:
 
 
 def add_increment():
-    """Before YADE's law: shear forces from which it comes to gneiss' increment, and decides by it on bonds and friction."""
+    """Called before YADE's law: sets shear forces from which YADE's increment leads to that of gneiss, which then
+    decides on bonds and friction."""
     contacts.look()
     if choice["increment"] == "middle":
         more = contacts.before_turn(contacts.increment("middle") - contacts.increment("end"))
@@ -189,7 +190,7 @@ def add_increment():
 
 
 def change_shear(i, new):
-    """Another shear force in this step: what acts on the particles changes with it."""
+    """Another shear force in this step, with the corresponding change of the forces on the particles."""
     change, n = new - i.phys.shearForce, i.geom.normal
     overlap = i.geom.penetrationDepth
     O.forces.addF(i.id1, -change)
@@ -257,8 +258,8 @@ def ends_along(i):
 
 
 def complete_crossing(broken):
-    """Contacts without a bond that closed or opened within this step: src/kernels/contact_law.h says why so. Bonds that
-    broke in it were springs until now."""
+    """Contacts without a bond that closed or opened within this step: src/kernels/contact_law.h has the reason. Bonds
+    that broke in it were springs until then."""
     c, sprung = contacts, {(i.id1, i.id2) for i in broken}
     start = c.stretch - c.path
     for k in np.flatnonzero((c.stretch < 0) != (start < 0)).tolist():
@@ -302,7 +303,8 @@ def damp_past():
 
 
 def press(n):
-    """The membrane: outward areas that keep their directions and their particles. (gneiss takes them from what no longer touches the body.)"""
+    """The membrane: outward areas with fixed directions and particles. (gneiss removes those of particles that no
+    longer touch the body.)"""
     if not skin:
         return
     share = min(n * dt / job["pressure"]["ramp"], 1.0)
@@ -366,7 +368,7 @@ O.engines = (O.engines[:2] + ahead + O.engines[2:3] + [PyRunner(command="tick()"
              + O.engines[3:])
 O.dt = dt
 started = time.perf_counter()
-O.run(steps + 1, True)  # the last tick sees the forces after `steps` steps
+O.run(steps + 1, True)  # The last tick has the forces after `steps` steps.
 seconds = time.perf_counter() - started
 rows = np.array(rows)
 broken = [pair for pair in sorted(bonded) if not O.interactions[pair].phys.isCohesive]

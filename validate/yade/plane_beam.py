@@ -7,7 +7,7 @@ import jobs
 import own
 
 LENGTH, HEIGHT, NOTCH, SLOT, SPAN = 0.44, 0.1, 0.03, 0.002, 0.4  # m
-RADIUS = 0.002  # m, twice that of the scene, so that YADE takes minutes
+RADIUS = 0.002  # m, twice that of the scene, so that YADE takes minutes only
 CONTACT = {"density": 2400.0, "contact_modulus": 22.4e9, "kratio": 3.0, "friction": 0.5, "tension": 4e6, "shear": 12e6, "interaction_range": 0.1,
            "damping": 0.2}
 SPEED = 0.01  # m/s
@@ -48,7 +48,7 @@ def job_of(**more):
 
 
 def opening(job, run):
-    """Deflection and opening of the notch's mouth, m: particles at both sides of it, some 3 mm high."""
+    """Deflection and opening of the mouth of the notch, m, from particles at both sides of it, about 3 mm high."""
     start = run["snapshot"][0]
     moved = run["snapshot"][:, :, 0] - start[:, 0]
     off = start[:, 0] - 0.5 * LENGTH

@@ -153,7 +153,7 @@ TANGENTS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 4.0, 6.0)  # tangential over normal ap
 
 
 def pressing_restitution(e):
-    """e* of the text above for a restitution e of the whole contact."""
+    """e* of the text above for the coefficient of restitution e of the contact."""
     if e == 1:
         return 1.0
     alpha = -np.log(e) / np.hypot(np.pi, np.log(e))
@@ -162,7 +162,7 @@ def pressing_restitution(e):
 
 
 def closed_form(tangent, e=1.0):
-    """Regime, v_x and spin after the impact; without numbers between the regimes."""
+    """Regime, v_x and spin after the impact; no numbers between the regimes."""
     slide = MU * (1 + pressing_restitution(e))
     if tangent > 1.15 * 3.5 * slide:
         return "slides", tangent - slide, 2.5 * slide
@@ -177,7 +177,8 @@ def number(value):
 
 
 def pairs_job():
-    """Pairs of equal spheres that meet along z, each with its own tangential speed along x; far apart along y."""
+    """Pairs of equal spheres that collide along z, each with its own tangential speed along x; the pairs are far
+    apart along y."""
     rows, initial = [], []
     for k, tangent in enumerate(TANGENTS):
         for side in (0, 1):

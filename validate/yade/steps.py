@@ -7,7 +7,7 @@ import jobs
 GRAIN = {"density": 2650.0, "contact_modulus": 10e9, "kratio": 3.7, "friction": 0.5, "tension": 40e6, "shear": 40e6,
          "interaction_range": 0.05, "damping": 0.0, "dt": 1e-7, "every": 1, "snapshot_every": 1, "velocities": True}
 FREE, STILL = [None] * 3, [0.0] * 3
-# With what peer.py does anyway: every definition the same.
+# The definitions that peer.py uses by default: all of them equal to those of gneiss.
 SAME = {"fresh": "aligned", "increment": "middle", "crossing": "part"}
 # Overlapping by 2.6 %; apart by 2 micrometres; touching.
 PAIR = [[0, 0, 0, 1.0e-3], [1.85e-3, 0, 0, 0.9e-3]]
@@ -59,7 +59,7 @@ def start(v, w=STILL):
     return [{"ids": [1], "v": v, "w": w}]
 
 
-# Name: what it is, the job. Everything that is not said is GRAIN's.
+# Name: description, job. Unmentioned properties are those of GRAIN.
 CASES = {
     "normal": ("free oscillation along the normal", {"rows": PAIR, "steps": 1000, "initial": start([0.1, 0, 0])}),
     "shear": ("free oscillation across the normal, both spin",
@@ -104,8 +104,8 @@ FAST = {
                       "tension": 1e12, "shear": 1e12}),
 }
 
-# The definition; what YADE does; the case that shows it; choices that leave the codes different; whether, on the contrary,
-# they make the codes equal in another way.
+# The definition; that of YADE; the case that shows the difference; choices that leave the codes different; whether
+# these choices instead make the codes equal in another way.
 DIFFERENCES = [
     ("shear arms", "YADE multiplies the translation by (r1 + r2)/d and turns with full radii (avoidGranularRatcheting); "
      "off: both use the contact point", "shear", {"yade": {"arms": "ratcheting"}}, False),
@@ -160,16 +160,16 @@ def broken(run):
 
 
 def calm(job, own, peer):
-    """The time over which two runs are compared: all of it, or half way to the first break where many bonds break, after
-    which round-off decides what breaks next."""
+    """The time over which two runs are compared: all of it, or half the time to the first break if many bonds break,
+    after which round-off decides which bond breaks next."""
     many = [run["step"][np.argmax(run["broken_tension"] + run["broken_shear"] > 0)] for run in (own, peer)
             if sum(broken(run)) > 10]
     return int(min(many)) // 2 if many else job["steps"]
 
 
 def order(increment):
-    """The difference over the step: [(dt, difference at the end)]. With "middle" the one that remains, YADE's
-    turn of the shear force, of first order; with "end" that of the increments beside it."""
+    """The difference over the step: [(dt, difference at the end)]. With "middle" only YADE's rotation of the shear
+    force remains, of first order; with "end" the increments add to it."""
     found = []
     for halvings in range(3):
         job = job_of("fast rolling", yade={"increment": increment})
