@@ -15,7 +15,7 @@ packages_build=(
 )
 packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone
 packages_python=(python3-cffi python3-numpy) # of the Python module; it uses what there is of the next list
-packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy)
+packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy python3-pip python3-setuptools python3-wheel)
 # A locale with a decimal comma is made from the first.
 packages_test=(locales python3-jsonschema "${packages_calibrate[@]}" "${packages_python[@]}" "${packages_python_more[@]}")
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)

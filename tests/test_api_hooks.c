@@ -84,6 +84,13 @@ static const double *rows_of(const gneiss_world *world, const char *name, size_t
     return view.data;
 }
 
+/* Returns the path of a file of this process. */
+static const char *temporary(void) {
+    static char path[64];
+    snprintf(path, sizeof path, "/tmp/gneiss-hooks-%d.h5", (int)getpid());
+    return path;
+}
+
 static double step_of(const gneiss_world *world) {
     gneiss_limits limits;
     must(gneiss_world_limits(world, &limits, NULL), &(gneiss_error){0});
@@ -136,7 +143,7 @@ static void a_pinned_view_keeps_its_values_when_the_world_is_gone(void **state) 
 typedef struct diary {
     int64_t calls, last, stop_at;
     gneiss_status advanced;
-    bool saved;
+    const char *path; /* of a file to save to; NULL: none */
 } diary;
 
 static int note(void *context, gneiss_world *world) {
@@ -145,7 +152,7 @@ static int note(void *context, gneiss_world *world) {
     d->calls++;
     d->last = gneiss_world_steps(world);
     d->advanced = gneiss_world_step(world, 1, &error);
-    if (d->saved) must(gneiss_world_save(world, "/tmp/gneiss-hooks-call.h5", &error), &error);
+    if (d->path) must(gneiss_world_save(world, d->path, &error), &error);
     return d->last == d->stop_at;
 }
 
@@ -181,11 +188,11 @@ static void a_world_that_a_call_saved_goes_on_with_the_same_bits(void **state) {
     gneiss_error error = {0};
     gneiss_world *w = world_of(block, NULL, NULL), *loaded = NULL;
     int64_t hook;
-    diary d = {.stop_at = -1, .saved = true};
+    diary d = {.stop_at = -1, .path = temporary()};
     must(gneiss_world_add_call(w, 40, NULL, 0, note, &d, &hook, &error), &error);
     must(gneiss_world_step(w, 60, &error), &error);
-    must(gneiss_world_load("/tmp/gneiss-hooks-call.h5", NULL, 0, &loaded, &error), &error);
-    unlink("/tmp/gneiss-hooks-call.h5");
+    must(gneiss_world_load(d.path, NULL, 0, &loaded, &error), &error);
+    unlink(d.path);
     assert_int_equal(gneiss_world_steps(loaded), 40);
     must(gneiss_world_step(loaded, 20, &error), &error);
     assert_int_equal(gneiss_world_hash(w), gneiss_world_hash(loaded));
@@ -237,7 +244,7 @@ static void a_spring_swings_as_its_closed_form_and_the_ledger_closes(void **stat
     gneiss_world *w = world_of(pair, NULL, NULL);
     spring s = {50.0, {4.5e-3, 20e-3, 3e-3}, 0, 0, 0.0};
     int64_t hook;
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &hook, &error), &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &hook, &error), &error);
     must(gneiss_world_step(w, 1, &error), &error);
     const double mass = 1.0 / rows_of(w, "vel", NULL)[3], rate = sqrt(s.stiffness / mass);
     must(gneiss_world_step(w, (int64_t)(1.2 / (rate * step_of(w))), &error), &error);
@@ -262,7 +269,7 @@ static void a_stiff_field_lowers_the_step(void **state) {
     const double before = step_of(w);
     spring s = {1e9, {0, 0, 1e-6}, 2, 0, 0.0};
     int64_t hook;
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &hook, &error), &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &hook, &error), &error);
     must(gneiss_world_step(w, 3000, &error), &error);
     const double *v = rows_of(w, "vel", NULL);
     const double turn = step_of(w) * sqrt(s.stiffness * v[3]);
@@ -279,14 +286,44 @@ static void fields_act_beside_contacts_walls_and_motions(void **state) {
     gneiss_world *w = world_of(block, NULL, NULL);
     spring s = {400.0, {20e-3, 4e-3, 4e-3}, 0, 0, 0.0};
     int64_t first, second;
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &first, &error), &error);
-    must(gneiss_world_add_force(w, s.stiffness, pull, &s, &second, &error), &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &first, &error),
+         &error);
+    must(gneiss_world_add_force(w, GNEISS_PARTICLES, s.stiffness, pull, &s, &second, &error),
+         &error);
     must(gneiss_world_step(w, 200, &error), &error);
     must(gneiss_world_remove_hook(w, second, &error), &error);
     must(gneiss_world_run(w, &error), &error);
     assert_true(fabs(energy(w, "work_user")) > 0.01 * energy(w, "work_walls"));
     /* The bound is the same as without a field: contacts and breaks are not linear. */
     assert_near(energy(w, "residual"), 0.0, 2e-3);
+    gneiss_world_free(w);
+}
+
+/* A clamped block of elements swings on springs to a plane beside it. The ledger closes to second
+ * order of the step, as that of elements does whose law is not linear. */
+static void fields_act_on_nodes_of_elements(void **state) {
+    (void)state;
+    static const char elastic[] =
+        "elements:\n"
+        "  box: {size: [1 cm, 1 cm, 3 cm], cells: [3, 3, 9]}\n"
+        "  materials: [{young: 1 GPa, poisson: 0.2, density: 2000}]\n"
+        "  motions: [{name: foot, box: {min: [-1, -1, -1], max: [1, 1, 1 mm]},\n"
+        "             motion: {vx: 0, vy: 0, vz: 0}}]\n"
+        "time: {end: 1 ms}\n"
+        "output: {history_rows: 200}\n"
+        "run: {threads: 1}\n";
+    gneiss_error error = {0};
+    gneiss_world *w = world_of(elastic, NULL, NULL);
+    spring s = {2e3, {2e-2, 5e-3, 1.5e-2}, 0, 0, 0.0};
+    int64_t hook;
+    refused(gneiss_world_add_force(w, GNEISS_PARTICLES, 0.0, pull, &s, &hook, &error), &error,
+            "particles");
+    must(gneiss_world_add_force(w, GNEISS_NODES, s.stiffness, pull, &s, &hook, &error), &error);
+    must(gneiss_world_run(w, &error), &error);
+    assert_true(energy(w, "work_user") > 1e-4);
+    assert_close(energy(w, "work_user"), energy(w, "kinetic") + energy(w, "elastic_elements"),
+                 1e-3);
+    assert_near(energy(w, "residual"), 0.0, 1e-4);
     gneiss_world_free(w);
 }
 
@@ -297,12 +334,42 @@ static void a_field_that_fails_ends_the_world(void **state) {
         gneiss_world *w = world_of(pair, NULL, NULL);
         spring s = {1.0, {0, 0, 0}, 0, kind == 0, kind == 0 ? 0.0 : (double)NAN};
         int64_t hook;
-        must(gneiss_world_add_force(w, 0.0, pull, &s, &hook, &error), &error);
+        must(gneiss_world_add_force(w, GNEISS_PARTICLES, 0.0, pull, &s, &hook, &error), &error);
         refused(gneiss_world_step(w, 1, &error), &error, kind ? "particle 0" : "failed");
         s = (spring){0};
         refused(gneiss_world_step(w, 1, &error), &error, "field of force");
         gneiss_world_free(w);
     }
+}
+
+typedef struct meddler {
+    gneiss_world *world;
+    int64_t hook;
+    gneiss_status found[5];
+} meddler;
+
+static int meddle(void *context, const gneiss_points *points) {
+    meddler *m = context;
+    gneiss_error error = {0};
+    int64_t other;
+    m->found[0] = gneiss_world_step(m->world, 1, &error);
+    m->found[1] = gneiss_world_remove_hook(m->world, m->hook, &error);
+    m->found[2] = gneiss_world_add_call(m->world, 1, NULL, 0, note, NULL, &other, &error);
+    m->found[3] = gneiss_world_set_velocities(m->world, points->force, NULL, points->count, &error);
+    m->found[4] = gneiss_world_save(m->world, temporary(), &error);
+    return 0;
+}
+
+static void a_field_may_only_read(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    meddler m = {.world = world_of(pair, NULL, NULL)};
+    must(gneiss_world_add_force(m.world, GNEISS_PARTICLES, 0.0, meddle, &m, &m.hook, &error),
+         &error);
+    must(gneiss_world_step(m.world, 3, &error), &error);
+    for (int k = 0; k < 5; k++) assert_int_equal(m.found[k], GNEISS_ERROR_INPUT);
+    must(gneiss_world_remove_hook(m.world, m.hook, &error), &error);
+    gneiss_world_free(m.world);
 }
 
 static void bad_fields_are_refused(void **state) {
@@ -311,15 +378,21 @@ static void bad_fields_are_refused(void **state) {
     gneiss_world *w = world_of(pair, NULL, NULL), *given;
     spring s = {0};
     int64_t hook;
-    refused(gneiss_world_add_force(w, -1.0, pull, &s, &hook, &error), &error, "stiffness");
-    refused(gneiss_world_add_force(w, 0.0, NULL, &s, &hook, &error), &error, "force");
+    refused(gneiss_world_add_force(w, GNEISS_BONDS, 0.0, pull, &s, &hook, &error), &error,
+            "record");
+    refused(gneiss_world_add_force(w, GNEISS_NODES, 0.0, pull, &s, &hook, &error), &error, "nodes");
+    refused(gneiss_world_add_force(w, GNEISS_PARTICLES, -1.0, pull, &s, &hook, &error), &error,
+            "stiffness");
+    refused(gneiss_world_add_force(w, GNEISS_PARTICLES, 0.0, NULL, &s, &hook, &error), &error,
+            "force");
     gneiss_world_free(w);
     char text[2048];
     snprintf(text, sizeof text, "%.*s%s", (int)(strstr(pair, "time:") - pair), pair,
              "time: {end: 1 ms, step: 1 us}\nrun: {threads: 1}\n");
     given = world_of(text, NULL, NULL);
-    refused(gneiss_world_add_force(given, 1e9, pull, &s, &hook, &error), &error, "time.step");
-    must(gneiss_world_add_force(given, 1.0, pull, &s, &hook, &error), &error);
+    refused(gneiss_world_add_force(given, GNEISS_PARTICLES, 1e9, pull, &s, &hook, &error), &error,
+            "time.step");
+    must(gneiss_world_add_force(given, GNEISS_PARTICLES, 1.0, pull, &s, &hook, &error), &error);
     gneiss_world_free(given);
 }
 
@@ -382,9 +455,10 @@ static void a_motion_that_is_set_is_part_of_a_saved_world(void **state) {
     must(gneiss_world_step(w, 50, &error), &error);
     must(gneiss_world_set_motion(w, "top", 2, 0.5, &error), &error);
     must(gneiss_world_set_motion(w, "foot", 2, 0.25, &error), &error);
-    must(gneiss_world_save(w, "/tmp/gneiss-hooks-motion.h5", &error), &error);
-    must(gneiss_world_load("/tmp/gneiss-hooks-motion.h5", NULL, 0, &loaded, &error), &error);
-    unlink("/tmp/gneiss-hooks-motion.h5");
+    const char *path = temporary();
+    must(gneiss_world_save(w, path, &error), &error);
+    must(gneiss_world_load(path, NULL, 0, &loaded, &error), &error);
+    unlink(path);
     must(gneiss_world_step(w, 100, &error), &error);
     must(gneiss_world_step(loaded, 100, &error), &error);
     assert_int_equal(gneiss_world_hash(w), gneiss_world_hash(loaded));
@@ -500,7 +574,9 @@ int main(void) {
         cmocka_unit_test(a_spring_swings_as_its_closed_form_and_the_ledger_closes),
         cmocka_unit_test(a_stiff_field_lowers_the_step),
         cmocka_unit_test(fields_act_beside_contacts_walls_and_motions),
+        cmocka_unit_test(fields_act_on_nodes_of_elements),
         cmocka_unit_test(a_field_that_fails_ends_the_world),
+        cmocka_unit_test(a_field_may_only_read),
         cmocka_unit_test(bad_fields_are_refused),
         cmocka_unit_test(velocities_that_are_set_move_particles_and_are_booked),
         cmocka_unit_test(a_fast_particle_meets_what_was_not_listed),

@@ -18,7 +18,7 @@ def sets(**values):
     return [part for key, value in values.items() for part in ("--set", f"{key.replace('__', '.')}={value}")]
 
 
-COARSE = sets(specimen__mean_radius="6 mm", output__snapshots=0)
+COARSE = sets(specimen__mean_radius="5 mm", output__snapshots=0)
 # A dozen lattice cells of unbonded or bonded balls under a chisel: seconds of nothing but the tool.
 BLOCK = """
 dimension: 3
@@ -63,18 +63,16 @@ def closes(folder, tools=1):
 
 @fact
 def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
-    run(example("disc"), folder, *COARSE)
+    run(example("disc"), folder, *COARSE, *sets(test__run_in="45 mm", test__length="60 mm"))
     h, s = closes(folder), summary(folder)
     assert "strain reached 1" in s["stop_reason"], s["stop_reason"]
-    rows = h["cut_path"] >= 0.042  # its axis is over the edge of the block: the path of the means begins
-    mean = np.diff(h["normal_impulse"][rows][[0, -1]]) / np.diff(h["time"][rows][[0, -1]])
-    assert abs(mean[0] / reading(folder, "normal_force") - 1) < 0.02
+    path = [0.045, 0.105]
+    mean = {name: np.diff(np.interp(path, h["cut_path"], h[name]))[0] for name in ("normal_impulse", "time", "removed_volume")}
+    assert abs(reading(folder, "normal_force") / (mean["normal_impulse"] / mean["time"]) - 1) < 1e-9
     assert 0 < reading(folder, "rolling_force") < 0.5 * reading(folder, "normal_force")
     assert reading(folder, "peak_normal_force") > reading(folder, "normal_force")
     assert abs(reading(folder, "predicted_coefficient") - math.tan(0.5 * math.acos(1 - 4 / 216))) < 1e-9
-    path = [0.042, 0.11 + 0.042 - 0.216 * math.sin(math.acos(1 - 4 / 216))]
-    volume = np.diff(np.interp(path, h["cut_path"], h["removed_volume"]))[0]
-    assert abs(reading(folder, "removed_volume") / volume - 1) < 1e-6 and volume > 0
+    assert h["removed_volume"][-1] > 0 and abs(reading(folder, "removed_volume") - mean["removed_volume"]) < 1e-12
     assert not any(w["name"] == "nothing_measured" for w in s["warnings"]), s["warnings"]
 
 
@@ -103,12 +101,38 @@ def a_resumed_cut_has_the_same_bits_and_impulses(folder):
 
 
 @fact
+def removed_rock_is_what_no_bond_joins_to_the_base_with_its_pores(folder):
+    run(write_scene(folder, BLOCK), folder, "--set", "output.fields=[fragment]")
+    with results(folder) as file:
+        volume, radius, fragment = file["fragments/volume"][:], file["particles/radius"][:], file["particles/fragment"][:]
+        height = (file["particles/position"][:] - file["particles/displacement"][:])[:, 2]
+        body = float(np.ravel(file.attrs["volume"])[0])
+    solid, held = np.sum(4 / 3 * math.pi * radius**3), np.unique(fragment[height < -0.0149])  # the layer that is held at rest
+    assert len(volume) > 3 and abs(volume.sum() / solid - 1) < 1e-12
+    removed = (solid - volume[held].sum()) * body / solid
+    assert removed > 0 and abs(history(folder)["removed_volume"][-1] / removed - 1) < 1e-9, (removed, held)
+
+
+@fact
 def a_chisel_that_meets_nothing_has_no_force(folder):
     scene = write_scene(folder, BLOCK.replace("origin: [-2 mm, 0, -5 mm]", "origin: [-2 mm, 0, 5 mm]"))
     run(scene, folder)
     s = summary(folder)
     assert {w["name"] for w in s["warnings"]} >= {"cutting_tool", "nothing_measured"}, s["warnings"]
     assert s["readings"]["normal_force"] is None
+
+
+@fact
+def a_tool_pressed_by_a_force_does_its_work(folder):
+    pressed = sets(bodies__disc__motion__vz="free", bodies__disc__force="[0, 0, -60 kN]", bodies__disc__mass="1 t", time__end="20 ms")
+    run(example("disc"), folder, *COARSE, *pressed)
+    h, s = history(folder), summary(folder)
+    sunk = -h["body_disc_displacement_z"][-1]
+    assert abs(h["energy_work_applied"][-1] / (60e3 * sunk) - 1) < 1e-9, (h["energy_work_applied"][-1], sunk)
+    assert abs(s["energy_residual"]) < 1e-3, s["energy_residual"]
+    push = np.diff(h["normal_impulse"][[0, -1]])[0] - 60e3 * h["time"][-1]  # momentum of the disc upward, as gravity is absent
+    assert abs(push - 1000 * h["body_disc_velocity_z"][-1]) < 0.01 * 60e3 * h["time"][-1]
+    expect(gneiss("check", example("disc"), *COARSE, *sets(bodies__disc__force="[0, 0, -60 kN]")), 2, "force: expected 0 along z, where motion")
 
 
 @fact
@@ -126,6 +150,21 @@ def every_example_cuts_and_closes_its_ledger(folder):
         assert h["removed_volume"][-1] > 0, name
         if name != "coupled":
             assert reading(place, "rolling_force") > 0, name
+
+
+@fact
+def elements_turn_into_particles_ahead_of_a_tool(folder):
+    run(example("adaptive"), folder, *sets(time__end="3.4 ms", output__snapshots=0))
+    h = closes(folder)
+    assert h["rolling_impulse"][-1] > 0 and h["removed_volume"][-1] > 0
+    assert 0 == h["particles"][0] < h["particles"][-1] < 0.5 * summary(folder)["counts"]["particles"]
+    assert not any(w["name"] == "conversion_halted" for w in summary(folder)["warnings"])
+    # No element is left within reach of the chisel, which has no contact with elements: its tip ends at 4.2 mm, 5 mm deep.
+    with results(folder) as file:
+        at = file["nodes/position"][:][np.unique(file["elements/node"][:])]
+    assert np.hypot(at[:, 0] - 4.2e-3, at[:, 1] + 5e-3).min() > 4e-3 - 50 * 4e-7 * 3
+    without = gneiss("check", example("adaptive"), "--set", "couple.convert.bodies=none")
+    expect(without, 2, "bodies: expected no bodies, or couple.convert.bodies beside couple.convert, found bodies without it")
 
 
 @fact

@@ -216,6 +216,23 @@ def words_of_comments_and_pages_are_checked_and_code_is_not(folder):
 
 
 @fact
+def files_that_name_another_version_are_named(folder):
+    tool = os.path.join(ROOT, "tools", "release.py")
+    done = subprocess.run([sys.executable, tool], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, ""), done.stdout + done.stderr
+    for name in ("meson.build", "CITATION.cff", "CHANGELOG.md", "packaging/debian/changelog"):
+        os.makedirs(os.path.dirname(os.path.join(folder, name)), exist_ok=True)
+        shutil.copy(os.path.join(ROOT, name), os.path.join(folder, name))
+    write_scene(folder, "cff-version: 1.2.0\nversion: 9.9\n", "CITATION.cff")
+    done = subprocess.run([sys.executable, tool, folder], capture_output=True, text=True)
+    assert done.returncode == 1 and re.fullmatch(r"CITATION.cff: expected version \S+ as in meson.build, found 9.9\n", done.stdout), done.stdout
+    with open(os.path.join(folder, "CHANGELOG.md"), "w", encoding="utf-8") as file:
+        file.write("# Changes\n\n## 0.2.0 (soon)\n\nNothing.\n")
+    done = subprocess.run([sys.executable, tool, folder], capture_output=True, text=True)
+    assert done.returncode == 1 and "CHANGELOG.md: expected" in done.stdout, done.stdout
+
+
+@fact
 def places_that_are_clean_stay_clean(_):
     done = subprocess.run([sys.executable, WORDS], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, ""), done.stdout + done.stderr

@@ -76,6 +76,13 @@ def mistakes_on_the_command_line_are_objects_as_well(_):
 
 
 @fact
+def a_long_result_is_one_line(folder):
+    """Longer than the buffer with which a line begins."""
+    result, = (line["result"] for line in lines_of("run", LATTICE, "--out", folder) if line["level"] == "result")
+    assert result == summary(folder) and len(json.dumps(result)) > 2000, len(json.dumps(result))
+
+
+@fact
 def messages_remain_text_on_standard_error(_):
     done = gneiss("check", LATTICE, "--set", "time.end=soon", "--log", "json")
     assert done.stderr.startswith("gneiss: input error: --set time.end: expected"), done.stderr

@@ -89,6 +89,7 @@ class Results:
         self.events = _group(file, "events")
         self.bursts = _group(file, "bursts")
         self.fragments = _group(file, "fragments")
+        self.rim = _group(file, "rim")  # of a disc cutter
         self.nodes = _group(file, "nodes")
         self.elements = _group(file, "elements")
         self.bodies = _group(file, "bodies")

@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from report_curves import BLUE, GREY, INK, RED, abscissa, new_axes, plot_force_over, save, style_for
+from report_cutting import CURVES as CUTTING_CURVES
 from report_files import opened, remove, values as values_of, write
 from report_pictures import Specimen, Surface, cut, color_bar, draw_circles, panels, scale_bar
 from report_results import quantity, scale_of
@@ -199,6 +200,7 @@ CURVES = {
     "breaking": plot_breaking,
     "rose": plot_rose,
     "fragments": plot_fragments,
+    **CUTTING_CURVES,
 }
 STATES = ("rose", "fragments")  # of the end, whatever the history holds
 
@@ -292,7 +294,8 @@ UNITS = {  # by the last word of a key, of what parameters are read from
     "density": "kg/m3", "contact_modulus": "Pa", "normal_stiffness": "N/m", "young": "Pa", "tensile_strength": "Pa", "shear_strength": "Pa",
     "bond_tension_limit": "N", "bond_shear_limit": "N", "fracture_energy": "J/m2", "shear_fracture_energy": "J/m2", "yield_stress_1": "Pa",
     "yield_stress_2": "Pa", "yield_stress_3": "Pa", "pressure": "Pa", "ramp": "s", "length": "m", "area": "m2", "diameter": "m",
-    "thickness": "m", "span": "m", "load_span": "m", "height": "m", "notch": "m",
+    "thickness": "m", "span": "m", "load_span": "m", "height": "m", "notch": "m", "depth": "m", "spacing": "m", "run_in": "m",
+    "peak_window": "m", "compressive_strength": "Pa",
 }
 BY_AREA = ("dempack", "polyhedron")
 NOTHING = ("none", "auto", "off", "same", "free", "test", "false", "[]")

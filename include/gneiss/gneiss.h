@@ -142,98 +142,6 @@ GNEISS_API gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *
 /* Runs until time.end or a stop condition is reached, and then finishes as gneiss_world_finish. */
 GNEISS_API gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error);
 
-/* --- acting on a run ---------------------------------------------------------------------------
- */
-
-/* Particles of a specimen before masses, bonds and lists are made. */
-typedef struct gneiss_specimen {
-    size_t count;
-    double *position;  /* [count][4] m: centre x y z (2D: z = 0) relative to `origin`; radius > 0 */
-    int32_t *material; /* [count] place in the scene's list of materials, base 0 */
-    int32_t *group;    /* [count] cohesive group, at least 0; 0: without bonds */
-    double origin[3];  /* m: position + origin is where the scene file has the particle */
-} gneiss_specimen;
-
-/* Changes a specimen in place. Returns 0; anything else refuses it. */
-typedef int gneiss_prepare(void *context, gneiss_specimen *specimen);
-
-/* Has `prepare` called by gneiss_world_create for worlds made from the scene, before sets assign
- * materials and groups; NULL: no longer. Checks of the scene apply to what it leaves:
- * gneiss_world_create returns GNEISS_ERROR_INPUT for a radius or place that is not finite or out of
- * range, an unknown material, a negative group, and where `prepare` returns another number than 0.
- */
-GNEISS_API void gneiss_scene_prepare(gneiss_scene *scene, gneiss_prepare *prepare, void *context);
-
-/* Called between two steps, when all of the last one is done: it may read, save and set what the
- * world has, and add and remove hooks, but not advance, finish or free it. Returns 0 to go on.
- * After any other number the advance returns GNEISS_INTERRUPTED, and the world may be advanced
- * again. */
-typedef int gneiss_call(void *context, gneiss_world *world);
-
-/* Has `call` called after every step whose number (gneiss_world_steps) is a multiple of `every`
- * (0: none), and after the step that ends nearest to each of times[time_count], s, rising (copied);
- * past times are left out. *hook: for gneiss_world_remove_hook. Hooks are not part of the state: a
- * saved world has none. GNEISS_ERROR_INPUT: every < 0, or times that do not rise. */
-GNEISS_API gneiss_status gneiss_world_add_call(gneiss_world *world, int64_t every,
-                                               const double *times, size_t time_count,
-                                               gneiss_call *call, void *context, int64_t *hook,
-                                               gneiss_error *error);
-
-/* Particles at the instant of the forces, in their present order. */
-typedef struct gneiss_points {
-    size_t count;
-    double time;            /* s */
-    const double *position; /* [count][4] m: centre x y z relative to the origin, radius */
-    const double *velocity; /* [count][4] m/s, 1/kg: of the last half step, inverse mass */
-    const double *spin;     /* [count][4] rad/s, 1/(kg m2); NULL without rotation */
-    const int32_t *id;      /* [count] */
-    double *force;          /* [count][3] N, zeros on entry */
-    double *moment;         /* [count][3] N m, zeros on entry; NULL without rotation */
-} gneiss_points;
-
-/* Writes forces, and moments, on particles: `force` and `moment` of `points`. It is called once in
- * every step and may read the world, but not change it. Returns 0; after any other number the world
- * has failed. */
-typedef int gneiss_force(void *context, const gneiss_points *points);
-
-/* Adds a field of force. Its work is the term `work_user` of the energy ledger, trapezoidal as all
- * works. Forces on removed particles and, in 2D, out of the plane are ignored. `stiffness`, N/m, at
- * least 0: the largest by which the field stiffens the motion of a particle (of a spring to a point
- * its constant); an automatic time step is lowered for it. GNEISS_ERROR_INPUT: no particles, a
- * coupling of particles and elements, a periodic box that moves, a given time step that is too long
- * for the stiffness, or a bad argument. */
-GNEISS_API gneiss_status gneiss_world_add_force(gneiss_world *world, double stiffness,
-                                                gneiss_force *force, void *context, int64_t *hook,
-                                                gneiss_error *error);
-
-/* Removes a call or a force. GNEISS_ERROR_INPUT: there is no such hook. */
-GNEISS_API gneiss_status gneiss_world_remove_hook(gneiss_world *world, int64_t hook,
-                                                  gneiss_error *error);
-
-/* Sets the velocities of all particles, velocity[count][3] in m/s, and, unless NULL, their spins,
- * spin[count][3] in rad/s; in the order of the field `vel`. Prescribed components and removed
- * particles keep theirs. Lists follow, which may reorder items. The change of kinetic energy
- * is booked as `work_user`; before the first step it belongs to the initial state.
- * GNEISS_ERROR_INPUT: a wrong count, a number that is not finite or above 3e8, spins without
- * rotation, or particles that follow elements. */
-GNEISS_API gneiss_status gneiss_world_set_velocities(gneiss_world *world, const double *velocity,
-                                                     const double *spin, size_t count,
-                                                     gneiss_error *error);
-
-/* Sets one component of the motion of a wall, set or body (`name`) from the coming step on, instead
- * of what the scene says: component 0 1 2: velocity x y z, m/s; 3 4 5: spin, rad/s. It is part of
- * saved worlds. GNEISS_ERROR_INPUT: no such name; a wall under a servo; a component that the scene
- * leaves free (a velocity of 0 in the scene prescribes it); a scene with stages, which state
- * motions themselves; or a value that is not finite, or that moves it by more than a twentieth of
- * the smallest radius in a step. */
-GNEISS_API gneiss_status gneiss_world_set_motion(gneiss_world *world, const char *name,
-                                                 int component, double value, gneiss_error *error);
-
-/* Ends the present stage of a scene with stages, whatever its conditions: the next one begins with
- * the coming step, and after the last one the run is finished. GNEISS_ERROR_INPUT: the scene has no
- * stages. */
-GNEISS_API gneiss_status gneiss_world_end_stage(gneiss_world *world, gneiss_error *error);
-
 /* --- saving and resuming -----------------------------------------------------------------------
  */
 
@@ -400,6 +308,99 @@ GNEISS_API void gneiss_view_unpin(const void *data);
 /* Returns element (item, component) of a view of any type as a double; NaN outside of it or for
  * NULL. Loops are faster over `data`. */
 GNEISS_API double gneiss_view_value(const gneiss_view *view, size_t item, size_t component);
+
+/* --- acting on a run ---------------------------------------------------------------------------
+ */
+
+/* Particles of a specimen before masses, bonds and lists are made. */
+typedef struct gneiss_specimen {
+    size_t count;
+    double *position;  /* [count][4] m: centre x y z (2D: z = 0) relative to `origin`; radius > 0 */
+    int32_t *material; /* [count] place in the scene's list of materials, base 0 */
+    int32_t *group;    /* [count] cohesive group, at least 0; 0: without bonds */
+    double origin[3];  /* m: position + origin is where the scene file has the particle */
+} gneiss_specimen;
+
+/* Changes a specimen in place. Returns 0; anything else refuses it. */
+typedef int gneiss_prepare(void *context, gneiss_specimen *specimen);
+
+/* Has `prepare` called by gneiss_world_create for worlds made from the scene, before sets assign
+ * materials and groups; NULL: no longer. Checks of the scene apply to what it leaves:
+ * gneiss_world_create returns GNEISS_ERROR_INPUT for a radius or place that is not finite or out of
+ * range, an unknown material, a negative group, and where `prepare` returns another number than 0.
+ */
+GNEISS_API void gneiss_scene_prepare(gneiss_scene *scene, gneiss_prepare *prepare, void *context);
+
+/* Called between two steps, when all of the last one is done: it may read, save and set what the
+ * world has, and add and remove hooks, but not advance, finish or free it. Returns 0 to go on.
+ * After any other number the advance returns GNEISS_INTERRUPTED, and the world may be advanced
+ * again. */
+typedef int gneiss_call(void *context, gneiss_world *world);
+
+/* Has `call` called after every step whose number (gneiss_world_steps) is a multiple of `every`
+ * (0: none), and after the step that ends nearest to each of times[time_count], s, rising (copied);
+ * past times are left out. *hook: for gneiss_world_remove_hook. Hooks are not part of the state: a
+ * saved world has none. GNEISS_ERROR_INPUT: every < 0, or times that do not rise. */
+GNEISS_API gneiss_status gneiss_world_add_call(gneiss_world *world, int64_t every,
+                                               const double *times, size_t time_count,
+                                               gneiss_call *call, void *context, int64_t *hook,
+                                               gneiss_error *error);
+
+/* Particles or nodes at the instant of the forces, in their present order. */
+typedef struct gneiss_points {
+    size_t count;
+    double time;            /* s */
+    const double *position; /* [count][4] m: centre x y z relative to the origin, radius */
+    const double *velocity; /* [count][4] m/s, 1/kg: of the last half step, inverse mass */
+    const double *spin;     /* [count][4] rad/s, 1/(kg m2); NULL without rotation */
+    const int32_t *id;      /* [count]; of nodes the node of the given mesh, base 0 */
+    double *force;          /* [count][3] N, zeros on entry */
+    double *moment;         /* [count][3] N m, zeros on entry; NULL without rotation */
+} gneiss_points;
+
+/* Writes forces, and moments, on these points: `force` and `moment` of `points`. It is called once
+ * in every step and may read the world, but not change it. Returns 0; after any other number the
+ * world has failed. */
+typedef int gneiss_force(void *context, const gneiss_points *points);
+
+/* Adds a field of force on the items of a record: GNEISS_PARTICLES, or GNEISS_NODES of finite
+ * elements. Its work is the term `work_user` of the energy ledger, trapezoidal as all works. Forces
+ * on removed particles and, in 2D, out of the plane are ignored. `stiffness`, N/m, at least 0: the
+ * largest by which the field stiffens the motion of an item (of a spring to a point its constant);
+ * an automatic time step is lowered for it. GNEISS_ERROR_INPUT: the scene has no such items,
+ * couples particles and elements, or has a periodic box that moves; a given time step is too long
+ * for the stiffness; or a bad argument. */
+GNEISS_API gneiss_status gneiss_world_add_force(gneiss_world *world, gneiss_record record,
+                                                double stiffness, gneiss_force *force,
+                                                void *context, int64_t *hook, gneiss_error *error);
+
+/* Removes a call or a force. GNEISS_ERROR_INPUT: there is no such hook. */
+GNEISS_API gneiss_status gneiss_world_remove_hook(gneiss_world *world, int64_t hook,
+                                                  gneiss_error *error);
+
+/* Sets the velocities of all particles, velocity[count][3] in m/s, and, unless NULL, their spins,
+ * spin[count][3] in rad/s; in the order of the field `vel`. Prescribed components and removed
+ * particles keep theirs. Lists follow, which may reorder items. The change of kinetic energy
+ * is booked as `work_user`; before the first step it belongs to the initial state.
+ * GNEISS_ERROR_INPUT: a wrong count, a number that is not finite or above 3e8, spins without
+ * rotation, or particles that follow elements. */
+GNEISS_API gneiss_status gneiss_world_set_velocities(gneiss_world *world, const double *velocity,
+                                                     const double *spin, size_t count,
+                                                     gneiss_error *error);
+
+/* Sets one component of the motion of a wall, set or body (`name`) from the coming step on, instead
+ * of what the scene says: component 0 1 2: velocity x y z, m/s; 3 4 5: spin, rad/s. It is part of
+ * saved worlds. GNEISS_ERROR_INPUT: no such name; a wall under a servo; a component that the scene
+ * leaves free (a velocity of 0 in the scene prescribes it); a scene with stages, which state
+ * motions themselves; or a value that is not finite, or that moves it by more than a twentieth of
+ * the smallest radius in a step. */
+GNEISS_API gneiss_status gneiss_world_set_motion(gneiss_world *world, const char *name,
+                                                 int component, double value, gneiss_error *error);
+
+/* Ends the present stage of a scene with stages, whatever its conditions: the next one begins with
+ * the coming step, and after the last one the run is finished. GNEISS_ERROR_INPUT: the scene has no
+ * stages. */
+GNEISS_API gneiss_status gneiss_world_end_stage(gneiss_world *world, gneiss_error *error);
 
 /* --- outputs -----------------------------------------------------------------------------------
  */

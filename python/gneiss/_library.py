@@ -41,7 +41,7 @@ def _library_places():
     own, _ = _installed()
     if os.environ.get("GNEISS_LIBRARY"):
         return [os.environ["GNEISS_LIBRARY"]]
-    patterns = [HERE / "libgneiss.so*", Path(own) / "libgneiss.so.*" if own else None, TREE / "build" / "libgneiss.so.*.*"]
+    patterns = [HERE / "libgneiss.so", Path(own) / "libgneiss.so.[0-9]" if own else None, TREE / "build" / "libgneiss.so.[0-9]"]
     files = [path for pattern in patterns if pattern for path in sorted(glob.glob(str(pattern))) if os.path.isfile(path)]
     return files + [name for name in (ctypes.util.find_library("gneiss"), "libgneiss.so") if name]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from ._library import ffi, lib
-from .errors import checked
+from .errors import InputError, checked
 from .fields import Array, memory_array
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ class Hook:
         world = self._world()
         if world is not None and world._hooks.pop(self._number, None) is not None and not world.closed:
             checked(lib.gneiss_world_remove_hook, world._c, self._number)
+            if world._inside:
+                world._removed.append(self)  # C code may still be in its callback
 
     def __call__(self, *arguments: Any) -> Any:
         return self._function(*arguments)
@@ -63,7 +65,7 @@ def add_call(world: World, function: Callable[[World], Any], every: int = 0, tim
 
 
 class Points:
-    """Particles at the instant of the forces, in their present order; arrays over the engine's memory.
+    """Particles or nodes at the instant of the forces, in their present order; arrays over the engine's memory.
 
     time       s
     position   [n][3] m, relative to World.origin
@@ -71,7 +73,7 @@ class Points:
     velocity   [n][3] m/s, of the last half step
     inverse_mass  [n] 1/kg; 0: removed
     spin       [n][3] rad/s; None without rotation
-    id         [n] place in the specimen
+    id         [n] place in the specimen, or node of the mesh
     force      [n][3] N, zeros; to be written (or the function returns it)
     moment     [n][3] N m, zeros; to be written; None without rotation
     """
@@ -105,8 +107,11 @@ class Points:
         self.moment = memory_array(points.moment, (n, 3), writable=True) if points.moment else None
 
 
-def add_force(world: World, function: Callable[[Points], Any], stiffness: float = 0.0) -> Hook:
+def add_force(world: World, function: Callable[[Points], Any], stiffness: float = 0.0, on: str = "particles") -> Hook:
     """Adds the field of force function(points), called once in every step."""
+    records = {"particles": lib.GNEISS_PARTICLES, "nodes": lib.GNEISS_NODES}
+    if on not in records:
+        raise InputError(f"expected a field of force on {' or '.join(records)}, found '{on}'")
     hook, points = Hook(world, function), Points()
     reference = hook._world
 
@@ -137,5 +142,5 @@ def add_force(world: World, function: Callable[[Points], Any], stiffness: float 
 
     hook._callback = act
     number = ffi.new("int64_t *")
-    checked(lib.gneiss_world_add_force, world._c, stiffness, act, ffi.NULL, number)
+    checked(lib.gneiss_world_add_force, world._c, records[on], stiffness, act, ffi.NULL, number)
     return _keep(world, hook, number)

@@ -337,6 +337,7 @@ class CoupleConvert(TypedDict, total=False):
     width: Number  # number, m, in [1e-9, 1e9]: width of the zone between particles and elements: at least three elements and six particles
     stress: Number  # number, Pa, in [1e-12, 1e100], or none: largest principal stress, tension positive, at which an element converts (default none)
     mohr_coulomb: CoupleConvertMohrCoulomb  # converts elements under compression: limit of (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over cohesion cos(phi)
+    bodies: Number  # number, m, in [1e-9, 1e9], or none: distance from a body at which elements convert, so that it touches particles alone; needed beside bodies: they have no contact with elements (default none)
     by: Literal['elements', 'nodes']  # stresses that are compared with the limits: of each element, or averaged from its nodes (default elements)
     every: int | str  # whole number, in [1, 1000000]: steps between two evaluations of the limits (default 50)
     most: Number  # number, in (0, 1]: largest fraction of the convertible elements that one evaluation converts, those with the highest stresses first; thin remnants are added to it (default 10 %)
@@ -426,7 +427,7 @@ class PeriodicZ(TypedDict, total=False):
 class Domain(TypedDict, total=False):
     min: Vector  # [x, y, z], in 2D [x, y], m: lower corner; default: the box of the specimen, enlarged by ten times its largest side on every side
     max: Vector  # [x, y, z], in 2D [x, y], m: upper corner; given together with min
-    lost: Literal['stop', 'remove']  # reaction to a particle that leaves the domain (default stop)
+    lost: Literal['stop', 'remove']  # reaction to a particle that leaves the domain; default in cutting tests: remove (default stop)
 
 
 class Set(TypedDict, total=False):
@@ -524,6 +525,7 @@ class Body(TypedDict, total=False):
     inertia: Number | Vector  # [x, y, z], in 2D a number, kg m2, in [1e-36, 1e36]: moments of inertia of a free body about its centre of mass along x, y, z, which are its principal axes at the start; in 2D one number; default: those of the shape with uniform density
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity of a free body at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin of a free body at the start; in 2D one number
+    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: constant force on the centre of mass of a free body, along directions without prescribed motion
     motion: BodyMotion  # prescribed motion of the body; components left out are zero, in a free body free
 
 
@@ -668,12 +670,21 @@ class Membrane(TypedDict, total=False):
 
 
 class Test(TypedDict, total=False):
-    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear']  # which test it is: how stress and strain are formed and what is read; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, from all sides alike, oedometer: between sides that stand, shear: one half along the other, simple_shear: between periodic sides
-    axis: Literal['none', 'x', 'y', 'z']  # direction of loading; needed by all but hydrostatic (default none)
-    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic
-    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic
-    normal: Literal['none', 'x', 'y', 'z']  # shear and simple_shear: axis normal to the sheared plane (default none)
-    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal (default auto)
+    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # which test it is: how stress and strain are formed and what is read; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, from all sides alike, oedometer: between sides that stand, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
+    axis: Literal['none', 'x', 'y', 'z']  # direction of loading, of a cut that of the tool; needed by all but hydrostatic (default none)
+    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic and cutting
+    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic and cutting
+    normal: Literal['none', 'x', 'y', 'z']  # shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of the rock (default none)
+    tool: str  # text: cutting: the body that cuts
+    depth: Number  # number, m, in [1e-9, 1e9], or none: cutting: depth of the cut, to which energies and predictions refer (default none)
+    spacing: Number  # number, m, in [1e-9, 1e9], or none: cutting: distance of neighbouring cuts (default none)
+    run_in: Number  # number, m, in [0, 1e9], or none: cutting: path of the tool before means are taken; length is the path of the means (default none)
+    blocks: int | str  # whole number, in [1, 10000]: cutting: parts of the path of the means, whose scatter is read (default 5)
+    peak_window: Number  # number, m, in [1e-9, 1e9], or auto: cutting: path over which a peak force is a mean; auto: a quarter of the depth (default auto)
+    compressive_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: uniaxial strength of the rock, for predicted forces alone (default none)
+    tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, for predicted forces alone (default none)
+    pressure_exponent: Number  # number, in [-0.2, 0.2]: cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp to -0.2 of wide tips (default 0)
+    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock (default auto)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area of its section; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
     diameter: Number  # number, m, in [1e-9, 1e9], or none: diameter of a cylinder; brazilian: of the disc, none: its extent along the axis (default none)
     thickness: Number  # number, m, in [1e-9, 1e9], or auto: thickness of the disc of a brazilian test, or of the beam of a bending test; auto: its extent, in 2D 1 m (default auto)

@@ -6,13 +6,14 @@ import os
 import tempfile
 import threading
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 
 from . import hooks, pictures
 from ._library import encoded, ffi, files, lib, text
+from .bars import bar
 from .errors import InputError, Interrupted, checked
 from .fields import Array, History, Particles, Quantities, Record, memory_array
 from .hooks import Hook, Points
@@ -165,6 +166,7 @@ class World:
         self._c = ffi.gc(pointer, lib.gneiss_world_free)
         self._writes, self._stop, self._inside = writes, False, False
         self._hooks: dict[int, Hook] = {}
+        self._removed: list[Hook] = []
         self._failed: Optional[BaseException] = None
         self._chunk, self._lock = 1, threading.Lock()
         for number, name in enumerate(("particles", "bonds", "pairs", "wall_contacts", "nodes", "elements")):
@@ -244,6 +246,7 @@ class World:
             return False
         finally:
             self._inside, self._stop = False, False
+            self._removed.clear()
             self._lock.release()
             self._raise_failed()
 
@@ -287,10 +290,11 @@ class World:
                 return self.progress
             stop = self.at([end], World.stop)
         try:
-            with _bar(self, end, progress) as show:
+            with bar(progress) as show:
+                last = min(end, self.progress.end) if end is not None else self.progress.end
                 while going and not self.progress.finished:
                     going = self._advance(lib.gneiss_world_advance, _SLICE)
-                    show()
+                    show(self.time / last if last > 0.0 else 1.0, f"step {self.steps}, t = {self.time:.4g} s")
         finally:
             if stop is not None:
                 stop.remove()
@@ -320,11 +324,11 @@ class World:
         times = [times] if isinstance(times, (str, float, int)) else times
         return self._hooked(hooks.add_call, function, times=sorted({seconds_of(time) for time in times}))
 
-    def force(self, function: Callable[[Points], Any] | None = None, *, stiffness: float = 0.0) -> Any:
+    def force(self, function: Callable[[Points], Any] | None = None, *, stiffness: float = 0.0, on: str = "particles") -> Any:
         """Adds a field of force: function(points) writes points.force [n][3], N, or returns it, in every step. Its work is `work_user` of
         the energy ledger. `stiffness`, N/m: the largest by which it stiffens the motion of a particle; an automatic time step is lowered
-        for it. Also a decorator. Returns a Hook."""
-        return self._hooked(hooks.add_force, function, stiffness=stiffness)
+        for it. on: 'particles', or 'nodes' of finite elements. Also a decorator. Returns a Hook."""
+        return self._hooked(hooks.add_force, function, stiffness=stiffness, on=on)
 
     def _hooked(self, add: Any, function: Any, **options: Any) -> Any:
         if function is None:
@@ -447,6 +451,13 @@ class World:
     def _repr_html_(self) -> str | None:
         return None if self.closed else pictures.html_of(self)
 
+    def dataset(self) -> Any:
+        """History, particles and bonds of the present state as an xarray.Dataset with units and descriptions: a copy."""
+        from .results import dataset_of
+        fields = {name: ({key: getattr(self, name).output(key) for key in getattr(self, name).outputs}, getattr(self, name).outputs)
+                  for name in ("particles", "bonds")}
+        return dataset_of({"history": (self.history, self.history.about), **fields})
+
     # --- saving ---
 
     def save(self, path: Path) -> None:
@@ -492,14 +503,3 @@ def _unpickled(data: bytes) -> World:
         with open(path, "wb") as file:
             file.write(data)
         return World.load(path)
-
-
-@contextlib.contextmanager
-def _bar(world: World, until: float | None, wanted: bool) -> Iterator[Callable[[], None]]:
-    """A progress bar over the time of the run: tqdm's, or a line on standard error."""
-    if not wanted:
-        yield lambda: None
-        return
-    from .bars import bar_of
-    with bar_of(world, until) as show:
-        yield show

@@ -75,6 +75,23 @@ def a_call_can_stop_the_world_and_its_exceptions_arrive(folder):
 
 
 @fact
+def a_call_may_remove_itself_and_add_others(folder):
+    with gneiss.World(LATTICE) as world:
+        seen = []
+
+        def add(own):
+            seen.append(own.steps)
+            for hook in list(own._hooks.values()):
+                hook.remove()
+            del hook
+            gc.collect()
+            own.every(5, add)
+
+        world.every(5, add)
+        assert world.step(30) == 30 and seen == [5, 10, 15, 20, 25, 30]
+
+
+@fact
 def a_world_with_calls_is_freed_when_nothing_refers_to_it(folder):
     world = gneiss.World(PAIR)
     world.every(1, lambda own: None)
@@ -135,6 +152,19 @@ def a_magnet_in_20_lines_has_a_closed_ledger(folder):
 
 
 @fact
+def fields_give_the_same_bits_for_any_number_of_threads(folder):
+    for precision in ("double", "mixed"):
+        hashes = set()
+        for threads in (1, 3):
+            with gneiss.World(LATTICE, set={"run.threads": threads, "run.precision": precision}) as world:
+                world.force(lambda p: -200.0 * (p.position - [0.02, 0.005, 0.03]), stiffness=200.0)
+                world.run()
+                hashes.add(world.hash)
+                assert world.energy["work_user"] > 1 and abs(world.energy["residual"]) < 1e-3
+        assert len(hashes) == 1
+
+
+@fact
 def forces_that_are_returned_broadcast_and_go(folder):
     with gneiss.World(PAIR) as world:
         mass = world.particles.mass[0]
@@ -158,6 +188,20 @@ def moments_turn_particles_and_are_booked(folder):
         spin = world.particles["spin"]
         assert np.allclose(spin[:, 1], 1e-6 * spin[:, 3] * (world.time - 0.5 * world.dt), rtol=1e-9)
         assert world.energy["work_user"] > 0 and abs(world.energy["residual"]) < 1e-10
+
+
+@fact
+def fields_act_on_nodes_of_elements(folder):
+    with gneiss.World(os.path.join(SCENES, "elements.yaml")) as world:
+        @world.force(on="nodes")
+        def push(points):
+            assert points.moment is None and len(points.id) == world.nodes.count
+            points.force[:, 0] = 1e-3
+
+        world.step(400)
+        assert world.energy["work_user"] != 0 and abs(world.energy["residual"]) < 1e-3
+        assert raised(gneiss.InputError, world.force, push, on="bonds")
+        assert raised(gneiss.InputError, gneiss.World(PAIR).force, push, on="nodes")
 
 
 @fact

@@ -57,6 +57,15 @@ def tables_are_structured_arrays_without_pandas(folder):
 
 
 @fact
+def a_world_gives_the_dataset_of_its_results(folder):
+    with gneiss.World(LATTICE, os.path.join(folder, "run")) as world:
+        world.run()
+        ours, theirs = world.dataset(), gneiss.Results(os.path.join(folder, "run")).dataset()
+    for name in ("history_stress", "particles_position", "bonds_force"):
+        assert np.allclose(ours[name], theirs[name]) and ours[name].attrs == theirs[name].attrs, name
+
+
+@fact
 def packings_and_elastic_constants_come_from_dicts(folder):
     specimen = {"rectangle": {"width": "40 mm", "height": "20 mm"}, "particles": 60}
     packing = gneiss.pack({"dimension": 2, "specimen": specimen}, os.path.join(folder, "pack"), set={"run.threads": 1})
@@ -83,7 +92,9 @@ def a_sweep_from_a_dict_has_parameters_and_readings(folder):
 
 @fact
 def plans_and_reports_are_made(folder):
-    assert "contacts" in gneiss.plan(LATTICE)
+    with gneiss.World(LATTICE) as world:
+        for found in (gneiss.plan(LATTICE), gneiss.check(LATTICE)):
+            assert (found["particles"], found["bonds"]) == (world.counts.particles, world.counts.bonds) and found["steps"] > 0
     gneiss.run(LATTICE, os.path.join(folder, "run"))
     assert os.path.getsize(gneiss.report(os.path.join(folder, "run"))) > 1000
 

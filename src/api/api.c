@@ -202,8 +202,15 @@ void gneiss_world_free(gneiss_world *world) {
     free(world);
 }
 
-gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error) {
+gneiss_status gn_api_require_whole(const gneiss_world *world, gneiss_error *error) {
     GN_TRY(gn_api_require(world, "world", error));
+    if (!world->hooks.acting) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected only reading calls inside a field of force, found another");
+}
+
+gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error) {
+    GN_TRY(gn_api_require_whole(world, error));
     if (world->failure.status == GNEISS_OK) return GNEISS_OK;
     return gn_fail(error, world->failure.status, "%s", world->failure.message);
 }

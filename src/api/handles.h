@@ -19,8 +19,9 @@ typedef struct gn_api_hook {
     int64_t every;     /* steps; 0: none */
     double *times;     /* [time_count] s */
     size_t time_count, next;
-    gneiss_force *force; /* NULL: removed */
-    double stiffness;    /* N/m */
+    gneiss_force *force;  /* NULL: removed */
+    gneiss_record record; /* particles or nodes, on which it acts */
+    double stiffness;     /* N/m */
     void *context;
 } gn_api_hook;
 
@@ -28,14 +29,15 @@ typedef struct gn_api_hook {
 typedef struct gn_api_hooks {
     bool added;  /* the feature is there */
     bool inside; /* a call is running: the world may not be advanced */
+    bool acting; /* a field of force is evaluated: nothing may be changed */
     volatile sig_atomic_t due;
     int64_t numbers; /* given so far */
     size_t count;
     gn_api_hook *hook;      /* [count] */
-    double *load;           /* [load_count][6] N, N m: forces and moments of all fields */
+    double *load;           /* [load_count][6] N, N m: sum of all fields on particles, then nodes */
     double *force, *moment; /* [load_count][3] of one of them */
-    size_t load_count;      /* particles */
-    double lightest;        /* kg: of the particles, when the lists were made */
+    size_t load_count;      /* particles and nodes */
+    double lightest[2];     /* 1/kg: largest inverse mass of particles, nodes */
 } gn_api_hooks;
 
 struct gneiss_world {
@@ -47,7 +49,9 @@ struct gneiss_world {
 void gn_api_hooks_free(gn_api_hooks *hooks);
 /* Runs the calls that are due. GNEISS_INTERRUPTED: one of them ends the advance. */
 gneiss_status gn_api_hooks_call(gneiss_world *world, gneiss_error *error);
-/* Fails with GNEISS_ERROR_INPUT inside a call, and after the world has failed. */
+/* Fails inside a field of force. */
+gneiss_status gn_api_require_whole(const gneiss_world *world, gneiss_error *error);
+/* Fails inside a field of force, and after the world has failed. */
 gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error);
 
 /* Fails with GNEISS_ERROR_INPUT if `pointer` is NULL; `what` is the name of the argument. */

@@ -12,18 +12,38 @@
 #include <math.h>
 #include <string.h>
 
-static bool has_forces(const gn_api_hooks *hooks) {
+/* Points on which fields act: particles, or the nodes of the body of elements that the API shows.
+ */
+typedef struct points {
+    const gn_particles *list;
+    gn_hold *hold;
+    int width;    /* of a row of loads */
+    size_t first; /* place in gn_api_hooks.load */
+} points;
+
+static points points_of(gn_world *w, gneiss_record record) {
+    const bool space = w->ctx.scene.dimension == 3;
+    if (record == GNEISS_PARTICLES)
+        return (points){&w->dem.particles, &w->dem.hold,
+                        gn_row_width(space, w->ctx.effects & GN_FX_ROTATION), 0};
+    gn_fem_solid *body = &w->solids.elements[0]->solid;
+    return (points){&body->nodes, &body->hold, gn_row_width(space, false),
+                    w->dem.particles.soa.count};
+}
+
+static bool has_forces(const gn_api_hooks *hooks, gneiss_record record) {
     for (size_t k = 0; k < hooks->count; k++)
-        if (hooks->hook[k].force) return true;
+        if (hooks->hook[k].force && hooks->hook[k].record == record) return true;
     return false;
 }
 
-/* N/m: of all fields together on one particle, at most. */
-static double stiffness_of(const gn_api_hooks *hooks) {
-    double sum = 0.0;
+/* 1/s2: the largest that all fields together add to the square of a frequency. */
+static double added_square(const gn_api_hooks *hooks) {
+    double sum[2] = {0.0, 0.0};
     for (size_t k = 0; k < hooks->count; k++)
-        if (hooks->hook[k].force) sum += hooks->hook[k].stiffness;
-    return sum;
+        if (hooks->hook[k].force)
+            sum[hooks->hook[k].record == GNEISS_NODES] += hooks->hook[k].stiffness;
+    return fmax(sum[0] * hooks->lightest[0], sum[1] * hooks->lightest[1]);
 }
 
 /* --- places of a step --- */
@@ -40,46 +60,57 @@ static gneiss_status make_room(gn_api_hooks *hooks, size_t count, gneiss_error *
     return gn_new(&hooks->moment, 3 * count + 1, "forces of programs", error);
 }
 
-GN_HOOK(hold_particles) {
-    gn_api_hooks *h = &((gneiss_world *)context)->hooks;
-    const gn_particles *q = &world->dem.particles;
-    if (!has_forces(h)) return GNEISS_OK;
-    GN_TRY(make_room(h, q->soa.count, error));
-    double most = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        GN_TRY(gn_hold_particle(&world->dem.hold, p, error));
-        most = fmax(most, q->vel[4 * p + 3]);
+static gneiss_status hold_all(const points *p, double *lightest, gneiss_error *error) {
+    *lightest = 0.0;
+    for (size_t k = 0; k < p->list->soa.count; k++) {
+        GN_TRY(gn_hold_particle(p->hold, k, error));
+        *lightest = fmax(*lightest, p->list->vel[4 * k + 3]);
     }
-    h->lightest = 1.0 / most;
     return GNEISS_OK;
 }
 
-/* s: the limit of the step with springs of that stiffness to fixed points on all particles: they
- * add k/m to the square of a frequency 2/limit, at most. */
-static double limit_with(const gn_step_context *ctx, double stiffness, double lightest) {
+GN_HOOK(hold_points) {
+    gn_api_hooks *h = &((gneiss_world *)context)->hooks;
+    const bool particles = has_forces(h, GNEISS_PARTICLES), nodes = has_forces(h, GNEISS_NODES);
+    if (!particles && !nodes) return GNEISS_OK;
+    size_t count = world->dem.particles.soa.count;
+    if (nodes) count += points_of(world, GNEISS_NODES).list->soa.count;
+    GN_TRY(make_room(h, count, error));
+    for (int k = 0; k < 2; k++) {
+        if (!(k ? nodes : particles)) continue;
+        const points p = points_of(world, k ? GNEISS_NODES : GNEISS_PARTICLES);
+        GN_TRY(hold_all(&p, &h->lightest[k], error));
+    }
+    return GNEISS_OK;
+}
+
+/* s: the limit of the step with springs to fixed points, which add `square` to the square of a
+ * frequency 2/limit, at most. */
+static double limit_with(const gn_step_context *ctx, double square) {
     const double rate2 = isfinite(ctx->stable) ? 1.0 / (ctx->stable * ctx->stable) : 0.0;
-    return 1.0 / sqrt(rate2 + 0.25 * stiffness / lightest);
+    return 1.0 / sqrt(rate2 + 0.25 * square);
 }
 
 GN_HOOK(limit_step) {
-    const gn_api_hooks *h = &((gneiss_world *)context)->hooks;
-    const double stiffness = stiffness_of(h);
-    if (stiffness > 0.0)
+    const double square = added_square(&((gneiss_world *)context)->hooks);
+    if (square > 0.0)
         gn_timestep_lower(&world->ctx, &world->dem,
-                          world->ctx.scene.safety *
-                              limit_with(&world->ctx, stiffness, h->lightest));
+                          world->ctx.scene.safety * limit_with(&world->ctx, square));
     return GNEISS_OK;
 }
 
-static gneiss_status evaluate(gn_api_hooks *h, const gn_api_hook *hook, const gn_world *w,
-                              gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+static gneiss_status evaluate(gn_api_hooks *h, const gn_api_hook *hook, const points *on,
+                              const gn_world *w, gneiss_error *error) {
+    const gn_particles *q = on->list;
     const size_t n = q->soa.count;
     memset(h->force, 0, 3 * n * sizeof *h->force);
     memset(h->moment, 0, 3 * n * sizeof *h->moment);
-    const gneiss_points points = {n,       w->ctx.time, q->pos,   q->vel,
-                                  q->spin, q->id,       h->force, q->spin ? h->moment : NULL};
-    if (hook->force(hook->context, &points) != 0)
+    const gneiss_points seen = {n,       w->ctx.time, q->pos,   q->vel,
+                                q->spin, q->id,       h->force, q->spin ? h->moment : NULL};
+    h->acting = true;
+    const int result = hook->force(hook->context, &seen);
+    h->acting = false;
+    if (result != 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "step %lld, t = %.6g s: the field of force %lld failed",
                        (long long)w->ctx.step, w->ctx.time, (long long)hook->number);
@@ -88,11 +119,12 @@ static gneiss_status evaluate(gn_api_hooks *h, const gn_api_hook *hook, const gn
             if (!isfinite(h->force[3 * p + a]) || !isfinite(h->moment[3 * p + a]))
                 return gn_fail(error, GNEISS_ERROR_INPUT,
                                "step %lld, t = %.6g s: the field of force %lld: expected finite "
-                               "numbers, found others on particle %d",
+                               "numbers, found others on %s %d",
                                (long long)w->ctx.step, w->ctx.time, (long long)hook->number,
-                               q->id[p]);
-            h->load[6 * p + a] += h->force[3 * p + a];
-            h->load[6 * p + 3 + a] += h->moment[3 * p + a];
+                               hook->record == GNEISS_NODES ? "node" : "particle", q->id[p]);
+            double *load = h->load + 6 * (on->first + p);
+            load[a] += h->force[3 * p + a];
+            load[3 + a] += h->moment[3 * p + a];
         }
     return GNEISS_OK;
 }
@@ -103,45 +135,60 @@ static void keep_to_plane(const gn_world *w, double *load) {
     load[2] = load[3] = load[4] = 0.0;
 }
 
-static double power(const gn_particles *q, size_t p, const double *load) {
-    double sum = gn_dot3(load, q->vel + 4 * p);
-    if (q->spin) sum += gn_dot3(load + 3, q->spin + 4 * p);
+/* W: of all fields on these points. */
+static double power_on(const gn_api_hooks *h, const points *on) {
+    const gn_particles *q = on->list;
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *load = h->load + 6 * (on->first + p);
+        sum += gn_dot3(load, q->vel + 4 * p);
+        if (q->spin) sum += gn_dot3(load + 3, q->spin + 4 * p);
+    }
     return sum;
 }
 
-static double power_of_all(const gn_api_hooks *h, const gn_particles *q) {
-    double sum = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) sum += power(q, p, h->load + 6 * p);
-    return sum;
+static void add_loads(const gn_world *w, gn_api_hooks *h, const points *on) {
+    for (size_t p = 0; p < on->list->soa.count; p++) {
+        double *row = gn_hold_load(on->hold, on->width, p), *load = h->load + 6 * (on->first + p);
+        keep_to_plane(w, load);
+        for (int a = 0; a < (int)w->ctx.scene.dimension; a++) row[a] += load[a];
+        for (int a = 0; a < 3 && on->width == 8; a++) row[4 + a] += load[3 + a];
+        if (on->list->spin && on->width == 4) row[2] += load[5];
+    }
+}
+
+static gneiss_status act_on(gn_world *w, gn_api_hooks *h, gneiss_record record,
+                            gneiss_error *error) {
+    if (!has_forces(h, record)) return GNEISS_OK;
+    const points on = points_of(w, record);
+    memset(h->load + 6 * on.first, 0, 6 * on.list->soa.count * sizeof *h->load);
+    for (size_t k = 0; k < h->count; k++)
+        if (h->hook[k].force && h->hook[k].record == record)
+            GN_TRY(evaluate(h, &h->hook[k], &on, w, error));
+    add_loads(w, h, &on);
+    w->ledger.energy.work_user += 0.5 * w->ctx.dt_past * power_on(h, &on);
+    return GNEISS_OK;
 }
 
 GN_HOOK(act) {
     gn_api_hooks *h = &((gneiss_world *)context)->hooks;
-    const gn_particles *q = &world->dem.particles;
-    const bool space = world->ctx.scene.dimension == 3, turns = world->ctx.effects & GN_FX_ROTATION;
-    const int width = gn_row_width(space, turns);
-    if (!has_forces(h)) return GNEISS_OK;
-    memset(h->load, 0, 6 * q->soa.count * sizeof *h->load);
-    for (size_t k = 0; k < h->count; k++)
-        if (h->hook[k].force) GN_TRY(evaluate(h, &h->hook[k], world, error));
-    for (size_t p = 0; p < q->soa.count; p++) {
-        double *row = gn_hold_load(&world->dem.hold, width, p), *load = h->load + 6 * p;
-        keep_to_plane(world, load);
-        for (int a = 0; a < (int)world->ctx.scene.dimension; a++) row[a] += load[a];
-        if (width == 8)
-            for (int a = 0; a < 3; a++) row[4 + a] += load[3 + a];
-        else if (turns)
-            row[2] += load[5];
-    }
-    world->ledger.energy.work_user += 0.5 * world->ctx.dt_past * power_of_all(h, q);
+    GN_TRY(act_on(world, h, GNEISS_PARTICLES, error));
+    return act_on(world, h, GNEISS_NODES, error);
+}
+
+static void book_after(gn_world *w, const gn_api_hooks *h, gneiss_record record) {
+    if (!has_forces(h, record)) return;
+    const points on = points_of(w, record);
+    w->ledger.energy.work_user += 0.5 * w->ctx.dt * power_on(h, &on);
+}
+
+GN_HOOK(book_particles) {
+    book_after(world, &((gneiss_world *)context)->hooks, GNEISS_PARTICLES);
     return GNEISS_OK;
 }
 
-GN_HOOK(book_work) {
-    const gn_api_hooks *h = &((gneiss_world *)context)->hooks;
-    if (has_forces(h))
-        world->ledger.energy.work_user +=
-            0.5 * world->ctx.dt * power_of_all(h, &world->dem.particles);
+GN_HOOK(book_nodes) {
+    book_after(world, &((gneiss_world *)context)->hooks, GNEISS_NODES);
     return GNEISS_OK;
 }
 
@@ -163,10 +210,11 @@ GN_HOOK(note_calls) {
 
 static const gn_feature feature = {
     .name = "hooks of a program",
-    .hook = {[GN_HOOK_LISTS] = hold_particles,
+    .hook = {[GN_HOOK_LISTS] = hold_points,
              [GN_HOOK_LIMIT] = limit_step,
              [GN_HOOK_ACT] = act,
-             [GN_HOOK_MOVED] = book_work,
+             [GN_HOOK_MOVED] = book_particles,
+             [GN_HOOK_ELEMENTS_MOVED] = book_nodes,
              [GN_HOOK_AFTER_STEP] = note_calls},
 };
 
@@ -255,7 +303,7 @@ gneiss_status gneiss_world_add_call(gneiss_world *world, int64_t every, const do
                                     int64_t *hook, gneiss_error *error) {
     GN_FREED double *own = NULL;
     gn_api_hook *added;
-    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require_whole(world, error));
     GN_TRY(gn_api_require((const void *)(uintptr_t)call, "call", error));
     GN_TRY(gn_api_require(hook, "hook", error));
     if (every < 0)
@@ -276,46 +324,52 @@ gneiss_status gneiss_world_add_call(gneiss_world *world, int64_t every, const do
     return GNEISS_OK;
 }
 
-static gneiss_status check_field(const gneiss_world *world, double stiffness, gneiss_error *error) {
+static gneiss_status check_field(const gneiss_world *world, gneiss_record record, double stiffness,
+                                 gneiss_error *error) {
     const gn_world *w = &world->run.world;
     if (!(stiffness >= 0.0) || !isfinite(stiffness))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "argument stiffness: expected a finite number of at least 0, found %g",
                        stiffness);
-    if (!w->ctx.scene.has_specimen || w->ctx.scene.has_couple || gn_box_moves(&w->ctx, &w->box))
+    if (record != GNEISS_PARTICLES && record != GNEISS_NODES)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: expected particles for a field of force, not coupled to elements and "
-                       "in no periodic box that moves, found %s",
-                       w->ctx.scene.source,
-                       !w->ctx.scene.has_specimen ? "no particles"
-                       : w->ctx.scene.has_couple  ? "such a coupling"
-                                                  : "such a box");
-    return GNEISS_OK;
+                       "argument record: expected particles or nodes, found %d", (int)record);
+    const bool there = record == GNEISS_NODES ? w->solids.count > 0 : w->ctx.scene.has_specimen;
+    if (there && !w->ctx.scene.has_couple && !gn_box_moves(&w->ctx, &w->box)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected %s for a field of force, particles and elements that are not "
+                   "coupled, and no periodic box that moves, found %s",
+                   w->ctx.scene.source, gneiss_record_name(record),
+                   !there                    ? "none"
+                   : w->ctx.scene.has_couple ? "a coupling"
+                                             : "such a box");
 }
 
 /* A given step is not lowered. */
 static gneiss_status check_given_step(const gneiss_world *world, gneiss_error *error) {
     const gn_step_context *ctx = &world->run.world.ctx;
-    const double stiffness = stiffness_of(&world->hooks);
-    if (ctx->scene.step == 0.0 || stiffness == 0.0) return GNEISS_OK;
-    const double most = limit_with(ctx, stiffness, world->hooks.lightest);
+    const double square = added_square(&world->hooks);
+    if (ctx->scene.step == 0.0 || square == 0.0) return GNEISS_OK;
+    const double most = limit_with(ctx, square);
     if (ctx->dt <= most || ctx->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected at most %.6g s (stability limit with fields of force of %g N/m), "
-                   "found %.6g s",
+                   "%s: expected at most %.6g s (stability limit with the stiffness of fields of "
+                   "force), found %.6g s",
                    gn_scene_at(&ctx->scene, ctx->scene.time_where, "time.step").text, most,
-                   stiffness, ctx->dt);
+                   ctx->dt);
 }
 
-gneiss_status gneiss_world_add_force(gneiss_world *world, double stiffness, gneiss_force *force,
-                                     void *context, int64_t *hook, gneiss_error *error) {
+gneiss_status gneiss_world_add_force(gneiss_world *world, gneiss_record record, double stiffness,
+                                     gneiss_force *force, void *context, int64_t *hook,
+                                     gneiss_error *error) {
     gn_api_hook *added;
     GN_TRY(gn_api_require_good(world, error));
     GN_TRY(gn_api_require((const void *)(uintptr_t)force, "force", error));
     GN_TRY(gn_api_require(hook, "hook", error));
-    GN_TRY(check_field(world, stiffness, error));
+    GN_TRY(check_field(world, record, stiffness, error));
     GN_TRY(append(world, &added, hook, error));
     added->force = force;
+    added->record = record;
     added->stiffness = stiffness;
     added->context = context;
     gneiss_status status = gn_features_follow_lists(&world->run.world, error);
@@ -325,7 +379,7 @@ gneiss_status gneiss_world_add_force(gneiss_world *world, double stiffness, gnei
 }
 
 gneiss_status gneiss_world_remove_hook(gneiss_world *world, int64_t hook, gneiss_error *error) {
-    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require_whole(world, error));
     gn_api_hooks *h = &world->hooks;
     for (size_t k = 0; k < h->count; k++) {
         gn_api_hook *found = &h->hook[k];

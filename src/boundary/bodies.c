@@ -437,15 +437,20 @@ gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *bounda
 
 /* --- motion --- */
 
-/* Books the works of prescribed motion and of gravity over half an interval. */
-static void book(const gn_step_context *ctx, const gn_rigid *b, double dt, gn_energy *ledger) {
-    double prescribed = 0.0, weight = 0.0;
+/* Books the works of prescribed motion, of gravity and of the applied force over half an interval.
+ */
+static void book(const gn_step_context *ctx, const gn_body_def *def, const gn_rigid *b, double dt,
+                 gn_energy *ledger) {
+    double prescribed = 0.0, weight = 0.0, applied = 0.0;
     for (int a = 0; a < 3; a++) {
-        if (b->inverse_mass[a] > 0.0)
+        if (b->inverse_mass[a] > 0.0) {
             weight += b->mass * ctx->scene.gravity[a] * b->velocity[a];
-        else
+            applied += def->force[a] * b->velocity[a];
+        } else {
             prescribed -= b->force[a] * b->velocity[a];
+        }
     }
+    if (def->has_force) ledger->work_applied += 0.5 * dt * applied;
     if (!turns_freely(b)) prescribed -= gn_dot3(b->moment, b->spin);
     for (int a = 0; is_held(b) && a < 3; a++)
         if (b->held[a] > 0.0) prescribed -= b->moment[a] * b->spin[a];
@@ -455,7 +460,8 @@ static void book(const gn_step_context *ctx, const gn_rigid *b, double dt, gn_en
 
 void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                     gn_energy *ledger) {
-    for (size_t k = 0; k < ctx->scene.body_count; k++) book(ctx, &boundary->bodies[k], dt, ledger);
+    for (size_t k = 0; k < ctx->scene.body_count; k++)
+        book(ctx, &ctx->scene.bodies[k], &boundary->bodies[k], dt, ledger);
 }
 
 /* Adds the change of kinetic energy due to a change of the step (gn_rows_add_step_change) of a
@@ -493,7 +499,9 @@ static void kick(const gn_step_context *ctx, size_t k, gn_rigid *b) {
     const gn_motion *motion = &ctx->scene.bodies[k].motion;
     for (int a = 0; a < 3; a++) {
         if (b->inverse_mass[a] > 0.0)
-            b->velocity[a] += interval * (b->force[a] * b->inverse_mass[a] + ctx->scene.gravity[a]);
+            b->velocity[a] +=
+                interval * ((b->force[a] + ctx->scene.bodies[k].force[a]) * b->inverse_mass[a] +
+                            ctx->scene.gravity[a]);
         else
             b->velocity[a] = gn_control_of(ctx, ctx->scene.bodies[k].name, a) *
                              gn_table_at(&motion->velocity[a], middle);

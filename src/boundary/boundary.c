@@ -174,13 +174,14 @@ void gn_boundary_measure(const gn_step_context *ctx, const gn_boundary *boundary
 }
 
 /* Adds the balance of a body along its free directions. */
-static void add_body(const gn_step_context *ctx, const gn_rigid *b, gn_balance *balance) {
+static void add_body(const gn_step_context *ctx, const gn_body_def *def, const gn_rigid *b,
+                     gn_balance *balance) {
     double resultant[3] = {0}, weight[3] = {0}, pressed[3] = {0};
     bool is_free = false;
     for (int a = 0; a < 3; a++) {
         if (!(b->inverse_mass[a] > 0.0)) continue;
         is_free = true;
-        weight[a] = b->mass * ctx->scene.gravity[a];
+        weight[a] = b->mass * ctx->scene.gravity[a] + def->force[a];
         pressed[a] = b->force[a];
         resultant[a] = weight[a] + pressed[a];
     }
@@ -197,7 +198,8 @@ static void add_body(const gn_step_context *ctx, const gn_rigid *b, gn_balance *
 
 void gn_boundary_balance(const gn_step_context *ctx, const gn_boundary *boundary,
                          gn_balance *balance) {
-    for (size_t k = 0; k < ctx->scene.body_count; k++) add_body(ctx, &boundary->bodies[k], balance);
+    for (size_t k = 0; k < ctx->scene.body_count; k++)
+        add_body(ctx, &ctx->scene.bodies[k], &boundary->bodies[k], balance);
 }
 
 /* --- all of it --- */

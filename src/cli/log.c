@@ -8,15 +8,15 @@
 #include <string.h>
 #include <time.h>
 
-enum { LINE_MOST = 1 << 16, ID_SIZE = 64 };
+enum { LINE_FIRST = 1 << 10, ID_SIZE = 64 };
 
 /* A stream whose lines become objects. */
 typedef struct line_stream {
     gn_log *log;
     FILE *stream, *former;
     bool errors; /* standard error */
-    size_t used;
-    char line[LINE_MOST];
+    size_t used, capacity;
+    char *line; /* [capacity] */
 } line_stream;
 
 struct gn_log {
@@ -182,19 +182,31 @@ static bool print_line(line_stream *s, const char *line) {
     return print_and_free(log, json, NULL);
 }
 
-/* A line beyond the buffer is cut. */
+/* Returns false without memory: the line is then cut. */
+static bool append(line_stream *s, char byte) {
+    if (s->used + 1 >= s->capacity) {
+        const size_t capacity = s->capacity ? 2 * s->capacity : LINE_FIRST;
+        char *more = realloc(s->line, capacity);
+        if (!more) return false;
+        s->line = more;
+        s->capacity = capacity;
+    }
+    s->line[s->used++] = byte;
+    s->line[s->used] = '\0';
+    return true;
+}
+
 static ssize_t write_lines(void *cookie, const char *bytes, size_t size) {
     line_stream *s = cookie;
     bool good = true;
     if (s->errors) good = fwrite(bytes, 1, size, s->former) == size;
     for (size_t k = 0; k < size; k++) {
         if (bytes[k] != '\n') {
-            if (s->used + 1 < LINE_MOST) s->line[s->used++] = bytes[k];
+            good = append(s, bytes[k]) && good;
             continue;
         }
-        s->line[s->used] = '\0';
+        if (s->used) good = print_line(s, s->line) && good;
         s->used = 0;
-        good = print_line(s, s->line) && good;
     }
     return good ? (ssize_t)size : 0;
 }
@@ -239,6 +251,8 @@ bool gn_log_end(gn_log *log, gneiss_status status) {
     stderr = log->errors.former;
     fclose(log->out.stream);
     fclose(log->errors.stream);
+    free(log->out.line);
+    free(log->errors.line);
     free(log);
     return good;
 }
@@ -263,8 +277,7 @@ const char *gn_exit_code_text(int code) {
         "the input cannot be used, or a named scene, folder or file does not exist",
         "a file could not be read or written",
         "out of memory",
-        "the run became unstable: not a number, a lost particle, a step above its limit, an energy "
-        "balance that does not close",
+        "unstable run: not a number, a lost particle, a step too long, an open energy balance",
         "interrupted; a checkpoint was written if the run had begun",
     };
     return code >= 0 && code < (int)(sizeof texts / sizeof *texts) ? texts[code] : NULL;

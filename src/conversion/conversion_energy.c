@@ -89,11 +89,13 @@ static void add_contacts(const gn_conversion *conversion, const gn_contacts *lis
     }
 }
 
-/* Adds the walls touched by particles that relaxation moves. */
+/* Adds the walls touched by particles that relaxation moves. Contacts with bodies keep their energy
+ * where particles stay. */
 static void add_walls(const gn_conversion *conversion, bool other, gn_held *sum) {
     const gn_wall_contacts *q = &conversion->model->boundary->contacts;
-    for (size_t k = 0; conversion->model->ctx->scene.wall_count && k < q->soa.count; k++)
-        if (is_other(conversion, q->i[k]) == other)
+    const size_t walls = conversion->model->ctx->scene.wall_count;
+    for (size_t k = 0; walls && k < q->soa.count; k++)
+        if ((size_t)q->wall[k] < walls && is_other(conversion, q->i[k]) == other)
             sum->contacts += gn_wall_held(conversion->model->ctx, conversion->model->dem,
                                           conversion->model->boundary, k);
 }

@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/timer.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
 #include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
@@ -84,6 +86,43 @@ static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) 
             if (e >= 0 && kind[e] == GN_FRONT_READY) kind[e] = GN_FRONT_LEAVING;
         }
     }
+}
+
+/* Tells whether a part of an element may be nearer to a body than `reach`. */
+static bool is_near_body(const gn_step_context *ctx, const gn_boundary *boundary,
+                         const gn_fem_solid *b, size_t e, double reach) {
+    double centre[3], radius = 0.0;
+    gn_conversion_centre(b, e, centre);
+    for (int c = 0; c <= b->dimension; c++) {
+        double d[3], square = 0.0;
+        const double *x = b->nodes.pos + 4 * (size_t)gn_elements_node(&b->elements, c)[e];
+        for (int a = 0; a < 3; a++) d[a] = x[a] - centre[a];
+        square = gn_dot3(d, d);
+        radius = fmax(radius, sqrt(square));
+    }
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        const gn_surface *s = &boundary->surfaces[k]; /* those of bodies come first */
+        double d[3], local[3];
+        for (int a = 0; a < 3; a++) d[a] = centre[a] - boundary->bodies[k].position[a];
+        gn_rigid_local(&boundary->bodies[k], d, local);
+        if (gn_facet_tree_near(&s->tree, &s->facets, local, reach + radius, NULL)) return true;
+    }
+    return false;
+}
+
+/* Marks the elements near bodies, which have no contact with elements; tells whether there are any.
+ */
+static bool mark_near(const gn_convertible *model, uint8_t *kind) {
+    const double reach = model->ctx->scene.couple.convert.near_bodies;
+    bool any = false;
+    for (size_t e = 0; reach > 0.0 && e < gn_elements_left_count(model->solids); e++) {
+        if (kind[e] != GN_FRONT_READY ||
+            !is_near_body(model->ctx, model->boundary, gn_coupled_solid(model->solids), e, reach))
+            continue;
+        kind[e] = GN_FRONT_LEAVING;
+        any = true;
+    }
+    return any;
 }
 
 /* Returns the first READY element of the largest excess that is at least `least`; count: there is
@@ -201,7 +240,8 @@ static gneiss_status look(const gn_convertible *model, gneiss_error *error) {
                                                       &kind, &excess, error);
     if (status == GNEISS_OK)
         note_most_loaded(model->ctx, model->solids, excess, model->most_loaded);
-    if (status == GNEISS_OK && is_due(model->dem, model->solids, excess))
+    const bool near = status == GNEISS_OK && mark_near(model, kind);
+    if (status == GNEISS_OK && (near || is_due(model->dem, model->solids, excess)))
         status = act(model, excess, kind, error);
     gn_free(kind);
     gn_free(excess);

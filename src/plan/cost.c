@@ -39,6 +39,7 @@ static void put_ends(gn_scene *scene, gn_wall_def wall[2], char names[2][GN_NAME
                             .lower = {.count = 1, .name = names},
                             .upper = {.count = 1, .name = names + 1},
                             .centre = scene->test.centre,
+                            .blocks = scene->test.blocks,
                             .normal = -1};
 }
 

@@ -320,7 +320,10 @@ static gneiss_status check_convert_beside(const check *section, const gn_scene *
                   {scene->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint",
                    "no couple.constraint but lumped",
                    scene->couple.constraint == GN_COUPLE_PENALTY ? "penalty" : "consistent"},
-                  {scene->body_count > 0, "bodies", "no bodies", "some"},
+                  {scene->body_count > 0 && !(scene->couple.convert.near_bodies > 0.0), "bodies",
+                   "no bodies, or couple.convert.bodies", "bodies without it"},
+                  {!scene->body_count && scene->couple.convert.near_bodies > 0.0,
+                   "couple.convert.bodies", "bodies", "none"},
                   {scene->has_membrane, "membrane", "no membrane", "one"},
                   {scene->has_pulse, "initial.pulse", "no initial.pulse", "one"},
                   {scene->random_velocity > 0.0, "initial.random_velocity",
@@ -364,7 +367,7 @@ static gneiss_status check_convert(const check *section, gn_scene *scene, const 
     const gn_convert_def *q = &scene->couple.convert;
     GN_TRY(check_convert_beside(section, scene, root));
     GN_TRY(set_box(section, scene));
-    if (!(q->stress > 0.0) && !q->has_mohr)
+    if (!(q->stress > 0.0) && !q->has_mohr && !(q->near_bodies > 0.0))
         return gn_check_fail(section, "couple.convert",
                              "expected a limit, stress or mohr_coulomb, found none");
     return gn_check_box(section, scene, "couple.convert.box.max", q->box_min, q->box_max);

@@ -290,16 +290,22 @@ static gneiss_status check_spins(const check *section, const gn_scene *scene,
 
 static gneiss_status check_free(const check *section, const gn_scene *scene,
                                 const gn_body_def *body) {
-    const bool has[] = {body->density > 0, body->mass > 0, body->has_inertia,
-                        body->has_initial_velocity, body->has_initial_spin};
-    static const char *const only[] = {"density", "mass", "inertia", "initial_velocity",
-                                       "initial_spin"};
+    const bool has[] = {body->density > 0,          body->mass > 0,         body->has_inertia,
+                        body->has_initial_velocity, body->has_initial_spin, body->has_force};
+    static const char *const only[] = {"density",          "mass",         "inertia",
+                                       "initial_velocity", "initial_spin", "force"};
+    for (int a = 0; body->free && a < 3; a++)
+        if (body->force[a] != 0 && body->motion.velocity[a].count)
+            return gn_check_fail(section, "force",
+                                 "expected 0 along %c, where motion prescribes the velocity, found "
+                                 "%g N",
+                                 "xyz"[a], body -> force[a]);
     if (body->free) {
         GN_TRY(check_weight(section, scene, body));
         GN_TRY(check_centre(section, body));
         return check_spins(section, scene, body);
     }
-    for (int k = 0; k < 5; k++)
+    for (int k = 0; k < 6; k++)
         if (has[k])
             return gn_check_fail(section, only[k], "expected free true beside it, found false");
     return GNEISS_OK;

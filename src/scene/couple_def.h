@@ -49,6 +49,7 @@ typedef struct gn_convert_def {
     double stress;                 /* Pa, largest principal stress; 0: no such limit */
     bool has_mohr;
     double cohesion, friction; /* Pa, tan(phi), with has_mohr */
+    double near_bodies;        /* m from a body at which elements convert; 0: no such limit */
     gn_convert_by by;
     int64_t every; /* steps between evaluations of the limits */
     double most;   /* largest share of the convertible elements that convert by a limit at one

@@ -160,6 +160,10 @@ static const gn_key body_keys[] = {
     SPIN("initial_spin", gn_body_def, initial_spin, "rad/s", GN_SPINS,
          PRESENT(BOOL, gn_body_def, has_initial_spin),
          "spin of a free body at the start; in 2D one number"),
+    VECTOR(
+        "force", gn_body_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_body_def, has_force),
+        "constant force on the centre of mass of a free body, along directions without prescribed "
+        "motion"),
     SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),
             .text =
                 "prescribed motion of the body; components left out are zero, in a free body free"),
@@ -280,6 +284,9 @@ static const gn_key convert_keys[] = {
     SECTION("mohr_coulomb", mohr_section, PRESENT(BOOL, gn_scene, couple.convert.has_mohr),
             .text = "converts elements under compression: limit of (s1 - s3)/2 + (s1 + s3)/2 "
                     "sin(phi) over cohesion cos(phi)"),
+    REAL("bodies", gn_scene, couple.convert.near_bodies, "m", GN_LENGTHS, OR("none", 0),
+         "distance from a body at which elements convert, so that it touches particles alone; "
+         "needed beside bodies: they have no contact with elements"),
     CHOICE(
         "by", gn_scene, couple.convert.by, by, BY("elements"),
         "stresses that are compared with the limits: of each element, or averaged from its nodes"),

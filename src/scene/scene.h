@@ -332,6 +332,8 @@ typedef struct gn_body_def {
     double inertia[3]; /* kg m2 about the centre of mass, along x y z at the start; 2D: the third */
     bool has_initial_velocity, has_initial_spin;
     double initial_velocity[3], initial_spin[3];
+    double force[3]; /* N on the centre of mass of a free body, along directions that are free */
+    bool has_force;
     gn_motion motion;
     gn_scene_place where;
 } gn_body_def;

@@ -191,6 +191,11 @@ static double largest_turn(const gn_step_context *ctx, const gn_boundary *bounda
     return axes == 1.0 || (axes == 2.0 && led > 0.0) ? turn_held : turn_most;
 }
 
+/* m/s2: acceleration of a free body by gravity and its applied force. */
+static double dead_load(const gn_step_context *ctx, size_t k, const gn_rigid *b) {
+    return length(ctx->scene.gravity) + length(ctx->scene.bodies[k].force) / b->mass;
+}
+
 /* Speed (m/s) and spin (rad/s) of a body in a coming step of `dt`. */
 static void speeds_in(const gn_step_context *ctx, const gn_boundary *boundary, size_t k, double dt,
                       double *speed, double *spin) {
@@ -209,7 +214,7 @@ static void speeds_in(const gn_step_context *ctx, const gn_boundary *boundary, s
     *speed = length(v);
     *spin = length(turn);
     double gain = ctx->dt_past > 0.0 ? 2.0 * change(b->velocity, b->velocity_past) : 0.0;
-    if (falls) *speed += fmax(gain, dt * length(ctx->scene.gravity));
+    if (falls) *speed += fmax(gain, dt * dead_load(ctx, k, &boundary->bodies[k]));
     if (turns && ctx->dt_past > 0.0) *spin += 2.0 * change(b->spin, b->spin_past);
 }
 
@@ -309,7 +314,7 @@ double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
             const gn_table *t = &m->velocity[a], *s = &m->spin[a];
             v[a] = t->count ? largest_value(t) : b->velocity[a];
             turn[a] = s->count ? largest_value(s) : b->spin[a];
-            if (b->inverse_mass[a] > 0.0) fall = length(ctx->scene.gravity);
+            if (b->inverse_mass[a] > 0.0) fall = dead_load(ctx, k, b);
         }
         double spin = length(turn), speed = length(v) + spin * b->reach;
         step = fmin(step, time_for(0.5 * path_most * dem->radius_min, speed, fall));
