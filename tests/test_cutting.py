@@ -101,6 +101,19 @@ def a_resumed_cut_has_the_same_bits_and_impulses(folder):
 
 
 @fact
+def removed_rock_is_what_no_bond_joins_to_the_base_with_its_pores(folder):
+    run(write_scene(folder, BLOCK), folder, "--set", "output.fields=[fragment]")
+    with results(folder) as file:
+        volume, radius, fragment = file["fragments/volume"][:], file["particles/radius"][:], file["particles/fragment"][:]
+        height = (file["particles/position"][:] - file["particles/displacement"][:])[:, 2]
+        body = float(np.ravel(file.attrs["volume"])[0])
+    solid, held = np.sum(4 / 3 * math.pi * radius**3), np.unique(fragment[height < -0.0149])  # the layer that is held at rest
+    assert len(volume) > 3 and abs(volume.sum() / solid - 1) < 1e-12
+    removed = (solid - volume[held].sum()) * body / solid
+    assert removed > 0 and abs(history(folder)["removed_volume"][-1] / removed - 1) < 1e-9, (removed, held)
+
+
+@fact
 def a_chisel_that_meets_nothing_has_no_force(folder):
     scene = write_scene(folder, BLOCK.replace("origin: [-2 mm, 0, -5 mm]", "origin: [-2 mm, 0, 5 mm]"))
     run(scene, folder)

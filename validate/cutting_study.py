@@ -4,7 +4,8 @@
     validate/cutting_study.py build/gneiss runs/cutting-study            # all runs that are not there yet, then the tables
     validate/cutting_study.py build/gneiss runs/cutting-study --tables   # the tables of the runs that are there
 
-The base is scenes/cutting-disc.yaml with larger particles; every group varies one quantity of it. A run counts once: a folder with a
+The base is scenes/cutting-disc.yaml with larger particles; every group varies one quantity of it, and relieved cuts are those of
+scenes/cutting-relieved.yaml. A run counts once: a folder with a
 finished summary.json is not computed again."""
 import argparse
 import json
@@ -15,10 +16,14 @@ import subprocess
 import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SCENE = os.path.join(HERE, os.pardir, "scenes", "cutting-disc.yaml")
+SCENES = os.path.join(HERE, os.pardir, "scenes")
 BASE = {"specimen.box.size": "[110 mm, 90 mm, 35 mm]", "specimen.origin": "[0 mm, -45 mm, -35 mm]", "specimen.mean_radius": "3.6 mm",
         "output.snapshots": 0, "output.history_rows": 1000, "run.threads": 1}
-RADIUS, CENTRE = {"17": 216.0, "19": 241.3}, {"17": 0.212, "19": 0.2373}  # mm; m, of a cut of 4 mm
+FINE = {"specimen.box.size": "[130 mm, 120 mm, 45 mm]", "specimen.origin": "[0 mm, -60 mm, -45 mm]", "specimen.mean_radius": "3 mm",
+        "bodies.disc.motion.vx": "8 m/s"}
+MOMENTS = {"materials.rock.contact_modulus": "34.7 GPa", "materials.rock.kratio": 9.7, "materials.rock.tensile_strength": "10.8 MPa",
+           "materials.rock.shear_strength": "25.9 MPa", "materials.rock.bond_friction": 1, "bonds.radius_multiplier": 1, "bonds.moment_share": 0}
+RADIUS = {"17": 216.0, "19": 241.3}  # mm
 
 
 def disc(inch, depth, facet=None):
@@ -51,6 +56,12 @@ def runs():
     found |= {f"speed-{value}-seed-{seed}": {**disc("17", 4), **speed(value), "run.seed": seed} for value in (2, 8) for seed in (1, 2)}
     found |= {f"friction-{value}-seed-{seed}": {**disc("17", 4), "bodies.disc.friction": value, "run.seed": seed} for value in (0.1, 0.5) for seed in (1, 2)}
     found |= {f"facet-{value}-seed-1": {**disc("17", 4, value), "run.seed": 1} for value in (1.33, 5.33)}
+    for depth in (4.5, 6, 9, 12):  # three particles and more per depth
+        found[f"fine-{depth}-seed-1"] = {**disc("17", depth), **FINE, "time.end": f"{(math.sqrt(432 * depth) + 130) / 8} ms", "run.seed": 1}
+    for spacing in (20, 40, 60):
+        found[f"spacing-{spacing}-seed-1"] = {"bodies.first.origin[1]": f"{spacing} mm", "test.spacing": f"{spacing} mm", "run.seed": 1,
+                                              "specimen.box.size": "[110 mm, 130 mm, 35 mm]", "specimen.origin": "[0 mm, -45 mm, -35 mm]"}
+    found |= {f"moments-seed-{seed}": {**disc("17", 4), **MOMENTS, "run.seed": seed} for seed in (1, 2)}
     found |= {"radius-2.5-seed-1": {**disc("17", 4), "specimen.mean_radius": "2.5 mm", "run.seed": 1}}
     return found
 
@@ -64,13 +75,14 @@ def finished(folder):
     return summary if summary["finished"] else None
 
 
-def compute(program, place):
+def compute(program, place, only):
     for name, keys in runs().items():
         folder = os.path.join(place, name)
-        if finished(folder):
+        if finished(folder) or not name.startswith(only):
             continue
         options = [part for key, value in {**BASE, **keys}.items() for part in ("--set", f"{key}={value}")]
-        subprocess.run([program, "run", SCENE, "--out", folder, "--quiet", "--force", *options], check=False)
+        scene = os.path.join(SCENES, "cutting-relieved.yaml" if name.startswith("spacing") else "cutting-disc.yaml")
+        subprocess.run([program, "run", scene, "--out", folder, "--quiet", "--force", *options], check=False)
 
 
 def readings(place, start):
@@ -110,23 +122,29 @@ def tables(place):
     labels = {"seed": "17 inch, 4 mm, 147 MPa, 4 m/s, friction 0.3", "depth-3": "depth 3 mm", "depth-6": "depth 6 mm", "depth-8": "depth 8 mm",
               "strength-0.5": "strengths times 0.5", "strength-0.7": "strengths times 0.7", "strength-1.4": "strengths times 1.4",
               "19-inch": "19 inch", "speed-2": "2 m/s", "speed-8": "8 m/s", "friction-0.1": "friction 0.1", "friction-0.5": "friction 0.5",
-              "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
+              **{f"fine-{p}": f"mean radius 3 mm, 8 m/s, depth {p} mm" for p in (4.5, 6, 9, 12)},
+              "spacing-20": "relieved, spacing 20 mm", "spacing-40": "relieved, spacing 40 mm", "spacing-60": "relieved, spacing 60 mm",
+              "moments": "bonds with moments and friction, 149 and 10.3 MPa", "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
     for start, label in labels.items():
         print(row(place, label, start))
-    depth, strengths = ("depth-3", "seed", "depth-6", "depth-8"), ("strength-0.5", "strength-0.7", "seed", "strength-1.4")
+    depth, strengths = {4.5: "fine-4.5", 6: "fine-6", 9: "fine-9", 12: "fine-12"}, ("strength-0.5", "strength-0.7", "seed", "strength-1.4")
     for name in ("normal_force", "rolling_force"):
-        if all(readings(place, start) for start in depth + strengths):
-            power, _ = slope(np.array([3, 4, 6, 8.0]), means(place, depth, name))
+        there = [value for value, start in depth.items() if readings(place, start)]
+        if len(there) > 2:
+            power, _ = slope(np.array(there), means(place, [depth[value] for value in there], name))
+            print(f"\n{name}: exponent of the depth {power:.2f} with a mean radius of 3 mm")
+        if all(readings(place, start) for start in strengths):
             _, straight = slope(np.array([0.5, 0.7, 1, 1.4]), means(place, strengths, name))
-            print(f"\n{name}: exponent of the depth {power:.2f}; over the strength r2 of a line {straight:.3f}")
+            print(f"{name}: over the strength r2 of a line {straight:.3f}")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("place")
+    parser.add_argument("--only", default="", metavar="NAME", help="runs whose name begins so")
     parser.add_argument("--tables", action="store_true", help="no runs")
     asked = parser.parse_args()
     if not asked.tables:
-        compute(os.path.abspath(asked.program), asked.place)
+        compute(os.path.abspath(asked.program), asked.place, asked.only)
     tables(asked.place)
