@@ -8,6 +8,7 @@ import numpy as np
 
 from calibrate import units
 
+TOUCHED = 0.01  # of the largest stress
 POINTS = 8  # of a curve, at equal distances of strain up to its end
 _UNIT = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
 
@@ -34,15 +35,21 @@ def read(path):
     return table[:, 0], table[:, 1]
 
 
+def since_contact(strain, stress):
+    """The curve from where the stress exceeds TOUCHED of its largest on: a specimen under pressure has shrunk away from platens that stood still."""
+    first = int(np.argmax(stress > TOUCHED * np.max(stress)))
+    return strain[first:] - strain[max(first - 1, 0)], stress[first:]
+
+
 def of_run(folder):
-    """(axial strains, stresses less the confinement) of a finished run since its ends began to close."""
+    """(axial strains, stresses less the confinement) of a finished run since its ends began to close on it."""
     with h5py.File(os.path.join(folder, "results.h5"), "r") as file:
         history = file["history"]
         strain, stress = history["strain"][:], history["stress"][:]
         if "stage" in history:
             loaded = history["stage"][:] == history["stage"][-1]
-            strain, stress = strain[loaded], stress[loaded]
-    return strain - strain[0], stress
+            return since_contact(strain[loaded], stress[loaded])
+    return strain, stress
 
 
 def stress_at(folder, strain):

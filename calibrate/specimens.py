@@ -10,6 +10,7 @@ PLATEN = 5.0         # stiffness of platens over that of a contact
 START = 0.05         # fraction of the expected duration in which ends come to their speed
 DROP = 0.3           # of the stress from its peak, which ends a test
 BEYOND = 1.02        # strain at which a test of a curve ends over that of the curve
+SHRUNK = 5.0         # strain by which specimens can shrink away from platens under pressure, over pressure over modulus
 DURATION = 4.0       # duration over the expected one
 STRAIN = {"compression": 1.3, "tension": 1.1, "brazilian": 9.0, "triaxial": 1.6}  # at the peak, over strength over modulus
 SEAT = 0.1           # depth of platens in discs, in mean radii: laid on, they would close gaps as wide as the strains of the test
@@ -130,11 +131,12 @@ class Bench:
         speed = SPEED * self.wave_speed() * strain
         stiffness = PLATEN * laws.contact_stiffness(scene, size.radius)
         getattr(self, test.kind)(scene, test, size, (length * strain, speed), stiffness)
-        before, end = 0.0, {"strain": BEYOND * test.strain} if test.strain else {"peak_drop": DROP}
+        beyond = BEYOND * test.strain + SHRUNK * test.confinement / self.modulus if test.strain else 0.0
+        before, end = 0.0, {"strain": beyond} if test.strain else {"peak_drop": DROP}
         if "stages" in scene:
             before = scene["stages"][0]["end"]["time"]
             scene["stages"][-1]["end"] = end
-        scene["time"] = {"end": before + DURATION * length * max(strain, test.strain) / speed, **({} if before else {"stop": end})}
+        scene["time"] = {"end": before + DURATION * length * max(strain, beyond) / speed, **({} if before else {"stop": end})}
         return scene
 
     def _test(self, scene, kind, size):

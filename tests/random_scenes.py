@@ -153,7 +153,7 @@ class Maker:
         self.bond_laws(Draw(f"gneiss laws of bonds {seed}"))
         self.outputs(Draw(f"gneiss outputs {seed}"))
 
-    # Small and large ones in one scene, or all of almost one size.
+    # Particles of small and large size in one scene, or all of almost equal size.
     def particles(self):
         d, dim = self.d, self.dim
         ratio = d.log(1.5, 100) if self.kind == "sizes" else d.choice((1.0, 1.0, d.log(1.0, 5.0)))

@@ -173,6 +173,25 @@ def keys_of_the_material_are_found_from_a_measured_curve(folder):
         assert abs(one["value"] - np.interp(at, strain, stress) / max(y for _, y in measured)) < 1e-6, (name, one, at)
 
 
+@plain_fact
+def a_curve_under_pressure_counts_from_where_platens_touch_the_specimen(folder):
+    with open(base_scene(folder)) as file:
+        scene = {"dimension": 3, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}}, **json.load(file)}
+    known = specimens.Bench(scene, 18e9).build(specimens.Test("triaxial", 20e6), {}, 100e6, 5)
+    run(write_scene(folder, known, "known.yaml"), os.path.join(folder, "known"))
+    with h5py.File(os.path.join(folder, "known", "results.h5")) as file:
+        loaded = file["history/stage"][:] == 1
+        strain, stress = file["history/strain"][:][loaded], file["history/stress"][:][loaded]
+    touch = strain[np.argmax(stress > 0.01 * stress.max())]  # the pressure shortens the specimen by some 20 MPa/30 GPa, walls stand still
+    assert 2e-4 < touch < 2e-3, touch
+    end = 0.9 * (strain[np.argmax(stress)] - touch)
+    with open(os.path.join(folder, "curve.csv"), "w") as file:
+        file.write("strain [mm/m],stress [MPa]\n" + "".join(f"{1e3 * x},{np.interp(x + touch, strain, stress) / 1e6}\n" for x in np.linspace(0, end, 50)))
+    out, _ = calibrated(folder, "scene: base.yaml\nseeds: [5]\nbudget: 1 runs\nparameters: {friction: [0.2, 1]}\n"
+                                "targets: {curve: {file: curve.csv, confinement: 20 MPa, tolerance: 4 %}}\n", "found")
+    assert calibration(out)["reached"] and len(calibration(out)["found"]) == 8, calibration(out)["notes"]
+
+
 @fact
 def wrong_parameters_and_curves_are_refused_with_their_place(folder):
     base_scene(folder)
@@ -336,7 +355,7 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
     for option, values, expected in (("--seeds", ("-x", "1001"), "a number of seeds in"), ("--seeds", ("1,1",), "different"),
                                      ("--threads", ("-2", "1.5"), r"a whole number in \[0, 1024\] or 'auto'")):
         for value in values:
-            expect(gneiss("calibrate", good, "--out", os.path.join(folder, "bad"), option, value), 2, f"^gneiss: {option}: expected {expected}.*found '{value}'\n$")
+            expect(gneiss("calibrate", good, "--out", os.path.join(folder, "bad"), option, value), 2, f"^gneiss: input error: {option}: expected {expected}.*found '{value}'\n$")
     assert not os.path.exists(os.path.join(folder, "bad")), "nothing is written for bad input"
 
 

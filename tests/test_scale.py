@@ -35,7 +35,7 @@ def check(folder, scene, word="check", *options):
 @fact
 def a_core_in_millimetres_without_a_scale_is_warned_of(folder):
     words = r"warning: .*scene\.yaml:1:\d+: specimen\.surface: 100 m long, particles from [\d.]+ m in diameter on, without a scale.*" \
-            r"comes 0\.0005 m, 5e-06 of that, in the 0\.01 s.*scale: 0\.001"
+            r"a path of 0\.0005 m, 5e-06 of that, in the 0\.01 s.*scale: 0\.001"
     done = check(folder, core(folder))
     assert re.search(words, done.stdout) and "see the warnings" in done.stdout, done.stdout
     done = check(folder, core(folder), "run", "--out", os.path.join(folder, "out"), "--quiet")

@@ -344,7 +344,8 @@ static void bonds_of_a_pair_have_a_friction_of_their_own(void **state) {
     gn_world_free(&w);
 }
 
-/* Where only a pair has friction or a tangential spring the scene has them. */
+/* Friction or a tangential spring given only for a pair of materials counts as friction of the
+ * scene. */
 static void friction_of_a_pair_alone_is_friction(void **state) {
     (void)state;
     gn_world *w =

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""keys_pages.py GNEISS [DOCS]: writes docs/keys*.md, the key reference by topic, from `gneiss keys --markdown`; --check: exits with 1 if a
-page differs."""
+"""keys_pages.py GNEISS [DOCS]: writes docs/keys*.md, the key reference by topic, from `gneiss keys --markdown`, and without DOCS the typed
+keys of the Python module too, from the library of the same build; --check: exits with 1 if a page differs."""
+import os
 import re
 import subprocess
 import sys
@@ -11,7 +12,8 @@ PAGES = [("keys.md", "Keys of a scene", ()),
          ("keys-particles.md", "Keys of particles", ("specimen", "sets", "sources", "sinks")),
          ("keys-materials.md", "Keys of materials and contacts", ("materials", "contacts", "law", "bonds")),
          ("keys-walls.md", "Keys of walls, bodies and membrane", ("walls", "bodies", "membrane")),
-         ("keys-elements.md", "Keys of elements, coupling and tests", ("elements", "couple", "test"))]
+         ("keys-elements.md", "Keys of elements and coupling", ("elements", "couple")),
+         ("keys-tests.md", "Keys of tests", ("test",))]
 TEXT = """# {title}
 
 Written by `tools/keys_pages.py build/gneiss` from the table that also drives the reading of scenes. A number may carry a unit, as in `23 mm`;
@@ -36,6 +38,15 @@ def pages(printed):
     return found
 
 
+def write_typed_keys(program):
+    """Writes python/gneiss/keys.py (python/make_keys.py)."""
+    root, folder = Path(__file__).resolve().parents[1], Path(program).resolve().parent
+    version = re.search(r"version: '([^']*)'", (root / "meson.build").read_text(encoding="utf-8"))[1]
+    subprocess.run(["ninja", "--quiet", "-C", folder, f"libgneiss.so.{version}"], check=True)
+    subprocess.run(["/usr/bin/python3", root / "python" / "make_keys.py"], check=True,
+                   env={**os.environ, "GNEISS_LIBRARY": str(folder / f"libgneiss.so.{version}")})
+
+
 def main():
     arguments = [one for one in sys.argv[1:] if one != "--check"]
     docs = Path(arguments[1] if len(arguments) > 1 else Path(__file__).resolve().parents[1] / "docs")
@@ -46,6 +57,8 @@ def main():
         return 1 if stale else 0
     for name, text in made.items():
         (docs / name).write_text(text, encoding="utf-8")
+    if len(arguments) < 2:
+        write_typed_keys(arguments[0])
     return 0
 
 

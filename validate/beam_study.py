@@ -124,7 +124,7 @@ def text(values):
 
 
 def plane(modulus, contraction):
-    """E and nu of elements in plane strain with this modulus and contraction in the plane."""
+    """E and nu of elements in plane strain with this modulus and Poisson's ratio in the plane."""
     poisson = contraction / (1 + contraction)
     return modulus * (1 - poisson**2), poisson
 

@@ -151,7 +151,8 @@ VARIED = {"": {}, ", steps of 0.89": {"time.safety": 0.89}, ", of 0.88": {"time.
 
 
 def fine_pairs():
-    """Name, particles alone and the adaptive run, of particles of half the size with the slow load: other roundings and other packings."""
+    """Name, run with particles only, and adaptive run, with particles of half the size and the slow load: other
+    packings and other rounding."""
     found = []
     for name, more in VARIED.items():
         note = "-".join(["slow", *(str(value) for value in more.values())])

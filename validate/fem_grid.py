@@ -66,8 +66,8 @@ class Grid:
 
 
 def straight(place, full, shape):
-    """Corners where the shape puts them, nodes on edges in their middle, those on diagonals at the mean of the face's
-    corners: edges are straight, diagonals are where opposite sides are parallel."""
+    """Corners are mapped by the shape, nodes on edges are at their middle, those on diagonals at the mean of the
+    corners of the face: edges are straight, and so are diagonals if opposite sides are parallel."""
     sums = np.zeros((len(place), len(full)))
     low, high = place - place % 2, place + place % 2
     for corner in np.ndindex(*(2,) * len(full)):

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Union
 
 from ._library import program
+from .bars import bar
 from .errors import error_of
 from .results import Results
 from .scene import Changes, Scene, Source, overrides_of, written
@@ -31,7 +32,28 @@ def _file_of(source: Scene | Source, folder: Path | None = None) -> Iterator[str
         yield file.name
 
 
-def _call(command: str, target: Path, *options: str, changes: Changes = None, **named: Any) -> dict[str, Any]:
+def _share(progress: Mapping[str, Any]) -> tuple[float, str]:
+    """How far a command is by its line of progress, and a text."""
+    if "time" in progress:
+        return progress["time"] / progress["end"], f"step {progress['step']}, t = {progress['time']:.4g} s"
+    if "total" in progress:
+        return progress.get("done", 0) / max(1, progress["total"]), f"{progress.get('done', 0)} of {progress['total']} runs"
+    return progress.get("fraction", 0.0), str(progress.get("packing", ""))
+
+
+def _lines(process: Any, show: Any) -> list[dict[str, Any]]:
+    """The JSON lines of a command; those of progress are shown as they come."""
+    found = []
+    for text in process.stdout:
+        if not text.startswith("{"):
+            continue
+        found.append(json.loads(text))
+        if found[-1]["level"] == "progress":
+            show(*_share(found[-1]["progress"]))
+    return found
+
+
+def _call(command: str, target: Path, *options: str, changes: Changes = None, progress: bool = False, **named: Any) -> dict[str, Any]:
     """Runs the program. Returns its result (docs/log.md), {} of commands without one. Raises what its errors say."""
     line = [program(), command, os.fspath(target), "--log", "json", *options]
     for change in overrides_of(changes):
@@ -42,27 +64,30 @@ def _call(command: str, target: Path, *options: str, changes: Changes = None, **
         line.append("--" + name.replace("_", "-"))
         if value is not True:
             line.append(",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value))
-    process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace")
-    try:
-        output, messages = process.communicate()
-    except BaseException:  # Ctrl-C has reached the program as well: it writes its checkpoint
-        with contextlib.suppress(KeyboardInterrupt):
-            process.terminate()
-            process.communicate()
-        raise
-    lines = [json.loads(text) for text in output.splitlines() if text.startswith("{")]
-    if process.returncode != 0:
-        errors = [entry["text"] for entry in lines if entry["level"] == "error"]
-        raise error_of(process.returncode, "\n".join(errors) or messages.strip())
+    with tempfile.TemporaryFile("w+", errors="replace") as messages:
+        process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=messages, text=True, errors="replace")
+        try:
+            with bar(progress) as show:
+                lines = _lines(process, show)
+            process.wait()
+        except BaseException:  # Ctrl-C has reached the program as well: it writes its checkpoint
+            with contextlib.suppress(KeyboardInterrupt):
+                process.terminate()
+                process.communicate()
+            raise
+        messages.seek(0)
+        if process.returncode != 0:
+            errors = [entry["text"] for entry in lines if entry["level"] == "error"]
+            raise error_of(process.returncode, "\n".join(errors) or messages.read().strip())
     return next((dict(entry["result"]) for entry in reversed(lines) if entry["level"] == "result"), {})
 
 
 def run(scene: Scene | Source, out: Path, *, set: Changes = None, folder: Path | None = None, threads: int | None = None,
-        seeds: Seeds = None, error: str | None = None, force: bool = False) -> Results:
+        seeds: Seeds = None, error: str | None = None, force: bool = False, progress: bool = False) -> Results:
     """Runs a scene in a process of its own, as `gneiss run`. `out`: folder of results. With `seeds` it runs several packings side by side,
-    with `error` ('5%') it plans first. Returns its Results."""
+    with `error` ('5%') it plans first. progress: a bar. Returns its Results."""
     with _file_of(scene, folder) as path:
-        _call("run", path, changes=set, out=out, threads=threads, seeds=seeds, error=error, force=force)
+        _call("run", path, changes=set, out=out, threads=threads, seeds=seeds, error=error, force=force, progress=progress)
     return Results(out)
 
 
@@ -73,11 +98,11 @@ def check(scene: Scene | Source, *, set: Changes = None, folder: Path | None = N
 
 
 def pack(specimen: Scene | Source, out: Path, *, set: Changes = None, folder: Path | None = None, threads: int | None = None,
-         seed: int | None = None, force: bool = False) -> Results:
+         seed: int | None = None, force: bool = False, progress: bool = False) -> Results:
     """Fills the shape of a specimen (a scene, or the part `specimen` of one) with particles, as `gneiss pack`. Returns its Results:
     particles.position [n][3], particles.radius [n], quality. A scene takes it by specimen: {file: OUT/packing.txt}."""
     with _file_of(specimen, folder) as path:
-        _call("pack", path, changes=set, out=out, threads=threads, seed=seed, force=force)
+        _call("pack", path, changes=set, out=out, threads=threads, seed=seed, force=force, progress=progress)
     return Results(out)
 
 
@@ -97,12 +122,12 @@ def stiffness(scene: Scene | Source, *, strain: float | None = None, set: Change
 
 
 def sweep(what: Mapping[str, Any] | Path, out: Path, *, set: Changes = None, folder: Path | None = None, seeds: Seeds = None,
-          jobs: int | None = None, threads: int | None = None, force: bool = False) -> Results:
+          jobs: int | None = None, threads: int | None = None, force: bool = False, progress: bool = False) -> Results:
     """Runs a scene with several values of its keys, side by side (docs/sweep.md): a dict as a sweep file has it ({'scene': ...,
     'parameters': {...}, 'seeds': 3}; the scene is a path), or a file. Runs that were done are not done again. Returns its Results:
     parameters, readings, statistics, runs."""
     with _file_of(what, folder) as path:
-        _call("sweep", path, changes=set, out=out, seeds=seeds, jobs=jobs, threads=threads, force=force)
+        _call("sweep", path, changes=set, out=out, seeds=seeds, jobs=jobs, threads=threads, force=force, progress=progress)
     return Results(out)
 
 

@@ -337,6 +337,7 @@ class CoupleConvert(TypedDict, total=False):
     width: Number  # number, m, in [1e-9, 1e9]: width of the zone between particles and elements: at least three elements and six particles
     stress: Number  # number, Pa, in [1e-12, 1e100], or none: largest principal stress, tension positive, at which an element converts (default none)
     mohr_coulomb: CoupleConvertMohrCoulomb  # converts elements under compression: limit of (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over cohesion cos(phi)
+    bodies: Number  # number, m, in [1e-9, 1e9], or none: distance from a body at which elements convert, so that it touches particles alone; needed beside bodies: they have no contact with elements (default none)
     by: Literal['elements', 'nodes']  # stresses that are compared with the limits: of each element, or averaged from its nodes (default elements)
     every: int | str  # whole number, in [1, 1000000]: steps between two evaluations of the limits (default 50)
     most: Number  # number, in (0, 1]: largest fraction of the convertible elements that one evaluation converts, those with the highest stresses first; thin remnants are added to it (default 10 %)
@@ -524,6 +525,7 @@ class Body(TypedDict, total=False):
     inertia: Number | Vector  # [x, y, z], in 2D a number, kg m2, in [1e-36, 1e36]: moments of inertia of a free body about its centre of mass along x, y, z, which are its principal axes at the start; in 2D one number; default: those of the shape with uniform density
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity of a free body at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin of a free body at the start; in 2D one number
+    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: constant force on the centre of mass of a free body, along directions without prescribed motion
     motion: BodyMotion  # prescribed motion of the body; components left out are zero, in a free body free
 
 

@@ -6,13 +6,14 @@ import os
 import tempfile
 import threading
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 
 from . import hooks, pictures
 from ._library import encoded, ffi, files, lib, text
+from .bars import bar
 from .errors import InputError, Interrupted, checked
 from .fields import Array, History, Particles, Quantities, Record, memory_array
 from .hooks import Hook, Points
@@ -289,10 +290,11 @@ class World:
                 return self.progress
             stop = self.at([end], World.stop)
         try:
-            with _bar(self, end, progress) as show:
+            with bar(progress) as show:
+                last = min(end, self.progress.end) if end is not None else self.progress.end
                 while going and not self.progress.finished:
                     going = self._advance(lib.gneiss_world_advance, _SLICE)
-                    show()
+                    show(self.time / last if last > 0.0 else 1.0, f"step {self.steps}, t = {self.time:.4g} s")
         finally:
             if stop is not None:
                 stop.remove()
@@ -501,14 +503,3 @@ def _unpickled(data: bytes) -> World:
         with open(path, "wb") as file:
             file.write(data)
         return World.load(path)
-
-
-@contextlib.contextmanager
-def _bar(world: World, until: float | None, wanted: bool) -> Iterator[Callable[[], None]]:
-    """A progress bar over the time of the run: tqdm's, or a line on standard error."""
-    if not wanted:
-        yield lambda: None
-        return
-    from .bars import bar_of
-    with bar_of(world, until) as show:
-        yield show

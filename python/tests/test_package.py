@@ -45,7 +45,7 @@ def the_typed_keys_are_those_of_the_library(folder):
     path = os.path.join(folder, "keys.py")
     subprocess.run(["/usr/bin/python3", os.path.join(PYTHON, "make_keys.py"), path], check=True, env=MODULE)
     with open(path, encoding="utf-8") as made, open(os.path.join(PYTHON, "gneiss", "keys.py"), encoding="utf-8") as kept:
-        assert made.read() == kept.read(), "python/make_keys.py has to be run"
+        assert made.read() == kept.read(), "tools/keys_pages.py build/gneiss has to be run"
 
 
 @fact

@@ -1,4 +1,5 @@
 """Pictures and films of worlds. Speaks TAP."""
+import re
 
 from module import *  # noqa: F403
 
@@ -58,11 +59,13 @@ def a_world_shows_itself_and_its_film(folder):
 def a_progress_bar_is_shown_with_and_without_tqdm(folder):
     script = ("import sys, gneiss\n"
               "if sys.argv[1] == 'plain': sys.modules['tqdm'] = sys.modules['tqdm.auto'] = None\n"
-              f"with gneiss.World({LATTICE!r}) as world: world.run(progress=True)\n")
+              f"with gneiss.World({LATTICE!r}) as world: world.run(progress=True)\n"
+              f"gneiss.run({LATTICE!r}, {folder!r} + '/' + sys.argv[1], progress=True)\n")
     for kind in ("bar", "plain"):
         done = subprocess.run([sys.executable, "-c", script, kind], capture_output=True, text=True,
                               env={**ENVIRONMENT, "PYTHONPATH": os.path.join(TREE, "python"), "GNEISS_LIBRARY": os.environ["GNEISS_LIBRARY"]})
-        assert done.returncode == 0 and "step 418" in done.stderr and "100" in done.stderr, done.stderr
+        assert done.returncode == 0 and "step 418" in done.stderr and "100 %" in done.stderr, done.stderr
+        assert len(re.findall("step 418", done.stderr)) >= 2, done.stderr  # of the world, and of the command
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ typedef struct gn_body_pairs {
     gn_bodies_worst pushed;  /* N, at the start, if more than the force of bodies at rest */
 } gn_body_pairs;
 
-/* Computes once what the contacts need of the shapes. */
+/* Computes the properties of the shapes that contacts need, once at the start. */
 gneiss_status gn_body_pairs_prepare(const gn_step_context *ctx, gn_boundary *boundary,
                                     gneiss_error *error);
 void gn_body_pairs_free(gn_body_pairs *pairs);

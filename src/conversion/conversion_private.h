@@ -28,7 +28,7 @@ typedef struct gn_conversion {
     uint8_t *touched;   /* [elements before] true if it converts or its weight changes */
     int32_t *some;      /* [elements before] scratch */
     uint8_t *active;    /* [prepared bonds] acts from now on */
-    size_t acting;      /* how many do */
+    size_t acting;      /* number of these bonds */
     uint8_t *tied;      /* [particles] followed nodes at the last tally */
     uint8_t *reached;   /* [nodes] scratch */
     bool dry_run;       /* only tests whether conversion is possible: all is restored */

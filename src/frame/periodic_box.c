@@ -50,5 +50,5 @@ gneiss_status gn_box_narrowed(const gn_step_context *ctx, const gn_periodic_box 
                    "(%s)%s",
                    (long long)ctx->step, ctx->time, servo ? "the servo" : "the rate", "xyz"[least],
                    1.0 + gn_box_strain(ctx, box, least), was,
-                   servo ? ": what it presses on does not bear the stress" : "");
+                   servo ? ": the particles in the box do not carry the stress" : "");
 }

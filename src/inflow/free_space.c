@@ -156,8 +156,8 @@ static bool meets_particle(const gn_room *r, const double *s) {
     return false;
 }
 
-/* Boxes of the tree around nodes are those of the last lists, since when nodes moved by less than
- * the skin. */
+/* The boxes of the tree around nodes date from the last rebuild of the lists; nodes have moved by
+ * less than the skin since. */
 static bool meets_surface(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *f,
                           const double *s) {
     double d[3], centre[3], reach = s[3] * (1.0 + apart);

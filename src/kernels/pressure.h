@@ -11,7 +11,7 @@
 
 typedef struct gn_pressure_args {
     gn_particles *nodes;
-    const gn_partials *partials; /* of the elements: the shares of nodes */
+    const gn_partials *partials; /* for the elements: the partial sums of nodes */
     const double *growth_row;    /* output of the dilation kernel */
     const double *slope_row;     /* output of the element kernel in addition to the partial sums */
     double dt_past, dt; /* s: the interval that led here (0 at the start), the coming one */

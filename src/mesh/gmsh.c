@@ -89,7 +89,7 @@ static gneiss_status run_gmsh(const char *path, int dimension, const char *out, 
         return gn_fail(error, GNEISS_ERROR_IO, "gmsh could not be started: %s", strerror(code));
     while (waitpid(child, &state, 0) < 0)
         if (errno != EINTR)
-            return gn_fail(error, GNEISS_ERROR_IO, "the end of gmsh could not be awaited: %s",
+            return gn_fail(error, GNEISS_ERROR_IO, "waiting for gmsh to end failed: %s",
                            strerror(errno));
     if (WIFEXITED(state) && WEXITSTATUS(state) == 0 && access(out, R_OK) == 0) return GNEISS_OK;
     char said[300];

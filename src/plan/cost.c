@@ -39,10 +39,11 @@ static void put_ends(gn_scene *scene, gn_wall_def wall[2], char names[2][GN_NAME
                             .lower = {.count = 1, .name = names},
                             .upper = {.count = 1, .name = names + 1},
                             .centre = scene->test.centre,
+                            .blocks = scene->test.blocks,
                             .normal = -1};
 }
 
-/* Keeps only those parts of the scene that a step costs; the result borrows from it. */
+/* Removes parts of the scene that do not affect the cost of a step; the result borrows from it. */
 static void strip(gn_scene *scene, bool mixed) {
     scene->has_origin = scene->has_periodic = scene->has_domain = scene->has_mass_scaling = false;
     scene->has_membrane = scene->has_couple = scene->has_pulse = false;

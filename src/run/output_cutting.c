@@ -38,10 +38,11 @@ static const gn_output_field of_rim[] = {
 };
 const gn_output_table gn_rim_outputs = {"rim", of_rim, sizeof of_rim / sizeof *of_rim};
 
-gneiss_status gn_rim_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    if (!gn_scene_test(&w->ctx.scene)->tool || !(w->cutting.samples > 0.0)) return GNEISS_OK;
-    const gn_cut cut = gn_cutting_describe(&w->ctx, &w->dem, &w->cutting);
-    const rim view = {&w->cutting, gn_csm_of(&cut).arc};
+gneiss_status gn_rim_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    if (!gn_scene_test(&world->ctx.scene)->tool || !(world->cutting.samples > 0.0))
+        return GNEISS_OK;
+    const gn_cut cut = gn_cutting_describe(&world->ctx, &world->dem, &world->cutting);
+    const rim view = {&world->cutting, gn_csm_of(&cut).arc};
     const gn_output_source source = {&gn_rim_outputs, &view, 0, GN_RIM_BINS, NULL, NULL, 0};
     return gn_output_put(&source, file, error);
 }

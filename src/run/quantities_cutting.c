@@ -2,35 +2,35 @@
 #include "laboratory/cutting.h"
 #include "run/quantities.h"
 
-static bool has_bonds(const gn_world *w, size_t k) {
+static bool has_bonds(const gn_world *world, size_t k) {
     (void)k;
-    return w->ctx.effects & GN_FX_BONDS;
+    return world->ctx.effects & GN_FX_BONDS;
 }
-static bool has_tool(const gn_test_descriptor *d) {
-    return d->tool;
+static bool has_tool(const gn_test_descriptor *kind) {
+    return kind->tool;
 }
 static const gn_condition cut = {"in %s tests", NULL, has_tool},
                           chipped = {"in %s tests with bonds", has_bonds, has_tool};
 
 #define READ(name, expression)                                                                     \
-    static void read_##name(const gn_world *w, size_t k, double *value) {                          \
+    static void read_##name(const gn_world *world, size_t k, double *value) {                      \
         (void)k;                                                                                   \
         *value = (expression);                                                                     \
     }
 
-static double force_along(const gn_world *w, int k) {
+static double force_along(const gn_world *world, int k) {
     double force[GN_CUT_AXES];
-    gn_cutting_force(&w->ctx, &w->boundary, &w->cutting, force);
+    gn_cutting_force(&world->ctx, &world->boundary, &world->cutting, force);
     return force[k];
 }
-READ(path, gn_cutting_path(&w->ctx, &w->boundary, &w->cutting))
-READ(normal, force_along(w, GN_CUT_NORMAL))
-READ(rolling, force_along(w, GN_CUT_ROLLING))
-READ(side, force_along(w, GN_CUT_SIDE))
-READ(normal_impulse, w->cutting.seen[GN_CUT_NORMAL])
-READ(rolling_impulse, w->cutting.seen[GN_CUT_ROLLING])
-READ(side_impulse, w->cutting.seen[GN_CUT_SIDE])
-READ(removed, gn_cutting_removed(&w->ctx, &w->dem, &w->cutting))
+READ(path, gn_cutting_path(&world->ctx, &world->boundary, &world->cutting))
+READ(normal, force_along(world, GN_CUT_NORMAL))
+READ(rolling, force_along(world, GN_CUT_ROLLING))
+READ(side, force_along(world, GN_CUT_SIDE))
+READ(normal_impulse, world->cutting.seen[GN_CUT_NORMAL])
+READ(rolling_impulse, world->cutting.seen[GN_CUT_ROLLING])
+READ(side_impulse, world->cutting.seen[GN_CUT_SIDE])
+READ(removed, gn_cutting_removed(&world->ctx, &world->dem, &world->cutting))
 
 #define SCALAR(when, instant, name, unit, read, text)                                              \
     { name, unit, text, GN_SCALAR, instant, &when, read, NULL }

@@ -295,8 +295,8 @@ GN_HOOK(hold_zones) {
     return gn_zones_hold(&world->ctx, &world->dem, &world->solids, &world->zones, error);
 }
 
-/* The stress of the elements is that at the places of the instant, before these have their loads.
- */
+/* The stress of the elements is that at the present positions, before the elements have their
+ * loads. */
 GN_HOOK(read_zones) {
     if (!world->ctx.measure) return GNEISS_OK;
     const double begin = gn_now();

@@ -123,10 +123,10 @@ static void reason(const gn_step_context *ctx, const file_size *file, char *text
     if (gn_scene_tested(s))
         snprintf(text, size, "it is tested as in a laboratory");
     else if (speed > 0.0 && way < next_to_nothing * file->longest)
-        snprintf(
-            text, size,
-            "what moves at up to %.3g m/s comes %.2g m, %.1g of that, in the %.3g s of the run",
-            speed, way, way / file->longest, s->end);
+        snprintf(text, size,
+                 "the largest speed of %.3g m/s gives a path of %.2g m, %.1g of that, in the %.3g "
+                 "s of the run",
+                 speed, way, way / file->longest, s->end);
     else if (solid && !s->has_mass_scaling && steps < crossings * across)
         snprintf(text, size,
                  "the %.3g s of the run are %.2g steps, and a wave needs %.2g to cross it", s->end,
