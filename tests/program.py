@@ -23,8 +23,8 @@ import report_digest  # noqa: E402 (`seal` makes what a test changed in a file l
 PROGRAM = os.path.abspath(sys.argv[1])
 SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "scenes")
 UCS, LATTICE = os.path.join(SCENES, "ucs-small.yaml"), os.path.join(SCENES, "lattice-small.yaml")
-# Without the leak checker of a sanitizer: its tracer occasionally fails after a program with threads has ended, and
-# changes the exit code. `gneiss` below runs with the leak checker.
+# Environment without the leak checker of a sanitizer: its tracer occasionally fails after a program with threads
+# has ended, and changes the exit code. `gneiss` below runs with the leak checker.
 LEAK_OPTIONS = os.environ.get("ASAN_OPTIONS", "")
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "ASAN_OPTIONS": LEAK_OPTIONS + ":detect_leaks=0"}
 ENVIRONMENT.pop("GNEISS_ISA", None)

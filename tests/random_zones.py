@@ -106,7 +106,7 @@ class Maker:
         self.packed = False
 
     def material(self):
-        """With the modulus of the elements along the axes of a lattice, or some tenths off it."""
+        """Draws a law with the modulus of the elements along the axes of a lattice, or some tenths off it."""
         d, solid = self.d, math.pi / 4 if self.dim == 2 else math.pi / 6
         modulus = self.young * d.choice((1.0, 1.0, d.uniform(0.8, 1.25)))
         m = {"name": "m", "friction": d.choice((0.0, d.uniform(0, 1)))}

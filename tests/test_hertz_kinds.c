@@ -1,4 +1,4 @@
-/* With Hertz's law restitution and resistance to rolling hold for every object that a sphere can
+/* By Hertz's law restitution and resistance to rolling hold for every object that a sphere can
  * touch: other spheres, rigid walls, walls with a material, a fixed body, a free one, finite
  * elements. */
 #include "world_helpers.h"
@@ -76,7 +76,7 @@ static double rebound(kind k, double v, double mine, double other, const char *c
     return back / v;
 }
 
-/* Over three decades of speed, with steps so short that their error is negligible. */
+/* The speeds cover three decades, with steps so short that their error is negligible. */
 static void restitution_is_as_requested_for_any_pair(void **state) {
     (void)state;
     const double asked[] = {0.5, 0.9};
@@ -181,9 +181,9 @@ static void a_sphere_on_an_incline_is_held_up_to_the_resistance(void **state) {
         }
 }
 
-/* It slips from tan = 3.5 mu - 2.5 mu_r on: below that it rolls with (5/7) g (sin - mu_r cos),
- * beyond it slides with g (sin - mu cos) while friction accelerates its spin with 2.5 (mu - mu_r) g
- * cos. */
+/* A sphere slips from tan = 3.5 mu - 2.5 mu_r on: below that it rolls with (5/7) g (sin - mu_r
+ * cos), beyond it slides with g (sin - mu cos) while friction accelerates its spin with 2.5 (mu -
+ * mu_r) g cos. */
 static void a_sphere_rolls_or_slips_down_an_incline(void **state) {
     (void)state;
     const double mu = 0.3, mu_r = 0.1, limit = 3.5 * mu - 2.5 * mu_r;

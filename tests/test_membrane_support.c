@@ -110,7 +110,7 @@ static void particles_that_cannot_pivot_support_the_membrane(void **state) {
 
 /* --- following --- */
 
-/* Tips whose grains roll away by four radii and more had patches that were 250 radii wide. */
+/* Tips whose grains roll away by four radii and more would have patches 250 radii wide. */
 static void grains_that_roll_stretch_no_patch(void **state) {
     (void)state;
     gn_world *w = world_of("dimension: 2\nspecimen: {polygon: [[0, 0], [0.04, 0], [0.005, 0.02]], "

@@ -141,7 +141,7 @@ static void acting_pairs_are_found(void **state) {
     for (int32_t k = 0; k < 2 * PAIRS; k++) {
         own[k] = k;
         if (k < PAIRS) i[k] = k;
-        if (k >= PAIRS) j[2 * PAIRS - 1 - k] = k; /* of another block */
+        if (k >= PAIRS) j[2 * PAIRS - 1 - k] = k; /* the other end is in another block */
         for (uint64_t n = 0; n < 3; n++) {
             pos[k][n] = 1.5 * gn_random_symmetric(7 + n, (uint64_t)k);
             vel[k][n] = gn_random_symmetric(17 + n, (uint64_t)k);

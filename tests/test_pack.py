@@ -50,7 +50,7 @@ def scene_of_specimen(folder, specimen, name="scene.yaml", dimension=3):
 
 
 def check_whole_files(out, particles):
-    """No existing file is incomplete."""
+    """Every existing file is complete."""
     for name in os.listdir(out):
         path = os.path.join(out, name)
         assert not name.endswith(".tmp"), os.listdir(out)
@@ -654,7 +654,7 @@ test: {kind: compression, axis: z, lower: low, upper: up, length: 20 mm}
 
 @fact
 def a_mean_stress_is_over_the_volume_of_the_shape(folder):
-    """The file says so, and a run that makes the packing itself (without a file of particles) agrees."""
+    """The file states the change, and a run that makes the packing itself (without a file of particles) agrees."""
     scene, volume = concave(folder)
     out = os.path.join(folder, "out")
     run(scene, out, **cached(folder))
@@ -705,8 +705,8 @@ def uniform_sizes_come_out_uniform(folder):
 
 @fact
 def no_size_that_is_asked_for_changes_by_more_than_a_tenth(folder):
-    """In some unit, of the last overlaps a thousandth more: discs between which others have no place would have to shrink by a third of themselves
-    (radii of 1 to 4.7 where 1 to 3 were asked for), so all become smaller instead. The warning has both."""
+    """Sizes are compared in a common unit; the last overlaps may change them by a thousandth more. Discs between which others have no space would
+    have to shrink by a third (radii of 1 to 4.7 where 1 to 3 were requested), so all discs become smaller instead. The warning states both."""
     for dimension, shape, overlap, law in ((2, {"rectangle": {"width": 1, "height": 1}}, "none", {"sizes": "uniform"}),
                                            (2, {"disc": {"diameter": 1}}, "none", {"sizes": "sieve", "sieve": [[1 / 3, 0], [0.5, 0.4], [1, 1]]}),
                                            (2, {"rectangle": {"width": 1, "height": 1}}, "passive", {"sizes": "uniform"}),
@@ -797,7 +797,7 @@ def files_of_others_are_replaced_by_a_packing_only_with_force(folder):
         expect(gneiss("pack", scene, "--out", out, "--force"), 0)
         expect(gneiss("pack", scene, "--out", out), 0)  # own files are replaced
         os.remove(os.path.join(out, "packing.h5"))
-        expect(gneiss("pack", scene, "--out", out), 0)  # as killed calls leave them
+        expect(gneiss("pack", scene, "--out", out), 0)  # folders as killed calls leave them
         shutil.rmtree(out)
         os.mkdir(out)
 

@@ -85,7 +85,7 @@ def falls_off(one):
     v, d = one.field("particles/velocity")[0], one.field("particles/displacement")[0]
     v = v + np.array([0, -WEIGHT, 0]) * 0.5 * one.summary["time"] / one.summary["steps"]
     rows, weight = one.history, math.pi * 1e-6 * DENSITY * WEIGHT
-    on = (rows["time"] > 0) & (rows["time"] < 2e-3 / 0.3)  # before its centre is beyond the corner
+    on = (rows["time"] > 0) & (rows["time"] < 2e-3 / 0.3)  # rows before its centre is beyond the corner
     jump = np.abs(rows["body_table_force_y"][on] / -weight - 1).max()
     assert jump < 1e-3, f"on the table the force departs from the weight by {jump:.2g}"
     off = abs(0.5 * (v @ v) - 0.045 + WEIGHT * d[1]) / 0.045

@@ -30,7 +30,7 @@ def bonded_nearly_coincident(folder):
 
 
 def through_each_other(folder):
-    """Half as fast again as the springs could stop, a hundredth of a radius off centre, with dashpots."""
+    """The sphere is half as fast again as the springs could stop, and hits a hundredth of a radius off centre; with dashpots."""
     speed = 1.5 * 2e-3 * math.sqrt(1e6 / (2 * sphere_mass(1e-3)))
     return spheres([[0, 0, 0, 1e-3], [1e-5, 0, 2.1e-3, 1e-3]], 2e-5, {"kratio": 0}, damping={"contact": {"restitution": 0.9}},
                    sets=[launched("a", [0], [0, 0, speed]), launched("b", [1], [0, 0, -speed])])
@@ -71,14 +71,14 @@ def does_not_stir(one):
 
 
 def bouncing(folder):
-    """Falls by a radius and rebounds, 4 times; one contact every 150 steps."""
+    """The sphere falls by a radius and rebounds, 4 times; one contact every 150 steps."""
     scene = spheres([[0, 0, 2e-3, 1e-3]], 0.1, gravity=[0, 0, -10], walls=[wall("floor", [0, 0, 0], [0, 0, 1], 1e5)])
     scene["output"]["history_rows"] = 2000
     return scene
 
 
 def comes_back(one):
-    """At its top every term of the ledger is nearly zero; ten steps a contact."""
+    """At the sphere's highest point every term of the ledger is nearly zero; a contact takes ten steps."""
     rows = one.history
     tops = int(np.sum(np.diff(np.sign(rows["energy_work_gravity"] - 5e-8)) > 0))
     worst = np.abs(rows["energy_residual"]).max()

@@ -116,7 +116,7 @@ def distorted(folder):
 
 
 def fast_node(folder):
-    """A lid throws the surface of the elements against a sphere of a micrometre."""
+    """A lid sets the surface of the elements in motion towards a sphere of a micrometre, which it hits."""
     made = spheres([[0.01, 0.0201, 1e-6]], 1e-4, {"normal_stiffness": 1e-3, "kratio": 0})
     made["elements"] = {"rectangle": {"size": [0.02, 0.02], "cells": [4, 4]}, "materials": [RUBBER],
                         "motions": [{"name": "all", "group": "y_upper", "motion": {"vy": 1000.0}}], "contact": {"stiffness": 1e3}}

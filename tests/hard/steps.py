@@ -109,7 +109,7 @@ def light_plate(folder):
 
 
 def lies_on(one):
-    """It comes to rest on the bed, loaded by its weight alone."""
+    """The plate comes to rest on the bed, loaded by its weight alone."""
     rows = one.history
     z, v = rows["body_plate_displacement_z"], rows["body_plate_velocity_z"]
     assert abs(v[-1]) < 1e-3 and -1e-4 < z[-1] < 0, (z[-1], v[-1])

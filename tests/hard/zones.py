@@ -59,7 +59,7 @@ def uneven(folder):
     with open(path) as file:
         lines = file.read().split("\n")
     first = lines.index("$Elements") + 2
-    for k in range(36):  # the lower three rows of squares
+    for k in range(36):  # the elements of the lower three rows of squares
         word = lines[first + k].split()
         word[3] = word[4] = "2"
         lines[first + k] = " ".join(word)
