@@ -79,7 +79,7 @@ def a_test_of_a_file_of_four_metres_is_warned_of_unless_it_is_bending(folder):
 @fact
 def a_given_scale_of_one_needs_no_warning(folder):
     test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
-    for scene in (core(folder), core(folder, size=40, speed=50, end=1, test=test)):  # the second: a pillar
+    for scene in (core(folder), core(folder, size=40, speed=50, end=1, test=test)):  # the second scene is a pillar
         assert "without a scale" in check(folder, scene).stdout
         scene["specimen"]["scale"] = 1
         assert "without a scale" not in check(folder, scene).stdout

@@ -92,7 +92,7 @@ def a_snapshot_is_kept_at_the_peak_and_at_half_of_it_before_and_after(folder):
 
 @plain_fact
 def snapshots_of_the_peak_are_kept_however_late_time_end_is(folder):
-    """At 70 and 700 times the time of the peak: rows and regular snapshots are then far apart."""
+    """At 70 and 700 times the time of the peak rows and regular snapshots are far apart."""
     for end in ("15 ms", "150 ms"):
         shutil.rmtree(folder, ignore_errors=True)
         run(UCS, folder, "--threads", 1, *LATE, "--set", "output.history_rows=400", "--set", f"time.end={end}")
