@@ -511,11 +511,8 @@ static void a_test_begins_when_its_ends_move_and_their_initial_load_has_vanished
         {grows, {50, 49, 50.1, 99, 9, 1}, 1, true}, /* a load with a small oscillation */
         {grows, {90, 30, 20, 23, 30, 60}, 2, true}, /* the load existed before it fell */
         {grows, {90, 91, 20, 10, 5, 1}, 0, true},   /* the load is near the strength */
-        {grows,
-         {90, 80, 60, 64, 30, 1},
-         5,
-         false}, /* the load may be beyond the strength: nothing is known */
-        {late, {1, -4, 3, 8, 9, 2}, 2, true}, /* a normal stress precedes the motion */
+        {grows, {90, 80, 60, 64, 30, 1}, 5, false}, /* too late: nothing is known */
+        {late, {1, -4, 3, 8, 9, 2}, 2, true},       /* a normal stress precedes the motion */
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const gn_beginning b = begun_by(cases[k].strain, cases[k].stress, 6);
