@@ -355,7 +355,7 @@ def bad_targets_are_refused_with_line_key_expected_and_found(folder):
     for option, values, expected in (("--seeds", ("-x", "1001"), "a number of seeds in"), ("--seeds", ("1,1",), "different"),
                                      ("--threads", ("-2", "1.5"), r"a whole number in \[0, 1024\] or 'auto'")):
         for value in values:
-            expect(gneiss("calibrate", good, "--out", os.path.join(folder, "bad"), option, value), 2, f"^gneiss: {option}: expected {expected}.*found '{value}'\n$")
+            expect(gneiss("calibrate", good, "--out", os.path.join(folder, "bad"), option, value), 2, f"^gneiss: input error: {option}: expected {expected}.*found '{value}'\n$")
     assert not os.path.exists(os.path.join(folder, "bad")), "nothing is written for bad input"
 
 

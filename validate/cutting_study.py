@@ -21,6 +21,7 @@ BASE = {"specimen.box.size": "[110 mm, 90 mm, 35 mm]", "specimen.origin": "[0 mm
         "output.snapshots": 0, "output.history_rows": 1000, "run.threads": 1}
 FINE = {"specimen.box.size": "[130 mm, 120 mm, 45 mm]", "specimen.origin": "[0 mm, -60 mm, -45 mm]", "specimen.mean_radius": "3 mm",
         "bodies.disc.motion.vx": "8 m/s"}
+LONG = {"specimen.box.size": "[200 mm, 90 mm, 35 mm]", "bodies.disc.motion.vx": "8 m/s"}
 MOMENTS = {"materials.rock.contact_modulus": "34.7 GPa", "materials.rock.kratio": 9.7, "materials.rock.tensile_strength": "10.8 MPa",
            "materials.rock.shear_strength": "25.9 MPa", "materials.rock.bond_friction": 1, "bonds.radius_multiplier": 1, "bonds.moment_share": 0}
 RADIUS = {"17": 216.0, "19": 241.3}  # mm
@@ -54,10 +55,13 @@ def runs():
         found |= {f"strength-{factor}-seed-{seed}": {**disc("17", 4), **strength(factor), "run.seed": seed} for seed in (1, 2)}
     found |= {f"19-inch-seed-{seed}": {**disc("19", 4), "run.seed": seed} for seed in (1, 2, 3)}
     found |= {f"speed-{value}-seed-{seed}": {**disc("17", 4), **speed(value), "run.seed": seed} for value in (2, 8) for seed in (1, 2)}
-    found |= {f"friction-{value}-seed-{seed}": {**disc("17", 4), "bodies.disc.friction": value, "run.seed": seed} for value in (0.1, 0.5) for seed in (1, 2)}
+    found |= {f"friction-{value}-seed-{seed}": {**disc("17", 4), "bodies.disc.friction": value, "run.seed": seed}
+              for value in (0.1, 0.5) for seed in (1, 2)}
     found |= {f"facet-{value}-seed-1": {**disc("17", 4, value), "run.seed": 1} for value in (1.33, 5.33)}
     for depth in (4.5, 6, 9, 12):  # three particles and more per depth
         found[f"fine-{depth}-seed-1"] = {**disc("17", depth), **FINE, "time.end": f"{(math.sqrt(432 * depth) + 130) / 8} ms", "run.seed": 1}
+    for depth in (3, 4, 6, 8):  # of which the contact is a fifth to a third
+        found[f"long-{depth}-seed-1"] = {**disc("17", depth), **LONG, "time.end": f"{(math.sqrt(432 * depth) + 200) / 8} ms", "run.seed": 1}
     for spacing in (20, 40, 60):
         found[f"spacing-{spacing}-seed-1"] = {"bodies.first.origin[1]": f"{spacing} mm", "test.spacing": f"{spacing} mm", "run.seed": 1,
                                               "specimen.box.size": "[110 mm, 130 mm, 35 mm]", "specimen.origin": "[0 mm, -45 mm, -35 mm]"}
@@ -123,16 +127,21 @@ def tables(place):
               "strength-0.5": "strengths times 0.5", "strength-0.7": "strengths times 0.7", "strength-1.4": "strengths times 1.4",
               "19-inch": "19 inch", "speed-2": "2 m/s", "speed-8": "8 m/s", "friction-0.1": "friction 0.1", "friction-0.5": "friction 0.5",
               **{f"fine-{p}": f"mean radius 3 mm, 8 m/s, depth {p} mm" for p in (4.5, 6, 9, 12)},
+              **{f"long-{p}": f"block of 200 mm, 8 m/s, depth {p} mm" for p in (3, 4, 6, 8)},
               "spacing-20": "relieved, spacing 20 mm", "spacing-40": "relieved, spacing 40 mm", "spacing-60": "relieved, spacing 60 mm",
-              "moments": "bonds with moments and friction, 149 and 10.3 MPa", "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
+              "moments": "bonds with moments and friction, 149 and 10.3 MPa",
+              "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
     for start, label in labels.items():
         print(row(place, label, start))
-    depth, strengths = {4.5: "fine-4.5", 6: "fine-6", 9: "fine-9", 12: "fine-12"}, ("strength-0.5", "strength-0.7", "seed", "strength-1.4")
+    depths = {"mean radius 3.6 mm": {3: "depth-3", 4: "seed", 6: "depth-6", 8: "depth-8"},
+              "mean radius 3 mm": {p: f"fine-{p}" for p in (4.5, 6, 9, 12)}, "block of 200 mm": {p: f"long-{p}" for p in (3, 4, 6, 8)}}
+    strengths = ("strength-0.5", "strength-0.7", "seed", "strength-1.4")
     for name in ("normal_force", "rolling_force"):
-        there = [value for value, start in depth.items() if readings(place, start)]
-        if len(there) > 2:
-            power, _ = slope(np.array(there), means(place, [depth[value] for value in there], name))
-            print(f"\n{name}: exponent of the depth {power:.2f} with a mean radius of 3 mm")
+        for title, starts in depths.items():
+            there = [value for value, start in starts.items() if readings(place, start)]
+            if len(there) > 2:
+                power, _ = slope(np.array(there), means(place, [starts[value] for value in there], name))
+                print(f"{name}: exponent of the depth {power:.2f}, {title}")
         if all(readings(place, start) for start in strengths):
             _, straight = slope(np.array([0.5, 0.7, 1, 1.4]), means(place, strengths, name))
             print(f"{name}: over the strength r2 of a line {straight:.3f}")

@@ -554,6 +554,10 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
     return gn_run_rescue(run, false, status, error);
 }
 
+static bool checkpoint_is_due(const gn_run *run, double now) {
+    return run->directory[0] && now >= run->next_checkpoint;
+}
+
 gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
                              gneiss_error *error) {
     double until = gn_now() + seconds;
@@ -564,7 +568,7 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
         if (interrupt && *interrupt) return GNEISS_OK;
         if (run->world.ctx.step % CLOCK_INTERVAL) continue;
         double now = gn_now();
-        if (now >= run->next_checkpoint) GN_TRY(gn_run_checkpoint(run, error));
+        if (checkpoint_is_due(run, now)) GN_TRY(gn_run_checkpoint(run, error));
         if (now >= until) return GNEISS_OK;
     }
     return GNEISS_OK;
@@ -575,7 +579,7 @@ gneiss_status gn_run_some_steps(gn_run *run, int64_t *steps, const volatile sig_
     while (*steps > 0) {
         GN_TRY(one_step(run, error));
         --*steps;
-        if (run->world.ctx.step % CLOCK_INTERVAL == 0 && gn_now() >= run->next_checkpoint)
+        if (run->world.ctx.step % CLOCK_INTERVAL == 0 && checkpoint_is_due(run, gn_now()))
             GN_TRY(gn_run_checkpoint(run, error));
         if (interrupt && *interrupt) return GNEISS_OK;
     }
