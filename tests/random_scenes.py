@@ -612,7 +612,7 @@ def move_scene(scene, away):
 
 
 def exact(scene):
-    """Digits to spare are taken off where nothing is far away."""
+    """Removes superfluous digits if nothing is far away."""
     largest = max((abs(x) for row in scene["specimen"].get("particles", []) for x in row[:-1]), default=0.0)
     largest = max(largest, *map(abs, scene["specimen"].get("lattice", {}).get("origin", [0.0])))
     extent = max((row[-1] for row in scene["specimen"].get("particles", [])), default=0.0)

@@ -21,7 +21,7 @@ def study(folder, *arguments):
 
 
 def quick():
-    """Folder of the quick study, made by the first fact that asks; main() removes it."""
+    """Folder of the quick study, made by the first fact that needs it; main() removes it."""
     if not MADE:
         MADE.append(tempfile.mkdtemp(prefix="gneiss-accuracy-"))
         expect(study(MADE[0]), 0)

@@ -302,8 +302,8 @@ static void plates_and_columns_have_square_sections(void **state) {
     }
 }
 
-/* Compressed to ten times the tensile strength it holds, and breaks in shear at the same force as
- * without compression; with friction of the bond at tau + mu_1 times the pressure. */
+/* A bond compressed to ten times its tensile strength does not break, and breaks in shear at the
+ * same force as without compression; with friction of the bond at tau + mu_1 times the pressure. */
 static void a_pressed_bar_breaks_in_shear_by_its_strength_under_pressure(void **state) {
     (void)state;
     const double dt = 1e-9, shear = young / 2.4, friction[] = {0.0, 0.4};
@@ -440,7 +440,7 @@ static void a_contracted_packing_has_one_stress_in_every_bond(void **state) {
 }
 
 /* For n bonds in random directions the sum of n_z^4 scatters by 4/3/sqrt(n), so E along an axis by
- * about as much; the tolerance is three of that, for each of three axes. */
+ * about as much; the tolerance is three times that, for each of three axes. */
 static void a_packing_has_the_modulus_of_uniform_strain_along_every_axis(void **state) {
     (void)state;
     gn_world *w =

@@ -391,7 +391,7 @@ static double fastest(const gn_world *w) {
 }
 
 /* At the automatic step the energy does not grow; at the step that is stable for the spheres alone
- * it does. */
+ * it grows. */
 static void the_limit_includes_free_bodies(void **state) {
     (void)state;
     const char *const damping[] = {"", "damping: {contact: {fraction: 0.3}}\n"};

@@ -191,8 +191,8 @@ static void the_work_of_bearings_is_in_the_ledger(void **state) {
 }
 
 /* A wheel rotates about its own axis: the work of a bearing that accelerates it to p and
- * decelerates it to p/3 is C p^2/2 and C p^2/18, for any step; two bearings; one that is rotated by
- * a table beside a free axis. */
+ * decelerates it to p/3 is C p^2/2 and C p^2/18, for any step. Further tests: two bearings; a
+ * bearing that is rotated by a table, beside a free axis. */
 static void a_wheel_is_spun_up(void **state) {
     (void)state;
     gn_world *w = driven("mass: 1, box: {size: [1, 1, 1]}, inertia: [2, 2, 3], motion: {wz: [[0, "

@@ -623,8 +623,8 @@ static void driven_elements_do_not_convert(void **state) {
     world_end(w);
 }
 
-/* Nodes of a zone that are driven fast: half a step of work by the jump of their reactions is
- * booked with the conversion. */
+/* Nodes of a zone are driven fast: half a step of work by the jump of their reactions is booked
+ * with the conversion. */
 static void jumps_of_reactions_are_booked(void **state) {
     (void)state;
     block s = plate;

@@ -494,7 +494,7 @@ run: {threads: 1}
 
 @plain_fact
 def a_strength_of_a_run_that_conversion_halted_says_how_far_the_load_had_fallen(folder):
-    """A beam ends where its load is 95 % below its peak, or as time.stop.peak_drop says."""
+    """A beam ends where its load is 95 % below its peak, or at the fall given by time.stop.peak_drop."""
     for drop, over in ((None, False), (0.95, False), (0.15, True)):
         out = os.path.join(folder, f"drop{drop}")
         run(write_scene(folder, BENT), out, *([] if drop is None else ["--set", f"time.stop.peak_drop={drop}"]))
@@ -735,7 +735,7 @@ def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(
 
 @fact
 def time_of_zones_is_in_the_profile(folder):
-    """Nodes that particles follow, forces handed over; nothing without zones."""
+    """The profile has the time in which particles follow nodes and forces are exchanged; without zones it has none."""
     scene = write_scene(folder, ZONE)
     for name, settings in (("lumped", ()), ("penalty", ("--set", "couple.constraint=penalty"))):
         run(scene, os.path.join(folder, name), *settings)

@@ -88,7 +88,8 @@ static void every_break_is_listed_once_with_its_time_place_and_cause(void **stat
     }
 }
 
-/* Sums of the same numbers in another order; single ones in mixed precision. */
+/* The sums have the same numbers in another order; in mixed precision single numbers are
+ * compared. */
 static void energies_of_breaks_add_up_to_the_ledger(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++) {

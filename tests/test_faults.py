@@ -283,7 +283,7 @@ def threads_without_memory_for_their_stacks_are_refused_as_a_lack_of_memory(fold
 
 class Disk:
     """A folder as POSIX allows it to be after a loss of power: each file has its synced content and any part of later
-    writes, the folder its synced names and any of the names made, changed and removed since."""
+    writes, the folder its synced names and any of the names created, changed and removed since."""
 
     def __init__(self):
         self.files, self.serial, self.names, self.durable, self.pending = [], {}, {}, {}, []

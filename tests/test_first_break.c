@@ -195,7 +195,7 @@ static void the_weaker_material_breaks_first(void **state) {
     world_end(w);
 }
 
-/* Fractions far from the break and close to it. */
+/* The fractions are far from the break and close to it. */
 static void the_fraction_is_taken_as_it_is(void **state) {
     (void)state;
     const double fraction[] = {1e-3, 0.5, 0.999};

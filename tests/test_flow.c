@@ -321,7 +321,7 @@ static void a_plane_that_counts_takes_nothing(void **state) {
     world_end(w);
 }
 
-/* Three in a row, bonded; the sink takes the last one with its bond. */
+/* Three bonded particles in a row; the sink removes the last one with its bond. */
 static void a_sink_takes_bonded_particles(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -25,7 +25,7 @@ THREE = [[0, 0, 0, 1e-3], [0, 0, 3e-3, 1e-3], [0, 0, 6e-3, 1e-3]]
 
 
 def refused(folder, scene, code, *patterns):
-    """Fails with the patterns and leaves no folder behind."""
+    """Checks that a run fails with the patterns and leaves no folder behind."""
     path, out = write_scene(folder, scene), os.path.join(folder, "out")
     expect(gneiss("run", path, "--out", out), code, *patterns)
     assert not os.path.exists(out), f"written all the same: {os.listdir(out)}"
@@ -33,7 +33,7 @@ def refused(folder, scene, code, *patterns):
 
 
 def done(folder, scene, *arguments):
-    """Runs to its end; the output folder, in which every number is finite."""
+    """Runs a scene to its end; returns the output folder, in which every number is finite."""
     out = os.path.join(folder, "out")
     run(write_scene(folder, scene), out, *arguments)
     with results(out) as file:
@@ -197,7 +197,7 @@ def a_folder_in_the_place_of_a_file_is_an_error(folder):
 
 
 def in_namespace(script, *arguments):
-    """A shell script with its own mount table."""
+    """Writes a shell script with its own mount table."""
     call = ["unshare", "-m", "--propagation", "private", "sh", "-c", script, "sh", *arguments]
     try:
         if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:

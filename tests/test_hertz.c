@@ -361,9 +361,9 @@ static gn_world *roller(bool hertz, double v0, double rolling, double twisting, 
 
 static const double down[3] = {0, 0, -9.81};
 
-/* dv/dt = -(5/7) mu_r g: it stops after 7 v0^2/(10 mu_r g). The sphere settles into the plane
- * first, which changes the pressing force for some milliseconds; the spring of the moment then
- * swings by less than a thousandth of the way. */
+/* With dv/dt = -(5/7) mu_r g the sphere stops after 7 v0^2/(10 mu_r g). The sphere settles into the
+ * plane first, which changes the pressing force for some milliseconds; the spring of the moment
+ * then oscillates by less than a thousandth of the way. */
 static void a_rolling_sphere_stops_where_resistance_says(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++) {

@@ -29,8 +29,7 @@ static double struck_by(const char *driver, double gap) {
 }
 
 /* The driver is at rest for 0.01 s, then moves suddenly at V = 5 m/s: the struck object leaves at
- * (1
- * + e) V. */
+ * the speed (1 + e) V. */
 static void delayed_motion_gives_the_same_rebound(void **state) {
     (void)state;
     char driver[3][512];

@@ -156,9 +156,9 @@ static gn_world *roller(bool hertz, int dimension, double friction, double rolli
     return world_of("%s", t.s);
 }
 
-/* A hundredth below the resistance it rests, except for the oscillation of the spring; a hundredth
- * above it rolls with the remaining part of its weight, which is so small that the overlap, by
- * which its arm is reduced, matters. */
+/* On a slope a hundredth below the resistance a sphere rests, except for the oscillation of the
+ * spring; a hundredth above it the sphere rolls with the remaining part of its weight, which is so
+ * small that the overlap, by which its arm is reduced, matters. */
 static void a_sphere_on_an_incline_is_held_up_to_the_resistance(void **state) {
     (void)state;
     const double mu = 0.1;
@@ -205,7 +205,7 @@ static void a_sphere_rolls_or_slips_down_an_incline(void **state) {
         }
 }
 
-/* dv/dt = -(2/3) mu_r g: it stops after 3 v0^2/(4 mu_r g). */
+/* With dv/dt = -(2/3) mu_r g it stops after 3 v0^2/(4 mu_r g). */
 static void a_rolling_disc_stops_where_resistance_says(void **state) {
     (void)state;
     const double mu = 0.05, v0 = 0.2, way = 3.0 * v0 * v0 / (4.0 * mu * 9.81);

@@ -354,7 +354,7 @@ def ends_that_measure_nothing_are_refused_or_warned_of(folder):
 
 @fact
 def walls_in_a_wrong_position_to_the_specimen_are_warned_of(folder):
-    """Deep inside it, far from it, tilted; flats of a disc, walls that come by themselves and wedges of two are not."""
+    """Ends deep inside the specimen, far from it or tilted are reported; flats of a disc, walls that approach by themselves and wedges of two are not."""
     def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: (test.(?:upper|lower): wall .*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
     def with_top(**more):
@@ -1491,7 +1491,7 @@ def slab(name, side, axis="y", depth=1.5e-3, **motion):
 
 
 def bonded(cells=(8, 8), **more):
-    """Discs of 1 mm on a square lattice, the first centre at 1 mm; or spheres."""
+    """Discs or spheres of 1 mm on a square lattice, with the first centre at 1 mm."""
     kind = "square" if len(cells) == 2 else "cubic"
     return scene(len(cells), specimen={"lattice": {"kind": kind, "radius": 1e-3, "cells": list(cells)}}, time={"end": 1e-4}, **more)
 
@@ -1920,7 +1920,7 @@ def the_scene_of_the_shear_test_gives_a_strength_under_its_normal_stress(folder)
 
 @fact
 def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
-    """Springs k along the axes, 2 r apart, give a cubic lattice K = k/(6 r), of 8 spheres a side as of many."""
+    """Springs k along the axes, 2 r apart, give a cubic lattice K = k/(6 r), which 8 spheres along a side represent as well as many."""
     lattice = {"specimen": {"lattice": {"kind": "cubic", "radius": "1 mm", "cells": [8, 8, 8]}}, "law": {"stiffness": "uniform"},
                "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3,
                               "bond_tension_limit": 1e9, "bond_shear_limit": 1e9}], "bonds": {"interaction_range": 0.05},
@@ -1971,7 +1971,7 @@ def a_stage_does_not_take_the_tangential_springs_away(folder):
 
 @fact
 def the_source_of_the_area_of_a_test_is_reported(folder):
-    """In simple shear it is the section of the box, whatever the distance of the ends; for a disc and a beam it
+    """In simple shear the area is the section of the box, whatever the distance of the ends; for a disc and a beam it
     relates stress to force."""
     for name, length, area, source in (("simple-shear", None, 0.06, "the section of the periodic box"), ("brazilian", None, None, "pi/2 times diameter and thickness"),
                                        ("bending", None, None, "the force over it is the stress in the fibre"), ("shear", 0.03, 0.06, None)):

@@ -89,7 +89,7 @@ static void damage_begins_where_the_volume_is_least(void **state) {
     assert_close(r.crack_damage_stress, stress_at(0.75), 1e-3); /* a row */
 }
 
-/* Slopes of 1 and -3 before bonds break at 30 % of the load, of 2 and -2 from there on. */
+/* The slopes are 1 and -3 before bonds break at 30 % of the load, 2 and -2 from there on. */
 static void ratios_in_the_middle_of_a_disc_are_those_before_it_cracks(void **state) {
     (void)state;
     static const char *const names[] = {"strain",           "stress",         "centre_stress_xx",

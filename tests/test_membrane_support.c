@@ -93,7 +93,7 @@ static void pivoting_particles_carry_no_pressure(void **state) {
     world_end(w);
 }
 
-/* Bonds with moments, and grains without rotation, provide support with one contact. */
+/* Bonds with moments, and grains without rotation, need only one contact for support. */
 static void particles_that_cannot_pivot_support_the_membrane(void **state) {
     (void)state;
     static const char *const bonds[] = {

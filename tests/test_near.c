@@ -111,8 +111,9 @@ static void reading_the_world_changes_no_bit(void **state) {
     world_end(left);
 }
 
-/* Pairs of grains at random positions and velocities: the bits of every instruction set are those
- * of the scalar one, and an omitted pair touches at no time of the interval, nor almost. */
+/* Pairs of grains at random positions and velocities: the bits of every instruction set are
+ * those of the scalar one, and an omitted pair does not touch, even nearly, at any time of the
+ * interval. */
 static void acting_pairs_are_found(void **state) {
     (void)state;
     enum { PAIRS = 8 * 200 };

@@ -384,8 +384,8 @@ static gn_world *wedged(double speed, double strength, const char *more) {
         strength, strength, speed, more);
 }
 
-/* Without it the residual is 6e-3; 4e-4 is the error of ten steps per contact in a slot of exactly
- * the particle's size. */
+/* Without the resolution of debris the residual is 6e-3; 4e-4 is the error of ten steps per contact
+ * in a slot of exactly the particle's size. */
 static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
     (void)state;
     gn_world *w = wedged(0.1, 0.005, "");
@@ -451,9 +451,9 @@ static gn_world *rattling(double spacing, double restitution, double background)
         spacing, restitution, background, edge, edge, edge);
 }
 
-/* In a collision of 23 us they move by at most 2 um. With gaps of 0.2 um all twelve neighbours of a
- * sphere may touch at once, and w^2 of the pair is (12 + 12) k/(3 m) = 4 times that of two alone;
- * with gaps of 0.1 mm, or with damping, two touch at a time. */
+/* In a collision of 23 us the spheres move by at most 2 um. With gaps of 0.2 um all twelve
+ * neighbours of a sphere may touch at once, and w^2 of the pair is (12 + 12) k/(3 m) = 4 times that
+ * of two alone; with gaps of 0.1 mm, or with damping, two touch at a time. */
 static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
     (void)state;
     static const double spacing[] = {1.0001, 1.0001, 1.0001, 1.0001, 1.0001, 1.05},

@@ -370,7 +370,7 @@ def check_shows_the_origin_and_the_coordinates_of_the_scene(folder):
 
 @fact
 def a_body_at_rest_enters_the_next_stage(folder):
-    """However slow it has become: only values set at the start have to exceed rounding."""
+    """A run continues however slow its motion has become: only values set at the start have to exceed rounding."""
     block = {"name": "block", "origin": [-0.01, -0.01, 0.001], "stiffness": 1e6, "friction": 0.5, "kratio": 2, "free": True, "density": 2500,
              "box": {"size": [0.02, 0.02, 0.02]}}
     scene = {"dimension": 3, "law": {"stiffness": "uniform"}, "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 2, "friction": 0.3}],

@@ -341,8 +341,8 @@ def a_scene_runs_the_particles_that_pack_writes(folder):
 
 @fact
 def a_specimen_may_come_from_the_folder_of_a_packing(folder):
-    """The bits and the volume are those of the scene that makes the packing, also after a stop; at rest, and without bonds
-    of its own."""
+    """Bits and volume are those of the scene that makes the packing, also after a stop. The packing is at rest, and the new scene has no bonds of its
+    own."""
     own = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 200", "own.yaml")
     path, _ = pack(folder, own)
     other = scene_of_specimen(folder, f"from: {path}", "other.yaml")
@@ -402,7 +402,7 @@ def a_resumed_run_needs_neither_cache_nor_shape(folder):
 # --- interrupted ------------------------------------------------------------------------------------------
 
 def interrupted(folder, *arguments):
-    """Starts, waits for the first line of progress, interrupts; the finished process."""
+    """Starts the program, waits for the first line of progress and interrupts it; returns the finished process."""
     environment = {**ENVIRONMENT, "GNEISS_CACHE": os.path.join(folder, "cache")}
     with subprocess.Popen(command(*arguments, "--log", "json"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, env=environment) as process:
@@ -461,7 +461,7 @@ def a_folder_in_the_place_of_a_file_is_an_error(folder):
 
 
 def in_namespace(script, *arguments, cache):
-    """A shell script with its own mount table; `$1` is a folder on a small disk."""
+    """Writes a shell script with its own mount table; `$1` is a folder on a small disk."""
     try:
         if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:
             raise Skip("no mount namespaces for this user")
@@ -763,7 +763,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
 
 @fact
 def sizes_that_too_few_particles_cannot_have_are_warned_of(folder):
-    """40 discs, one in 400 of which is above half the largest size. The run has no more than a step."""
+    """The scene has 40 discs; one in 400 would be above half the largest size. The run has no more than a step."""
     def reported(name, packing, particles):
         specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}
         scene = {"dimension": 2, "specimen": specimen, "materials": [{"name": "a", "density": 1, "young": 1, "poisson": 0.2}], "law": {"stiffness": "dempack"},

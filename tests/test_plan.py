@@ -140,7 +140,7 @@ def the_written_scene_finds_its_files_from_another_folder(folder):
 
 @fact
 def the_written_scene_is_the_scene_with_the_listed_settings(folder):
-    """Its lines are commands of a shell; values may have quotes and line breaks."""
+    """The lines of a plan are commands of a shell; values may have quotes and line breaks."""
     scene, out = rock(folder), os.path.join(folder, "fast.yaml")
     plan(scene, "--error", "9%", "--set", "title=it's\nhere", "--write", out)
     text = open(out).read()

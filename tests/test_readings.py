@@ -60,7 +60,7 @@ def the_forces_of_two_supports_add_up(folder):
 
 @fact
 def an_end_without_a_support_is_reported_as_unbalanced(folder):
-    """Half of the load on one end: its difference is two thirds of the mean."""
+    """Half of the load acts on one end: the difference of the ends is two thirds of the mean."""
     out, done = run_scene(folder, bending("left"), "--quiet")
     assert abs(summary(out)["readings"]["end_imbalance"] - 2 / 3) < 0.05
     assert "differ by" in warnings(out)["end_imbalance"] and "warning: end_imbalance" in done.stderr, done.stderr
@@ -145,7 +145,7 @@ def between(cells, sides=None, **more):
 
 @fact
 def one_axis_gives_a_modulus_and_poissons_ratio(folder):
-    """A square lattice along its bonds: k_n per unit of width, no lateral strain, in series with two walls of k_n per
+    """A square lattice is loaded along its bonds: k_n per unit of width, no lateral strain, in series with two walls of k_n per
     column, as stiff as a bond each: 12 discs have 11 bonds and 12 diameters."""
     out, _ = run_scene(folder, between([6, 12]), "--quiet")
     readings = summary(out)["readings"]
@@ -302,7 +302,7 @@ def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
 @plain_fact
 def the_modulus_of_a_body_with_a_waist_is_that_of_its_material(folder):
     """Stress of the waist and closing over the whole length do not refer to the same length: readings of discs packed
-    in such a shape were a third too large. Compared with a strip of the same width and density."""
+    in such a shape would be a third too large. They are compared with a strip of the same width and density."""
     length, waist = 60e-3, 10e-3
     sides = [(0.0, 1.0), (0.1, 1.0), (0.3, 0.5), (0.7, 0.5), (0.9, 1.0), (1.0, 1.0)]  # heights over the length; half widths over the waist
     corners = [[sign * w * waist, y * length] for sign, line in ((1, sides), (-1, sides[::-1])) for y, w in line]

@@ -59,8 +59,8 @@ static double rebound(const meeting *m, double restitution, double steps) {
     return parts / speed;
 }
 
-/* 1 % down to one half, 0.01 below: the accuracy that the resolution rule of the automatic step
- * guarantees. */
+/* The accuracy that the resolution rule of the automatic step guarantees: 1 % down to a restitution
+ * of one half, 0.01 below. */
 static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     (void)state;
     static const double asked[] = {0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0};

@@ -546,7 +546,7 @@ def every_figure_of_a_packing_is_listed_with_its_meaning(folder):
 
 
 def figures_of_a_packing_stand_in_the_order_of_their_texts(folder):
-    """Some texts refer to the one before."""
+    """Some texts refer to the preceding one."""
     page = text_of("packed_cylinder", folder)
     listed = re.search(r"<h2>Figures</h2>(.*?)</table>", page, re.DOTALL)[1]
     names = [name.replace(" ", "_") for name in re.findall(r"<tr><td[^>]*>([^<]*)</td>", listed)]

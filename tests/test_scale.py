@@ -17,7 +17,7 @@ def box_file(folder, name, *size):
 
 
 def core(folder, size=100, speed=0.05, end=0.01, depth=10, density=2500, **more):
-    """A block of half its height, loaded between its ends."""
+    """A block of half the usual height, loaded between its ends."""
     box_file(folder, "core.stl", size / 2, size / 2, size)
     ends = [{"name": side, "select": {"end": {"axis": "z", "side": side, "depth": depth}}, "motion": {"vz": v}}
             for side, v in (("lower", 0), ("upper", -speed))]

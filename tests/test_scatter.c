@@ -181,7 +181,7 @@ static gn_world *shaken(double step) {
 }
 
 /* Bonds of drawn stiffness, exponentially distributed: below the limit the energy stays, above it
- * multiplies, at 1.05 of it by exp(2 acosh(2 1.05^2 - 1)) = 3.6 in two steps. */
+ * multiplies, at 1.05 times the limit by exp(2 acosh(2 1.05^2 - 1)) = 3.6 in two steps. */
 static void the_limit_is_that_of_the_drawn_stiffness(void **state) {
     (void)state;
     gn_world *w = shaken(0.0);

@@ -639,7 +639,7 @@ static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
 
 /* --- coupled by squares --- */
 
-/* Each alone equals the softening of uncoupled bonds. */
+/* Each component alone equals the softening of uncoupled bonds. */
 static void coupled_by_squares_either_alone_softens_as_uncoupled(void **state) {
     (void)state;
     for (int sheared = 0; sheared < 2; sheared++) {

@@ -17,7 +17,7 @@ def early(folder, *arguments):
 
 
 def share_of_peak(folder):
-    """For every snapshot: time over that of the peak, stress over the peak."""
+    """Returns for every snapshot: time over that of the peak, stress over the peak."""
     rows = history(folder)
     peak = rows["stress"].argmax()
     return [(time / rows["time"][peak], np.interp(time, rows["time"], rows["stress"]) / rows["stress"][peak])

@@ -971,7 +971,7 @@ static void a_run_begins_where_another_ended(void **state) {
     for (int k = 0; k < 3; k++) assert_near(length3(vel_of(&run->world, k)), 0.0, 0.0);
     steps(run, 1);
     assert_near(run->world.ledger.reading.elastic_normal, 0.0,
-                0.0); /* formed again, free of stress */
+                0.0); /* the bond is formed again, free of stress */
     run_end(run);
     run_end(other);
 

@@ -327,7 +327,7 @@ static void the_boundary_around_a_hole_has_the_domain_on_its_left(void **state) 
     gn_mesh m = frame(0.7);
     add_element(&m.lines, (int32_t[]){0, 4}, 3);  /* an element on the outer side */
     add_element(&m.lines, (int32_t[]){5, 6}, 4);  /* an element on the hole */
-    add_element(&m.lines, (int32_t[]){0, 5}, 99); /* inside */
+    add_element(&m.lines, (int32_t[]){0, 5}, 99); /* an element inside */
     ok(gn_mesh_boundary(&m, 2, "frame", error));
     assert_int_equal(m.lines.count, 12 + 4);
     double area = 0.0;

@@ -85,7 +85,8 @@ static void same_run(gn_world *flat, gn_world *facets, gn_world *shaken, int64_t
     assert_near(a.rotational, b.rotational, allowed * work);
 }
 
-/* Bounces, slides and rolls over many facets of a plate that moves as well; gravity is slanted. */
+/* A particle bounces, slides and rolls over many facets of a plate that moves as well; gravity is
+ * inclined. */
 static void plane_of_triangles(uint64_t seed, const char *damping) {
     soup *s = calloc(1, sizeof *s);
     char path[32], support[512], wall[512], more[512];

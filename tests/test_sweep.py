@@ -14,7 +14,7 @@ def sweep_file(folder, name="sweep.yaml", **keys):
 
 
 def sweep(folder, keys, *arguments, code=0, name="out", quick=True, **options):
-    """A sweep of the small lattice into FOLDER/NAME; the rows of sweep.csv."""
+    """Runs a sweep of the small lattice into FOLDER/NAME; returns the rows of sweep.csv."""
     out = os.path.join(folder, name)
     expect(gneiss("sweep", sweep_file(folder, **keys), "--out", out, "--quiet", *(QUICK if quick else ()), *arguments, **options),
            code)

@@ -61,7 +61,7 @@ typedef struct gn_near {
     bool look;      /* in this sweep the active pairs are found again, */
     bool move;      /* and columns that stay packed move to their new positions */
     bool again;     /* in the next sweep the pairs of `act` are packed from the list, */
-    bool take;      /* in this sweep they are packed */
+    bool take;      /* in this sweep the pairs of `act` are packed */
     gn_near_past past;
     gn_near_span span;
     int steps, towards;  /* steps for which a search is to hold; 1 or -1: direction in which their

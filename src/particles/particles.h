@@ -139,7 +139,7 @@ struct gn_dem {
     int64_t contact_steps; /* number of contacts processed, summed over steps */
 };
 
-/* Kernels and threads, from the effects of the world: also of one that is resumed. */
+/* Sets the kernels and threads that follow from the effects of the world, also of a resumed one. */
 gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Creates the particles of a packing, in its order, without mass. */

@@ -166,7 +166,7 @@ const char *gn_reading_name(gn_reading which);
  * summaries hold only those that do. */
 bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones);
 
-/* The test that readings are taken of. */
+/* The test whose readings are taken. */
 typedef struct gn_tested {
     gn_test_kind kind;
     int dimension, axis;                /* axis 0 1 2 */

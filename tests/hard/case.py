@@ -112,7 +112,7 @@ class Seen:
             return file[name][()]
 
     def again(self, scene, name, *arguments):
-        """Another scene beside this one."""
+        """Runs another scene, to compare it with this one."""
         return start(self.folder, scene, name, *arguments)
 
     def state(self):

@@ -50,7 +50,7 @@ def flat(size=1e-3, n=12):
 
 
 def needles():
-    """Strips of a plate: triangles 12 mm long and 1e-3 to 1e-9 mm wide, some without any area, and the rest of it."""
+    """Strips of a plate: triangles 12 mm long and 1e-3 to 1e-9 mm wide, some without any area, and the remainder of the plate."""
     edge, cuts = 12e-3, [0, 3e-3, 3e-3 + 1e-6, 3e-3 + 1.1e-6, 3e-3 + 1.1e-6 + 1e-9, 6e-3, 6e-3 + 1e-12, 9e-3, 12e-3]
     made = list(plate_of(lambda i, j: (cuts[i], edge * j, 0), len(cuts) - 1, 1))
     return [*made, ((3e-3, 0, 0), (3e-3, 6e-3, 0), (3e-3, 12e-3, 0)), ((6e-3, 1e-3, 0), (6e-3, 1e-3, 0), (6e-3, 2e-3, 0))]
@@ -138,7 +138,7 @@ TILT = 0.3
 
 
 def rolling(folder):
-    """A ball rolls down a plate of triangles, which gravity is tilted for; it never slides."""
+    """A ball rolls, without sliding, down a plate of triangles in tilted gravity."""
     stl(folder, "plate.stl", flat())
     return spheres([[1.3e-3, 2.2e-3, 1e-3 - SINK, 1e-3]], 0.05, {"normal_stiffness": K},
                    gravity=[WEIGHT * math.tan(TILT), 0.3 * WEIGHT * math.tan(TILT), -WEIGHT],

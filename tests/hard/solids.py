@@ -72,7 +72,7 @@ def sliver():
 
 
 def inside_out():
-    """Every other triangle with its corners in the wrong sense."""
+    """Every other triangle has its corners in the wrong sense."""
     nodes, triangles = grid(6, 3, lambda i, j: (0.01 * i, 0.01 * j))
     return nodes, [(a, c, b) if k % 2 else (a, b, c) for k, (a, b, c) in enumerate(triangles)]
 
@@ -85,7 +85,7 @@ def pulls(one):
 
 
 def as_turned(one):
-    """The mesh with all of its corners in order gives the same, to rounding."""
+    """A mesh with all corners in order has the same result, to rounding."""
     folder = os.path.join(one.folder, "turned")
     os.makedirs(folder, exist_ok=True)
     nodes, triangles = grid(6, 3, lambda i, j: (0.01 * i, 0.01 * j))

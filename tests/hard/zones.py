@@ -48,7 +48,7 @@ def shaken(**changes):
 
 
 def uneven(folder):
-    """Elements of the lower half a thousandth as stiff as those of the upper one, which are as stiff as the particles."""
+    """Elements of the lower half are a thousandth as stiff as those of the upper one, which are as stiff as the particles."""
     nodes, triangles = grid(6, 6, lambda i, j: (2e-3 * i, 1e-3 * j))
     msh(folder, nodes, triangles)
     made = shaken()(folder)
