@@ -193,7 +193,7 @@ def plot_peers(peers, folder):
     lowest = 10.0 ** math.floor(math.log10(min(speeds)))
     for axes, table in zip(panels[:, 0], tables):
         peers_panel(axes, table)
-        axes.set_xlim(lowest, 6 * max(speeds))  # the same in every panel
+        axes.set_xlim(lowest, 6 * max(speeds))  # the same range in every panel
     note = peers["conditions"].replace("**", "")
     cut = note.find(", medians")
     save(figure, folder, "performance-peers.png", note[:cut] + ",\n" + note[cut + 2:])

@@ -37,7 +37,7 @@ SCENES = {"fcc-32k": ("contact", ["LAMMPS, 2 ranks"]), "fcc-500k": ("contact", [
           "rock-a": ("bond", ["YADE -j2", "ESyS-Particle, 2 workers"]),
           "t4-40k": ("element", ["CalculiX, 2 threads", "CalculiX, 1 thread"]),
           "t3-40k": ("element", ["CalculiX, 2 threads", "CalculiX, 1 thread"])}
-ELEMENTS = {"t4-40k": ("C3D4", 20), "t3-40k": ("CPE3", 141)}  # as in bench_step.cpp: kind, cells per side
+ELEMENTS = {"t4-40k": ("C3D4", 20), "t3-40k": ("CPE3", 141)}  # kind of element, cells per side, as in bench_step.cpp
 
 
 class Failed(Exception):
@@ -345,7 +345,7 @@ def version_of(package):
                           stderr=subprocess.DEVNULL, text=True, check=False) if shutil.which("dpkg-query") else None
     if not done or done.returncode != 0 or not done.stdout:
         return "of unknown version"
-    return re.split(r"[+-]|\.git", done.stdout)[0]  # without the suffix of Debian
+    return re.split(r"[+-]|\.git", done.stdout)[0]  # the version without the suffix of Debian
 
 
 def gneiss_version(build):

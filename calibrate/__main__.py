@@ -3,7 +3,7 @@ import os
 import sys
 
 sys.path[0] = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-sys.path.insert(1, os.path.join(sys.path[0], "tools"))  # in the source tree; an installation has all in one folder
+sys.path.insert(1, os.path.join(sys.path[0], "tools"))  # in the source tree the modules are in two folders, in an installation in one
 
 from calibrate import interrupt  # noqa: E402 (after the path of the modules)
 

@@ -15,9 +15,9 @@ from calibrate.readings import BRAZILIAN, COMPRESSION, TENSION, tests_for
 from calibrate.simulate import Laboratory, kept_runs
 
 SURE_RATIO = 4.5      # compressive over tensile strength that brittle bonds reach in any packing of spheres
-SCATTER = 0.08        # of one packing's ratio of strengths
+SCATTER = 0.08        # scatter of one packing's ratio of strengths
 FRESH = 3             # packings of the check
-ERRORS = {1: "internal error", 2: "input error", 3: "file error", 4: "out of memory", 5: "unstable run", 6: "interrupted"}  # by exit code
+ERRORS = {1: "internal error", 2: "input error", 3: "file error", 4: "out of memory", 5: "unstable run", 6: "interrupted"}  # kind of error by exit code
 OF_A_RUN = ("results.h5", "summary.json")
 
 
@@ -83,7 +83,7 @@ def wanted_ratio(wanted):
 
 
 def largest_ratio(material, parameters, seed):
-    """Compressive over tensile strength of one packing whose bonds are much stronger in shear than in tension; None without a peak."""
+    """Compressive over tensile strength of one packing whose bonds are much stronger in shear than in tension; None if the test has no peak."""
     tensile = "tensile_strength" if "tensile_strength" in material.targets else "brazilian_strength"
     found = material.evaluate({**parameters, "chi": strength.BOUNDS["chi"][1]}, [seed], ["compressive_strength", tensile]).values[seed]
     if found["compressive_strength"] is None or found[tensile] is None:
@@ -98,7 +98,7 @@ def candidates(request):
     if request.law != "auto":
         return [laws.named(request.law)]
     frictional = "bond_friction" in strength.free_parameters(request.targets)
-    return [law for law in laws.LAWS if frictional or law.name != "friction"]  # without pressure strong bonds break in tension alone
+    return [law for law in laws.LAWS if frictional or law.name != "friction"]  # without pressure strong bonds break only in tension
 
 
 def lacking_ratio(request, material, start, progress):
@@ -230,7 +230,7 @@ def examine(request, result, progress):
     search, evaluation, seeds = result.search, result.evaluation, request.seeds
     result.slopes = search.slopes
     try:
-        if not search.by_key:  # else the search has measured them
+        if not search.by_key:  # otherwise the search has measured them
             result.slopes = uncertainty.measured_slopes(search, evaluation, seeds[:strength.SCOUTS])
         fresh = [max(seeds) + 1 + k for k in range(min(FRESH, len(seeds)))]
         progress(f"check on {len(fresh)} fresh packings")

@@ -8,8 +8,8 @@ import numpy as np
 
 from calibrate import units
 
-TOUCHED = 0.01  # of the largest stress
-POINTS = 8  # of a curve, at equal distances of strain up to its end
+TOUCHED = 0.01  # stress above which a curve begins, relative to its largest stress
+POINTS = 8  # number of points of a curve, at equal distances of strain up to its end
 _UNIT = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
 
 

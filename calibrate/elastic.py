@@ -9,7 +9,7 @@ from calibrate.readings import COMPRESSION, MODULUS
 
 ELASTIC = 0.4         # strain of the constants over compressive strength over modulus: within the elastic rows of a test
 UNBREAKABLE = 1e30
-STRAIN = 1e-3         # the same, without a compressive strength
+STRAIN = 1e-3         # the same strain if there is no compressive strength
 RATIO = (0.005, 3.0)  # bounds of k_t/k_n
 MOST = 6             # evaluations of Poisson's ratio
 
@@ -42,8 +42,8 @@ def bounded(ratio):
 
 
 def fit(material, seeds, progress):
-    """Parameters `modulus` and `ratio` with the wanted E and mean nu, by secants of nu over ln rho and by proportion of E; of keys of the
-    material their start, and the modulus of the packings with that."""
+    """Parameters `modulus` and `ratio` with the wanted E and mean nu, by secants of nu over ln rho and by proportion of E. For keys of the material:
+    their start values, and the modulus of the packings with these."""
     targets = material.targets
     if material.request.parameters:
         start = {name: value for name, (_, _, value) in material.request.parameters.items()}
@@ -73,7 +73,7 @@ def fit(material, seeds, progress):
         before = (parameters["ratio"], nu)
         parameters["ratio"] = bounded(parameters["ratio"] * math.exp(min(max((wanted_nu - nu) / slope, -1.5), 1.5)))
         if parameters["ratio"] == before[0]:
-            break  # at a bound: the reading stays away from the target
+            break  # the parameter is at a bound: the reading does not reach the target
     return parameters
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from calibrate import units
 
 BY_AREA = ("dempack", "polyhedron")
-FRICTION = 0.5  # of contacts that are not bonded, unless it is given
-LOWERING = 3.0  # by bond_friction below 0: strengths under pressure are as sensitive to a third as to bond_friction above 0
+FRICTION = 0.5  # friction of contacts that are not bonded, unless it is given
+LOWERING = 3.0  # divisor of FRICTION at bond_friction below 0: strengths under pressure are as sensitive to a third as to bond_friction above 0
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,11 @@ class Law:
     material: dict = field(default_factory=dict)
     bond_friction: float = 0.0  # value unless a target determines it
     most_friction: float = 4.0  # largest bond_friction
-    slope: float = 0.35         # of ln compressive strength over ln chi, to begin with
-    friction_slopes: tuple = (0.12, 0.1)  # of ln friction angle, and of ln compressive strength, over mu_1, to begin with
+    slope: float = 0.35         # slope of ln compressive strength over ln chi, at the start
+    friction_slopes: tuple = (0.12, 0.1)  # slopes of ln friction angle, and of ln compressive strength, over mu_1, at the start
 
 
-# From the simplest on: `auto` takes the first that reaches the targets.
+# The simplest law is the first: `auto` takes the first one that reaches the targets.
 LAWS = (
     Law("linear", "brittle bonds", {"stiffness": "harmonic"}, {"interaction_range": 0.05}, most_friction=0.0),
     Law("friction", "brittle bonds whose shear strength grows with pressure", {"stiffness": "harmonic"}, {"interaction_range": 0.05},
@@ -65,9 +65,9 @@ def dimension_of(scene):
 
 
 def material_values(scene, parameters):
-    """Keys of the material for the parameters. These are keys themselves, or `modulus` (Pa; N/m with the uniform law), `ratio` (k_t/k_n), `tension` (Pa, N with the
-    uniform law), `chi` (shear over tensile strength of a contact), `bond_friction` (below 0: bonds have none, and friction is lower than FRICTION by
-    its part 1/LOWERING)."""
+    """Keys of the material for the parameters. The parameters are keys themselves, or `modulus` (Pa; N/m with the uniform law), `ratio` (k_t/k_n),
+    `tension` (Pa, N with the uniform law), `chi` (shear over tensile strength of a contact), `bond_friction` (below 0: bonds have none, and friction
+    is lower than FRICTION by its part 1/LOWERING)."""
     if "tension" not in parameters:
         return dict(parameters)
     kind, shear = stiffness_of(scene), parameters["tension"] * parameters["chi"]

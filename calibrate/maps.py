@@ -21,7 +21,7 @@ import numpy as np
 
 DATA = Path(__file__).resolve().parent.parent / "data" / "maps.csv"
 KEYS = ("law", "dimension", "rho_k", "chi", "mu", "bond_friction", "radius_multiplier", "moment_share", "interaction_range")
-PLAIN = {"bond_friction": 0.0, "radius_multiplier": 0.0, "moment_share": 1.0, "interaction_range": 0.05}  # of the law `linear`
+PLAIN = {"bond_friction": 0.0, "radius_multiplier": 0.0, "moment_share": 1.0, "interaction_range": 0.05}  # values of the law `linear`
 STRENGTHS = ("compression", "tension", "brazilian")
 MEASURES = ("young", "poisson", *STRENGTHS)
 
@@ -163,7 +163,7 @@ class Maps:
 
     def start(self, law, dimension, poisson, ratio, mu=0.5, test="tension", **keys):
         """Start for Poisson's ratio and the ratio of compressive strength to that of `test` (tension, or brazilian): rho_k from nu, then the smallest
-        chi with the ratio. Beyond the maps the nearest point, and the reason."""
+        chi with the ratio. Beyond the maps it is the nearest point, with the reason."""
         if test not in ("tension", "brazilian") or not ratio > 0 or not -1 < poisson < 0.5:
             raise ValueError(f"expected tension or brazilian, a ratio above 0 and nu in (-1, 0.5), found {test}, {ratio}, {poisson}")
         reasons = []

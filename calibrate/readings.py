@@ -63,8 +63,8 @@ def main_test(targets):
 
 
 def off_envelopes(targets):
-    """Names of the strengths in compression that no envelope which rises ever more slowly meets within their tolerances: least squares of
-    s0 + sum d_k min(p, p_k) over the confinements p_k, d_k >= 0, which are all such lines through the given confinements."""
+    """Names of the strengths in compression that no concave envelope fits within their tolerances: least squares of s0 + sum d_k min(p, p_k) over the
+    confinements p_k, d_k >= 0, which represents all concave polylines with corners at the given confinements."""
     line = {name: target for name, target in targets.items() if target.confinement or name == "compressive_strength"}
     if len(line) < 4:
         return []

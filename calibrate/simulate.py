@@ -16,7 +16,7 @@ from calibrate.problem import OutOfBudget, Problem
 
 TRIES = 3             # starts of a run that is killed or finds no memory
 WENT_BAD = 5          # exit code of a run that a repetition would not improve
-PAUSE = 0.01          # s between looks at running processes
+PAUSE = 0.01          # interval between checks of running processes, s
 _PARENT_DIES = 1      # PR_SET_PDEATHSIG
 
 
@@ -65,7 +65,7 @@ class Outcome:
     absent: dict = field(default_factory=dict)
     message: str = ""
     seconds: float = 0.0
-    errors: dict = field(default_factory=dict)  # of the error budget without packings, by reading
+    errors: dict = field(default_factory=dict)  # error budget without the scatter of packings, by reading
     folder: str = ""
 
     def reading(self, name):
@@ -86,7 +86,7 @@ class _Job:
 
 
 def _follow_parent():
-    """In a child: it is ended when its parent is, so that nothing writes into the folder of a killed calibration."""
+    """Makes the system end a child process when its parent ends, so that nothing writes into the folder of a killed calibration."""
     ctypes.CDLL(None).prctl(_PARENT_DIES, signal.SIGTERM)
 
 
@@ -142,7 +142,7 @@ class Laboratory:
         if code == 0:
             with open(os.path.join(job.folder, "printed.txt" if job.strain else "summary.json"), encoding="utf-8") as file:
                 text = file.read()
-            # Constants stand in the last line: one before it may tell of a packing.
+            # The constants are in the last line: one before it may report a packing.
             outcome = _constants_of(json.loads(text.strip().splitlines()[-1])) if job.strain else _outcome_of(json.loads(text))
         elif code == WENT_BAD:
             outcome = Outcome({}, {}, message.splitlines()[0] if message else f"exit code {code}")
@@ -240,6 +240,6 @@ def _outcome_of(summary):
         if isinstance(entry, dict) and "causes" in entry:
             errors[name] = sum(cause["error"]**2 for cause in entry["causes"] if cause["name"] not in OF_PACKINGS)**0.5
     readings = {name: _number(value) for name, value in summary["readings"].items()}
-    if (readings.get("peak_stress") or 0.0) <= 0.0:  # no peak: what the test has shown so far is no strength
+    if (readings.get("peak_stress") or 0.0) <= 0.0:  # without a peak the largest stress of the test is not a strength
         readings["peak_stress"] = None
     return Outcome(readings, summary.get("absent") or {}, "", float(summary["seconds"]["cpu"]), errors)

@@ -8,14 +8,14 @@ from calibrate import laws, units
 SPEED = 0.01         # closing speed over wave speed and strain at the peak: 1 to 2 % of the strength by the study of accuracy
 PLATEN = 5.0         # stiffness of platens over that of a contact
 START = 0.05         # fraction of the expected duration in which ends come to their speed
-DROP = 0.3           # of the stress from its peak, which ends a test
+DROP = 0.3           # drop of the stress that ends a test, relative to the peak
 BEYOND = 1.02        # strain at which a test of a curve ends over that of the curve
 SHRUNK = 5.0         # strain by which specimens can shrink away from platens under pressure, over pressure over modulus
 DURATION = 4.0       # duration over the expected one
-STRAIN = {"compression": 1.3, "tension": 1.1, "brazilian": 9.0, "triaxial": 1.6}  # at the peak, over strength over modulus
-SEAT = 0.1           # depth of platens in discs, in mean radii: laid on, they would close gaps as wide as the strains of the test
+STRAIN = {"compression": 1.3, "tension": 1.1, "brazilian": 9.0, "triaxial": 1.6}  # strain at the peak over strength over modulus
+SEAT = 0.1           # depth of platens in discs, in mean radii: platens that only touched would close gaps as wide as the strains of the test
 GRIP = 1.5           # depth of glued ends in mean radii
-AREA_SHARE, VOLUME_SHARE = 0.85, 0.6  # of particles in a packing
+AREA_SHARE, VOLUME_SHARE = 0.85, 0.6  # share of the volume (in 2D: of the area) that the particles fill
 FLAT = math.cos(math.radians(5.0))  # Brazilian disc: flats of 10 degrees
 
 

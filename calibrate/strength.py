@@ -14,17 +14,17 @@ BOUNDS = {"modulus": (1e-3, 1e15), "ratio": elastic.RATIO, "tension": (1e-6, 1e1
 START_CHI, START_FRICTION = 2.0, 0.5
 SCOUTS = 2                # packings of the first steps
 MOST_STEPS = 8
-ACCEPTED, OUTNUMBERED = 1.0 / 3.0, 0.75  # of a tolerance, with enough parameters and with fewer than targets: the search ends
-NEAR = 0.05               # with the scouts; then all packings join
+ACCEPTED, OUTNUMBERED = 1.0 / 3.0, 0.75  # share of a tolerance at which the search ends, with enough parameters and with fewer than targets
+NEAR = 0.05               # distance from the targets, with the packings of SCOUTS, below which all packings are used
 PATIENCE, GAIN = 3, 0.9   # steps without a sum of squares below this part of the least one end a search
-LARGEST_STEP = 1.2        # of a logarithm, or of bond_friction
-LARGEST_OF_KEYS = 0.5     # Limit for keys of the material, whose slopes follow from differences of this size only.
-PRIORITY = 10.0           # of elastic constants and strengths in compression over all others
-NOISE, SMOOTH_NOISE = 0.03, 0.003  # of the logarithm of a strength, because of single breaks; of elastic constants
+LARGEST_STEP = 1.2        # largest step of a logarithm, or of bond_friction
+LARGEST_OF_KEYS = 0.5     # limit for keys of the material, whose slopes follow only from differences of this size
+PRIORITY = 10.0           # weight of elastic constants and strengths in compression over all others
+NOISE, SMOOTH_NOISE = 0.03, 0.003  # noise of the logarithm of a strength, because of single breaks; of elastic constants
 REACH = 0.7               # distance in scaled coordinates over which an evaluation loses weight
-MOVE = 0.5                # in scaled coordinates
+MOVE = 0.5                # largest change due to noise, in scaled coordinates
 LEAST_DOUBT = 0.1         # standard deviation of prior slopes: half of them, at least this
-CONFINED_SLOPE = 0.15     # of ln strength under pressure over ln chi, more than without
+CONFINED_SLOPE = 0.15     # addition to the slope of ln strength over ln chi under pressure
 LEAST_SLOPE = 0.02        # keeps the sign of a slope that breaks of single bonds hide
 STRENGTHS = ("compressive_strength", "tensile_strength", "brazilian_strength", "crack_initiation_stress")
 ELASTIC = ("young_modulus", "poisson_ratio")
@@ -65,7 +65,7 @@ def prior_slopes(names, free, dimension, ratio, law):
     table = {("young_modulus", "modulus"): 1.0, ("young_modulus", "ratio"): young, ("poisson_ratio", "ratio"): poisson}
     for name in names:
         confined, curve = name.startswith("triaxial"), name.startswith("curve")
-        if curve:  # between a modulus and a strength
+        if curve:  # the slope is between that of a modulus and that of a strength
             table.update({(name, "modulus"): 0.5, (name, "tension"): 0.5, (name, "chi"): 0.5 * law.slope, (name, "bond_friction"): 0.5 * angle})
         if confined or name in STRENGTHS:
             table[name, "tension"] = 1.0
@@ -143,7 +143,7 @@ class Search:
         weak = (self.prior != 0.0) & (slopes * np.sign(self.prior) < LEAST_SLOPE * np.abs(self.prior))
         slopes[weak] = (LEAST_SLOPE * self.prior)[weak]
         whole = [step for step in self.steps if len(step.values) > len(seeds)]
-        if whole:  # packings that joined later differ from the first by the same ratio
+        if whole:  # packings that were added later differ from the first by the same ratio
             centre = centre + np.mean([self.outputs(step) - self.outputs(step, seeds) for step in whole], axis=0)
         return centre, slopes
 
@@ -163,7 +163,7 @@ class Search:
         matrix = (self.slopes * weight[:, None])[known]
         aim = -(residual * weight)[known]
         steady = 1e-3  # among equal solutions the shortest step
-        if len(self.names) > len(self.free):  # what noise asks for moves parameters by less than MOVE
+        if len(self.names) > len(self.free):  # changes due to noise stay below MOVE
             steady = NOISE / MOVE * float(np.median(weight))
         solution = lsq_linear(np.vstack([matrix, steady * np.eye(len(self.free))]), np.concatenate([aim, np.zeros(len(self.free))]),
                               bounds=(low - position - 1e-12, high - position + 1e-12))
@@ -175,7 +175,8 @@ class Search:
         return {name: None if mean is None else self.targets[name].error(mean) for name, mean in means.items()}
 
     def given_up(self, evaluation):
-        """The targets that stay away because the parameters that move them are at bounds. Similarity meets the compressive strength always."""
+        """The targets that are not reached because the parameters that move them are at bounds. The compressive strength is always reached, by
+        similarity."""
         found, residuals = set(), self.residuals(evaluation)
         for name, residual in residuals.items():
             if residual is None or abs(residual) <= 1.0 or name in ("young_modulus", "compressive_strength"):
@@ -225,7 +226,7 @@ class Search:
         return all(off < max(NEAR, 0.5 * allowed) for name, off, allowed in zip(self.names, offs, self.allowed) if name not in given_up)
 
     def met(self, evaluation):
-        """True if every strength is as near as a few packings can tell. Laws hardly differ in the elastic constants that they reach."""
+        """True if every strength is as near as a few packings can show. Laws hardly differ in the elastic constants that they reach."""
         offs = np.abs(self.outputs(evaluation) - self.aims)
         return all(off <= max(NEAR, allowed) for name, off, allowed in zip(self.names, offs, self.allowed)
                    if name not in ELASTIC and name not in self.off)
@@ -236,11 +237,11 @@ class Search:
         return math.inf if None in residuals else math.sqrt(np.mean([one**2 for one in residuals]))
 
     def stuck(self, parameters, following):
-        """True if the next step would change nothing: bounds are reached, or nothing is to be gained."""
+        """True if the next step would change nothing: bounds are reached, or no step reduces the residuals."""
         return bool(np.all(np.abs(self.position(parameters) - self.position(following)) < 2e-3))
 
     def idle(self):
-        """True if the last steps on as many packings have not come nearer: targets contradict each other with this law."""
+        """True if the last steps on as many packings have not come nearer: with this law the targets contradict each other."""
         count = len(self.steps[-1].values)
         away = self.given_up(self.steps[-1])
         costs = [self.cost(one, away) for one in self.steps if len(one.values) == count]

@@ -26,7 +26,7 @@ READINGS = {
 ABSOLUTE = {"poisson_ratio", "friction_angle"}  # their tolerances are differences in the unit of the reading
 KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "parameters", "targets", "seeds", "budget")
 SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
-SOURCES = ("file", "from", "lattice", "disc", "polygon", "surface", "mesh")  # of a specimen that is not a shape to be packed, and of other shapes
+SOURCES = ("file", "from", "lattice", "disc", "polygon", "surface", "mesh")  # keys of a specimen that is not a shape to be packed, and of other shapes
 LENGTHS = {"cylinder": ("diameter", "height"), "box": ("size",), "rectangle": ("width", "height")}
 MATERIAL = {"density": ("kg/m3", 1.0, 1e5), "contact_modulus": ("Pa", 1.0, 1e15), "young": ("Pa", 1.0, 1e15), "normal_stiffness": ("N/m", 1e-3, 1e15),
             "kratio": ("1", 0.0, 1e6), "alpha": ("1", 1e-6, 1e6), "beta": ("1", 0.0, 1e6), "poisson": ("1", -0.99, 0.5), "bond_friction": ("1", 0.0, 100.0)}
@@ -37,12 +37,12 @@ FREE = {**{key: MATERIAL[key] for key in MATERIAL if key not in ("density", "poi
         **{key: ("1", 1.0, 1e6) for key in ("yield_ratio_1", "yield_ratio_2", "yield_ratio_3")},
         **{key: ("J/m2", 1e-6, 1e9) for key in ("fracture_energy", "shear_fracture_energy")},
         **{key: ("1", 1e-9, 1e6) for key in ("fracture_strain", "shear_fracture_strain", "fracture_ratio")}}
-LINEAR = ("bond_friction",)  # may be 0: all others are searched in their logarithms
+LINEAR = ("bond_friction",)  # parameters that may be 0: all others are searched in their logarithms
 STIFFNESSES = ("uniform", "arithmetic", "harmonic", "mean_radius", "mean_arithmetic", "mean_harmonic", "dempack", "polyhedron")
 CURVE = 0.1   # tolerance of the points of a curve over its largest stress
 MOST_SEEDS = 1000
 FEWEST = 50   # particles of a specimen
-DEEPEST = 32  # of sections within sections, as in a scene
+DEEPEST = 32  # largest number of nested sections, as in a scene
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class Target:
     name: str
     value: float
     tolerance: float
-    confinement: float = 0.0  # of a strength under pressure
-    point: Point = None       # of a curve; value and tolerance are shares of its largest stress
+    confinement: float = 0.0  # Pa, lateral pressure for a strength under pressure
+    point: Point = None       # point of a curve; value and tolerance are relative to its largest stress
 
     @property
     def unit(self):

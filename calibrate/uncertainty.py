@@ -10,9 +10,9 @@ from calibrate.material import scaled, unscaled
 LEVEL = 0.95
 NORMAL = stats.norm.ppf(0.5 + 0.5 * LEVEL)  # error budgets of runs are errors in 95 of 100
 DIFFERENCE = {"chi": 0.25, "bond_friction": 0.3, "ratio": 0.1}  # steps of finite differences, in scaled coordinates
-OF_A_KEY = 0.25  # of other parameters
+OF_A_KEY = 0.25  # step for all other parameters
 LEAST = 3             # packings of an interval: the quantile of two is 12.7
-SMALLEST_SLOPE = 1e-4  # over the largest: what moves readings less than this is not determined
+SMALLEST_SLOPE = 1e-4  # smallest slope relative to the largest: a parameter with a smaller effect on readings is not determined
 
 
 def within(interval, low, high):

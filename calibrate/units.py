@@ -6,7 +6,7 @@ _LIBRARY = "libudunits2.so.0"
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _UTF8 = 2
 _system = {}
-_ALIASES = {"deg": "degree"}  # as in a scene
+_ALIASES = {"deg": "degree"}  # aliases of a scene
 
 
 def _load():

@@ -37,7 +37,7 @@ static void cloud_random(size_t count, int dimension) {
 typedef struct lattice {
     const char *name;
     int dimension, cells;
-    double cell[3]; /* of a rectangular cell with edge a = 1 */
+    double cell[3]; /* edges of a rectangular cell, relative to a = 1 */
     int basis_count;
     double basis[4][3];
     double radius, coordination, solid; /* spheres that touch; solid volume fraction */

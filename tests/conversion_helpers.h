@@ -11,13 +11,13 @@
  * k_n = k_t: along its axes and across them it has the moduli M = k_n and G = M/2 of the elements,
  * nu = 0. */
 typedef struct block {
-    int cells[3]; /* of elements */
+    int cells[3]; /* number of elements along each axis */
     bool space;
     const char *convert; /* further keys of the scene */
     const char *box;     /* NULL: all */
     const char *elements, *rest;
-    const char *couple, *time; /* further keys of these */
-    double distortion;         /* of the mesh */
+    const char *couple, *time; /* further keys of the sections `couple` and `time` */
+    double distortion;         /* distortion of the mesh */
     int finer;                 /* number of elements per 2 mm along each axis; 0: one */
     double thin;               /* m, of a zone; 0: `width` */
 } block;

@@ -11,12 +11,12 @@
  * lattice has the moduli M = k_n and nu = 0 along its axes. */
 typedef struct strip {
     double length, zone, side; /* m */
-    int rows;                  /* of particles; a multiple of the side in mm */
+    int rows;                  /* number of rows of particles; a multiple of the side in mm */
     bool mirrored;             /* particles before elements */
     bool space;                /* three-dimensional, as deep as high */
     const char *more;          /* keys of couple */
     const char *time;          /* keys of time */
-    const char *rest;          /* further sections */
+    const char *rest;          /* further sections of the scene */
 } strip;
 
 static const double modulus = 24e9, density = 7800.0, spacing = 1e-3;

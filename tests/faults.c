@@ -98,7 +98,7 @@ char *strndup(const char *text, size_t most) {
 /* --- files --- */
 
 enum { FILES = 1024 };
-static char *name_of[FILES]; /* of open descriptors */
+static char *name_of[FILES]; /* [descriptor] name of the open file */
 static long serial_of[FILES], serials;
 
 /* errno to fail with, 0: none. */

@@ -203,7 +203,7 @@ def make(kind, path, packing=None):
     scene = f"title: made-up <&>\ndimension: {dimension}\n"
     writer.file["scene"] = scene + (f"test:\n  kind: compression\n  axis: {axis}\nseed: 1\n" if test else "")
     put_history(writer, rows, test, dimension)
-    if kind == "stages":  # the second has no rows, the fourth has not begun
+    if kind == "stages":  # the second stage has no rows, the fourth has not begun
         writer.file.attrs["stages"] = "settle\nbond\nload\nunload"
         writer.put("history/stage", np.where(np.arange(rows) < rows // 4, 0.0, 2.0))
         for name, largest in (("settle", 60e6), ("bond", float("nan")), ("load", 241e6)):

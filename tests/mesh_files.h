@@ -49,7 +49,7 @@ static inline void spill_text(const fixture *f, const char *text) {
 /* Appends an integer of that width, or a number, in the byte order of the format. */
 static inline void put_int(bytes *out, bool binary, size_t width, int64_t value) {
     if (binary)
-        put(out, &value, width); /* little endian, as the machines that this runs on */
+        put(out, &value, width); /* little endian, as are the machines on which this test runs */
     else
         put_text(out, "%lld ", (long long)value);
 }

@@ -23,8 +23,8 @@ import report_digest  # noqa: E402 (`seal` makes what a test changed in a file l
 PROGRAM = os.path.abspath(sys.argv[1])
 SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "scenes")
 UCS, LATTICE = os.path.join(SCENES, "ucs-small.yaml"), os.path.join(SCENES, "lattice-small.yaml")
-# Without the leak checker of a sanitizer: its tracer occasionally fails after a program with threads has ended, and
-# changes the exit code. `gneiss` below runs with the leak checker.
+# Environment without the leak checker of a sanitizer: its tracer occasionally fails after a program with threads
+# has ended, and changes the exit code. `gneiss` below runs with the leak checker.
 LEAK_OPTIONS = os.environ.get("ASAN_OPTIONS", "")
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "ASAN_OPTIONS": LEAK_OPTIONS + ":detect_leaks=0"}
 ENVIRONMENT.pop("GNEISS_ISA", None)
@@ -53,7 +53,7 @@ def command(*arguments):
 
 
 def gneiss(*arguments, environment=None, **options):
-    """Exit code and texts of one call; a hang is a failure."""
+    """Exit code and texts of one call; a call that does not end is a failure."""
     options.setdefault("timeout", 120)
     for checked in ({"ASAN_OPTIONS": LEAK_OPTIONS}, {}):
         done = subprocess.run(command(*arguments), capture_output=True, text=True, errors="replace",
@@ -175,7 +175,7 @@ def write_scene(folder, scene, name="scene.yaml"):
 
 
 def wait_until(process, condition, seconds=60):
-    """True once the condition holds; False when the process ended before."""
+    """Returns True once the condition holds; False if the process ended before."""
     end = time.monotonic() + seconds
     while process.poll() is None:
         if condition():
@@ -186,7 +186,7 @@ def wait_until(process, condition, seconds=60):
 
 
 def place_of(number):
-    """A folder for one fact. No random letters in its name: messages that hold it are searched for words and signs."""
+    """A folder for one fact. Its name has no random letters, because messages that contain it are searched for words and signs."""
     place = os.path.join(tempfile.gettempdir(), f"gneiss.{os.getpid()}.{number}")
     shutil.rmtree(place, ignore_errors=True)
     os.mkdir(place, 0o700)

@@ -20,8 +20,8 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
-# Without the leak checker, if there is one: its tracer occasionally fails after a program with threads has ended, and
-# other tests search for leaks.
+# Environment without the leak checker, if there is one: its tracer occasionally fails after a program with threads
+# has ended, and other tests search for leaks.
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive",
                "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
 KINDS = ("lattice", "gas", "periodic", "sizes", "bodies", "elements", "bonds")
@@ -63,7 +63,7 @@ def free_place(rows, x, r, allowed=1.0):
 
 
 def scattered(d, dim, radii, fill):
-    """In a box, separate from each other; the lower corner of the box is at 0."""
+    """Places the particles in a box, separate from each other; the lower corner of the box is at 0."""
     volume = sum((math.pi if dim == 2 else 4 / 3 * math.pi) * r**dim for r in radii)
     side = max((volume / fill) ** (1 / dim), 2.5 * max(radii))
     rows = []
@@ -446,7 +446,7 @@ class Maker:
             return
         axis = d.choice(range(self.dim))
         self.scene["periodic"]["open"] = AXES[axis]
-        if self.lattice:  # it may have grown for the box
+        if self.lattice:  # the lattice may have grown for the box
             self.lower, self.upper = lattice_box(self.scene["specimen"]["lattice"])
         if d.chance(0.7):
             law = {"stiffness": self.stiff, "kratio": d.log(0.8, 10), "friction": d.uniform(0, 0.8)}
@@ -518,7 +518,7 @@ class Maker:
         else:
             body["box"] = {"size": [edge, edge * d.uniform(0.5, 1), edge * d.uniform(0.3, 1)]}
             body["origin"] = [middle, 0.5 * (self.lower[1] + self.upper[1]) - 0.4 * edge, over]
-        # As for particles: it is stopped within a tenth of the smallest radius.
+        # The speed is limited as for particles: the body is stopped within a tenth of the smallest radius.
         heavy = body["density"] * edge**dim
         slow = 0.1 * self.rmin / min(self.end, math.pi * math.sqrt(heavy / body["stiffness"]))
         speed = min(self.speed, slow)
@@ -612,7 +612,7 @@ def move_scene(scene, away):
 
 
 def exact(scene):
-    """Digits to spare are taken off where nothing is far away."""
+    """Removes superfluous digits if nothing is far away."""
     largest = max((abs(x) for row in scene["specimen"].get("particles", []) for x in row[:-1]), default=0.0)
     largest = max(largest, *map(abs, scene["specimen"].get("lattice", {}).get("origin", [0.0])))
     extent = max((row[-1] for row in scene["specimen"].get("particles", [])), default=0.0)

@@ -106,7 +106,7 @@ class Maker:
         self.packed = False
 
     def material(self):
-        """With the modulus of the elements along the axes of a lattice, or some tenths off it."""
+        """Draws a law with the modulus of the elements along the axes of a lattice, or some tenths off it."""
         d, solid = self.d, math.pi / 4 if self.dim == 2 else math.pi / 6
         modulus = self.young * d.choice((1.0, 1.0, d.uniform(0.8, 1.25)))
         m = {"name": "m", "friction": d.choice((0.0, d.uniform(0, 1)))}
@@ -259,7 +259,7 @@ class Maker:
         self.alone = True
 
     def bend(self, _, h):
-        """At three lines of nodes, one in the middle of the upper side; in bending, strains scale with the height of
+        """A load acts on three lines of nodes, one in the middle of the upper side; in bending, strains scale with the height of
         the bar over its length."""
         def line(x, y):
             low, high = [-self.s] * self.dim, [size + self.s for size in self.size]

@@ -9,7 +9,7 @@ static inline void in_teams_of(int most, void (*act)(void *context), void *conte
 }
 
 /* Calls `act` within a region of others, so that every region that it begins has one thread; the
- * limit is as high as ever. */
+ * limit is not lowered. */
 static inline void in_a_region(void (*act)(void *context), void *context) {
 #pragma omp parallel num_threads(2)
 #pragma omp single

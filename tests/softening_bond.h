@@ -15,7 +15,7 @@ typedef struct bond {
     gn_contacts k;
     gn_contact_args args;
     gn_contact_kernel *kernel;
-    gn_contact_sums sums;                      /* of the last step */
+    gn_contact_sums sums;                      /* sums of the last step */
     double lost, damage, breaking, plasticity; /* J, of all */
     double work;                               /* J, trapezoidal */
     double force[3], u;

@@ -21,7 +21,7 @@ def study(folder, *arguments):
 
 
 def quick():
-    """Folder of the quick study, made by the first fact that asks; main() removes it."""
+    """Folder of the quick study, made by the first fact that needs it; main() removes it."""
     if not MADE:
         MADE.append(tempfile.mkdtemp(prefix="gneiss-accuracy-"))
         expect(study(MADE[0]), 0)
@@ -136,7 +136,7 @@ def a_power_law_is_found_again(folder):
 def a_limit_is_found_again_with_its_exponent(folder):
     x = np.array([5.0, 8, 12, 20, 33])
     limit, a, p = fits.limit(x, 200 - 900 * x**-1.5)
-    assert abs(p - 1.5) <= 0.0125 + 1e-12  # half a step of the search
+    assert abs(p - 1.5) <= 0.0125 + 1e-12  # half a step of the search grid
     assert abs(limit - 200) < 0.1 and abs(a / 900 - 1) < 0.05
 
 

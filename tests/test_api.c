@@ -463,7 +463,7 @@ static void every_field_is_found_by_index_and_by_name(void **state) {
     step(w, 60);
     for (int record = 0; record < 4; record++) {
         size_t count = gneiss_world_field_count(w, (gneiss_record)record);
-        assert_true(count >= 4); /* those without conditions */
+        assert_true(count >= 4); /* these fields exist under no condition */
         for (size_t k = 0; k < count; k++) {
             gneiss_view at;
             must(gneiss_world_field_at(w, (gneiss_record)record, k, &at, NULL), &(gneiss_error){0});
@@ -472,7 +472,7 @@ static void every_field_is_found_by_index_and_by_name(void **state) {
             assert_true(at.count > 0 && strlen(at.unit) > 0 && strlen(at.description) > 0);
             assert_true(at.item_stride >= sizes[at.type]);
             double last = gneiss_view_value(&at, at.count - 1, (size_t)at.components - 1);
-            assert_true(isfinite(last)); /* and is memory that may be read */
+            assert_true(isfinite(last)); /* the last item is memory that may be read */
         }
     }
     gneiss_world_free(w);
@@ -739,7 +739,7 @@ static void counts_follow_the_views(void **state) {
 
 static void the_history_has_a_row_every_interval(void **state) {
     (void)state;
-    /* Loaded slowly, so that the block does not break and the step does not change. */
+    /* The block is loaded slowly, so that it does not break and the step does not change. */
     gneiss_world *w = world_of(block, "walls.top.motion.vz=-0.3", NULL);
     gneiss_error error = {0};
     must(gneiss_world_run(w, &error), &error);
@@ -802,7 +802,7 @@ static void readings_without_a_test_are_nan(void **state) {
 static void energies_balance(void **state) {
     (void)state;
     gneiss_world *w = world_of(block, NULL, NULL);
-    assert_true(isnan(energy(w, "kinetic"))); /* no reading was taken yet */
+    assert_true(isnan(energy(w, "kinetic"))); /* no reading has been taken yet */
     gneiss_error error = {0};
     must(gneiss_world_run(w, &error), &error);
     gneiss_quantity q;
@@ -866,7 +866,7 @@ static void step_takes_exactly_as_many_also_past_the_end(void **state) {
     assert_int_equal(end.finished, 1);
     assert_non_null(strstr(end.stop_reason, "reached"));
     assert_true(fabs(end.time - 0.2e-3) <= 0.5 * end.dt);
-    must(gneiss_world_run(w, &error), &error); /* there already */
+    must(gneiss_world_run(w, &error), &error); /* the world is already at that time */
     assert_int_equal(gneiss_world_steps(w), end.step);
     step(w, 5);
     assert_int_equal(gneiss_world_steps(w), end.step + 5);
@@ -916,11 +916,12 @@ static void misuse(gneiss_world *w, const place *p, unsigned pick) {
         assert_int_equal(gneiss_world_advance(w, -1.0, NULL), GNEISS_ERROR_INPUT);
         break;
     case 3:
-        assert_int_equal(gneiss_world_checkpoint(w, NULL), GNEISS_ERROR_INPUT); /* no folder */
+        assert_int_equal(gneiss_world_checkpoint(w, NULL),
+                         GNEISS_ERROR_INPUT); /* the world has no folder */
         break;
     case 4:
         assert_int_equal(gneiss_world_finish(w, NULL),
-                         GNEISS_OK); /* no folder: the call does nothing */
+                         GNEISS_OK); /* without a folder the call does nothing */
         break;
     case 5:
         assert_int_equal(gneiss_world_save(w, p->path, NULL), GNEISS_ERROR_IO); /* a folder */
@@ -1059,7 +1060,8 @@ static void a_saved_world_resumes_to_the_same_bits(void **state) {
     assert_int_equal(gneiss_world_hash(a), gneiss_world_hash(b));
     assert_int_equal(counts_of(a).history_rows, counts_of(b).history_rows);
     assert_true(energy(a, "friction") == energy(b, "friction"));
-    assert_int_equal(count_files(p.path, "", false), 1); /* no folder, no other file */
+    assert_int_equal(count_files(p.path, "", false),
+                     1); /* the run made no folder and no other file */
     gneiss_world_free(a);
     gneiss_world_free(b);
     remove_place(&p);

@@ -143,7 +143,7 @@ static void a_pinned_view_keeps_its_values_when_the_world_is_gone(void **state) 
 typedef struct diary {
     int64_t calls, last, stop_at;
     gneiss_status advanced;
-    const char *path; /* of a file to save to; NULL: none */
+    const char *path; /* path of the file to save to; NULL: none */
 } diary;
 
 static int note(void *context, gneiss_world *world) {
@@ -168,7 +168,8 @@ static void calls_come_between_steps_and_can_stop_the_advance(void **state) {
     assert_int_equal(gneiss_world_step(w, 50, &error), GNEISS_INTERRUPTED);
     assert_int_equal(gneiss_world_steps(w), 20);
     assert_int_equal(every.calls, 4);
-    assert_int_equal(every.advanced, GNEISS_ERROR_INPUT); /* not inside a call */
+    assert_int_equal(every.advanced,
+                     GNEISS_ERROR_INPUT); /* a world cannot be advanced inside a call */
     assert_int_equal(at.calls, 3);
     assert_int_equal(at.last, 12); /* the step that ends nearest to 11.6 steps */
     must(gneiss_world_step(w, 30, &error), &error);
@@ -178,7 +179,7 @@ static void calls_come_between_steps_and_can_stop_the_advance(void **state) {
     must(gneiss_world_step(w, 10, &error), &error);
     assert_int_equal(every.calls, 10);
     must(gneiss_world_step(plain, 60, &error), &error);
-    assert_int_equal(gneiss_world_hash(w), gneiss_world_hash(plain)); /* no bit is another */
+    assert_int_equal(gneiss_world_hash(w), gneiss_world_hash(plain)); /* every bit is equal */
     gneiss_world_free(w);
     gneiss_world_free(plain);
 }
@@ -260,8 +261,8 @@ static void a_spring_swings_as_its_closed_form_and_the_ledger_closes(void **stat
     gneiss_world_free(w);
 }
 
-/* With a stiffness that determines the step: w dt = 2 safety/sqrt(2 safety^2 + ...) remains below
- * 2. */
+/* The field has a stiffness that determines the step: w dt = 2 safety/sqrt(2 safety^2 + ...)
+ * remains below 2. */
 static void a_stiff_field_lowers_the_step(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -299,8 +300,8 @@ static void fields_act_beside_contacts_walls_and_motions(void **state) {
     gneiss_world_free(w);
 }
 
-/* A clamped block of elements swings on springs to a plane beside it. The ledger closes to second
- * order of the step, as that of elements does whose law is not linear. */
+/* A clamped block of elements oscillates on springs to a plane beside it. The ledger closes to
+ * second order of the step, as it does for elements with a nonlinear law. */
 static void fields_act_on_nodes_of_elements(void **state) {
     (void)state;
     static const char elastic[] =

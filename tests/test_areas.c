@@ -36,7 +36,7 @@ static gn_area_check check_of(const gn_world *w) {
 static const struct lattice {
     int dimension;
     const char *specimen, *box;
-    double section; /* of every bond, m2; 2D: m x 1 m */
+    double section; /* section of every bond, m2; 2D: m x 1 m */
     double filled;
 } lattices[] = {
     {2, "{lattice: {kind: square, radius: 1 mm, cells: [6, 5, 1]}}", "[12e-3, 10e-3]", 2e-3, 1.0},
@@ -80,7 +80,7 @@ static void sections_at_a_skin_are_those_inside(void **state) {
             made(lattices[k].dimension, lattices[k].specimen, "{stiffness: polyhedron}", "");
         for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++)
             assert_close(w->dem.bonds.contacts.area[c], lattices[k].section,
-                         1e-6); /* shifts of 1e-8 */
+                         1e-6); /* the computation of cells shifts points by 1e-8 */
         double most = 0.0, side[2][3] = {{12e-3, 10e-3, 1.0}, {12e-3, 10e-3, 10e-3}};
         const double *s = side[lattices[k].dimension - 2];
         most = (double)lattices[k].dimension * s[0] * s[1] * s[2];
@@ -150,7 +150,7 @@ static void a_flat_skin_misses_the_faces_that_the_lattice_had(void **state) {
         assert_int_equal(n, k ? 9 : 8);
         gn_polyhedron p = gn_polyhedron_about(3, n, kept);
         assert_true(p.open);
-        assert_near(p.whole, 12.0, 1e-5); /* shifts of 1e-8 */
+        assert_near(p.whole, 12.0, 1e-5); /* the computation of cells shifts points by 1e-8 */
     }
     const double edges[][3] = {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}}; /* face, edge, corner */
     for (int k = 0; k < 3; k++) {
@@ -251,8 +251,8 @@ static void two_spheres_are_a_bar(void **state) {
         }
 }
 
-/* Breaks in the first step whose force reaches the strength: at the strain sigma/(alpha E), or in
- * shear at tau/(beta G). */
+/* The bond breaks in the first step whose force reaches the strength: at the strain sigma/(alpha
+ * E), or in shear at tau/(beta G). */
 static void a_bar_breaks_at_its_strain(void **state) {
     (void)state;
     const double dt = 1e-9, speed = 0.5, shear = young / 2.4;
@@ -296,13 +296,14 @@ static void plates_and_columns_have_square_sections(void **state) {
                  cells[k]);
         gn_world *w = made(3, specimen, "{stiffness: polyhedron}", "");
         for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++)
-            assert_close(w->dem.bonds.contacts.area[c], 4e-6, 1e-6); /* shifts of 1e-8 */
+            assert_close(w->dem.bonds.contacts.area[c], 4e-6,
+                         1e-6); /* the computation of cells shifts points by 1e-8 */
         world_end(w);
     }
 }
 
-/* Compressed to ten times the tensile strength it holds, and breaks in shear at the same force as
- * without compression; with friction of the bond at tau + mu_1 times the pressure. */
+/* A bond compressed to ten times its tensile strength does not break, and breaks in shear at the
+ * same force as without compression; with friction of the bond at tau + mu_1 times the pressure. */
 static void a_pressed_bar_breaks_in_shear_by_its_strength_under_pressure(void **state) {
     (void)state;
     const double dt = 1e-9, shear = young / 2.4, friction[] = {0.0, 0.4};
@@ -439,7 +440,7 @@ static void a_contracted_packing_has_one_stress_in_every_bond(void **state) {
 }
 
 /* For n bonds in random directions the sum of n_z^4 scatters by 4/3/sqrt(n), so E along an axis by
- * about as much; the tolerance is three of that, for each of three axes. */
+ * about as much; the tolerance is three times that, for each of three axes. */
 static void a_packing_has_the_modulus_of_uniform_strain_along_every_axis(void **state) {
     (void)state;
     gn_world *w =

@@ -21,7 +21,7 @@ SCENE = {
               {"name": "top", "point": [0, 0, 0.0134], "normal": [0, 0, -1], "stiffness": 5e7, "kratio": 2, "friction": 0.3,
                "passive": True, "motion": {"vz": -2}}],
     "test": {"kind": "compression", "axis": "z", "lower": "bottom", "upper": "top"},
-    "time": {"end": 1.5e-4, "stop": "none"},  # by rows, of which a run that is prolonged has others
+    "time": {"end": 1.5e-4, "stop": "none"},  # the spacing is set by rows, which a prolonged run places differently
     "output": {"history_rows": 50, "snapshots": 5},
     "run": {"seed": 3},
 }
@@ -59,7 +59,7 @@ def a_resumed_run_has_the_bits_of_one_without_a_break(folder):
 
 @fact
 def bonds_that_hold_beyond_their_strength_in_shear_have_a_finite_share_of_it(folder):
-    # Pulled beyond R_t/mu_1 the shear strength is zero, and the tensile force continues to soften.
+    # A bond pulled beyond R_t/mu_1 has zero shear strength, and its tensile force continues to soften.
     place = os.path.join(folder, "out")
     run(write_scene(folder, {
         "dimension": 2, "specimen": {"particles": [[0, 0, 1e-3], [2e-3, 0, 1e-3], [4e-3, 2e-4, 1e-3]]},
@@ -105,7 +105,7 @@ def the_energy_ledger_closes(folder):
 
 @fact
 def another_seed_draws_other_bonds(folder):
-    still = {**SCENE["specimen"], "lattice": {**SCENE["specimen"]["lattice"], "jitter": 0}}  # its shifts are drawn as well
+    still = {**SCENE["specimen"], "lattice": {**SCENE["specimen"]["lattice"], "jitter": 0}}  # the random shifts of the lattice depend on the seed as well
     one, two = (ran(folder, str(seed), "--threads", 1, specimen=still, run={"seed": seed}) for seed in (3, 4))
     assert state_hash(one) != state_hash(two)
 

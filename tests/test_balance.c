@@ -86,7 +86,7 @@ static void a_falling_body_is_no_balance(void **state) {
     free(t);
 }
 
-/* Without weight and contacts nothing carries load. */
+/* Grains without weight and contacts carry no load. */
 static void grains_that_nothing_touches_are_not_in_balance(void **state) {
     (void)state;
     bool balanced;

@@ -74,7 +74,7 @@ static void threads_that_hinder_are_left_alone(void **state) {
 static void an_unlucky_trial_is_repeated_soon(void **state) {
     (void)state;
     gn_pace pace = gn_pace_start(4, 4, 32, 1 << 20);
-    for (int unlucky = 0; unlucky < 6; unlucky++) { /* both choices cost the same */
+    for (int unlucky = 0; unlucky < 6; unlucky++) { /* both choices take the same time */
         while (gn_pace_threads(&pace) == 4) gn_pace_note(&pace, 1.0, 1.0, 0.8);
         while (gn_pace_threads(&pace) == 1) gn_pace_note(&pace, 2.0, 1.0, 0.0);
     }

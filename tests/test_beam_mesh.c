@@ -190,7 +190,7 @@ static void cells_grow_slowly_from_the_notch_up_to_the_wanted_size(void **state)
         before = size;
         most = fmax(most, size);
         last = x[k];
-        /* Mirrored about mid-span. */
+        /* The positions are mirrored about mid-span. */
         assert_true(fabs(x[k] + x[count - 1 - k] - 0.36) < 1e-14);
     }
     assert_true(fabs(last - 0.35) < 1e-15);
@@ -243,7 +243,7 @@ static void shares_of_facets_are_their_area_and_those_of_nodes_one(void **state)
     double all = 0.0;
     for (size_t k = 0; k < load[1].count; k++) all += load[1].share[k];
     assert_true(fabs(all - 1.0) < 1e-15);
-    /* Both values at first, then another one: the first one no longer has any effect. */
+    /* First both values are given, then another one: the first one no longer has any effect. */
     const double first[2][3] = {{1e6, 0.0, 0.0}, {0.0, 5.0, 0.0}}, then[2][3] = {{2e6}, {0.0}};
     gn_fem_set_loads(body, load, first, 2);
     gn_fem_set_loads(body, load, then, 2);
@@ -325,7 +325,7 @@ static double growth_after(double share, double stretch) {
     gn_fem_limit limit = fem_limits(body);
     deform(body, f);
     for (size_t n = 0; n < body->nodes.soa.count; n++)
-        for (int k = 0; k < 2; k++) /* far below the stretch */
+        for (int k = 0; k < 2; k++) /* these displacements are far below the stretch */
             if (body->nodes.slot[n] < 0 || k == 1)
                 body->nodes.pos[4 * n + k] += 1e-9 * sin(1.0 + 12.9898 * (double)(2 * n + k));
     factor = gn_fem_stiffening(body);

@@ -126,7 +126,7 @@ static void prescribed_spin_turns_about_the_reference_point(void **state) {
     double x[3];
     const gn_surface *s = &w->boundary.surfaces[0];
     gn_rigid_place(&w->boundary.bodies[0], s->facets.pos,
-                   x); /* the corner that was at the origin */
+                   x); /* position of the corner that was at the origin */
     assert_close(x[0], 2.0 - 2.0 * cos(0.5), 1e-9);
     assert_close(x[1], 1.0 - 2.0 * sin(0.5), 1e-9);
     world_end(w);
@@ -143,7 +143,8 @@ static void turned_vertex(const gn_rigid *b, const double at_start[3], double ou
     for (int a = 0; a < 3; a++) out[a] = at_start[a] + q[0] * t[a] + once[a];
 }
 
-/* Prescribed and free, up to several rotations: a few ulp of each of at most 700 products. */
+/* The orientation of prescribed and free bodies, up to several rotations: the error is a few ulp of
+ * each of at most 700 products. */
 static void orientation_is_the_turn_from_the_start_at_every_angle(void **state) {
     (void)state;
     const char *const bodies[] = {"motion: {wx: 3, wy: -2, wz: 4}",
@@ -275,7 +276,7 @@ static gn_world *swarm(const char *more) {
     add(&t, "dimension: 3\nspecimen:\n  group: 0\n  particles:\n");
     add(&s, "sets:\n");
     for (int k = 0; k < 24; k++) {
-        /* Evenly over the sphere. */
+        /* Twelve directions, evenly distributed over the sphere. */
         double z = (2 * k + 1) / 24.0 - 1.0, turn = 2.4 * k, r = 1e-3, far = 9e-3;
         double d[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
         add(&t, "    - [%.17g, %.17g, %.17g, %g]\n", far * d[0], far * d[1], far * d[2],
@@ -357,7 +358,7 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
             off, restitution);
         run_steps(w, 10000);
         const gn_rigid *b = &w->boundary.bodies[0];
-        /* Along z at the contact point; the body has hardly rotated by then. */
+        /* Velocity along z at the contact point; the body has hardly rotated by then. */
         double at = b->velocity[2] - off * b->spin[1];
         assert_near(vel_of(w, 0)[2] - at, restitution, 0.01);
         assert_true(b->velocity[2] < -0.01);
@@ -390,7 +391,7 @@ static double fastest(const gn_world *w) {
 }
 
 /* At the automatic step the energy does not grow; at the step that is stable for the spheres alone
- * it does. */
+ * it grows. */
 static void the_limit_includes_free_bodies(void **state) {
     (void)state;
     const char *const damping[] = {"", "damping: {contact: {fraction: 0.3}}\n"};

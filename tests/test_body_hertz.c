@@ -106,7 +106,8 @@ static void bodies_rebound_with_the_restitution_of_materials(void **state) {
     assert_near(rebound("", "material: t", ", material: t", false), 0.65, 0.01);
 }
 
-/* On a floor that leans by 0.2 a box slides with friction 0.1, of the pair t and t. */
+/* On a floor that leans by 0.2 a box slides with friction 0.1, the value of the pair of materials t
+ * and t. */
 static void friction_is_that_of_materials(void **state) {
     (void)state;
     static const char *const mine[] = {"friction: 0.9", "material: t", "material: t"};
@@ -220,7 +221,7 @@ static void a_block_rests_on_grains_with_its_weight(void **state) {
     print_message("# floor %.5g N of %.5g N, block %.5g of %.5g, ledger %.3g, speed %.3g\n",
                   floor_force, weight, own, 9.81 * body(w, 0)->mass, worst,
                   length3(body(w, 0)->velocity));
-    assert_close(floor_force, weight, 0.03); /* sides hold a little by friction */
+    assert_close(floor_force, weight, 0.03); /* the sides carry a small part by friction */
     assert_near(length3(body(w, 0)->velocity), 0.0, 1e-3);
     assert_true(worst < 2e-3);
     world_end(w);
@@ -239,7 +240,7 @@ static gn_run *grains_run(int threads) {
 static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
     gn_run *straight = grains_run(3), *stopped = grains_run(1);
-    double held = 0.0; /* energy to carry over */
+    double held = 0.0; /* energy that a resumed run has to restore */
     while (held == 0.0 && stopped->world.ctx.step < 90000) {
         run_steps(&stopped->world, 7);
         const gn_body_pairs *q = &stopped->world.boundary.pairs;

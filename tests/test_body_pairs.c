@@ -93,7 +93,8 @@ static void cubes_rebound_with_the_restitution(void **state) {
 /* --- at random --- */
 
 typedef struct collision {
-    double residual, momentum, turn, change; /* the last: of the kinetic energy, over itself */
+    double residual, momentum, turn,
+        change; /* `change`: change of the kinetic energy, over itself */
     bool met;
 } collision;
 
@@ -340,7 +341,8 @@ static void bodies_that_pass_through_bodies_are_known(void **state) {
                 !gn_body_misses_bodies(&w->ctx, &w->boundary, 0));
     assert_ok(gn_bodies_overlap_of(&w->ctx, &w->boundary, 0, 1, &o, &error), &error);
     assert_close(o.depth, 1e-3, 0.02);
-    assert_close(o.force, 1e3, 0.05); /* near the sides those are nearer */
+    assert_close(o.force, 1e3,
+                 0.05); /* near the sides of the box the sides are nearer than the face */
     world_end(w);
     gn_world refused;
     char scene_text[4096];
@@ -448,7 +450,7 @@ static gn_run *pile_run(int threads) {
 static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
     gn_run *straight = pile_run(3), *stopped = pile_run(1);
-    double held = 0.0; /* energy to carry over */
+    double held = 0.0; /* energy that a resumed run has to restore */
     while (held == 0.0 && stopped->world.ctx.step < 9000) {
         run_steps(&stopped->world, 7);
         const gn_body_pairs *q = &stopped->world.boundary.pairs;
@@ -472,7 +474,7 @@ static void blocks_come_to_rest_on_each_other(void **state) {
     }
     for (int p = 0; p < 36; p++) weight += 10.0 * mass_of(w, p);
     assert_near(-w->boundary.walls[0].force[2], weight,
-                0.1 * weight); /* the sides carry a part of it */
+                0.1 * weight); /* the sides carry a part of the weight */
     assert_true(worst < 1e-3 && speed < 0.01 && lowest > 0.0);
     world_end(w);
     free(lines);

@@ -31,7 +31,7 @@ static void a_weight_may_be_given(void **state) {
     world_end(w);
 }
 
-/* If its centre is given as well, nothing is computed from the surface. */
+/* If the centre is given as well as the weight, nothing is computed from the surface. */
 static void an_open_body_may_be_free(void **state) {
     (void)state;
     gn_world *w = world_of("%sgravity: [0, 0, -10]\nbodies: [{name: b, cylinder: {diameter: 1, "
@@ -82,8 +82,8 @@ static void a_door_is_hit(void **state) {
 
 /* --- two axes --- */
 
-/* Rotated about x and y while z is held by bearings, which do no work: energy and the two
- * components of the angular momentum are conserved. */
+/* The body rotates freely about x and y while z is held by bearings, which do no work: energy and
+ * the two components of the angular momentum are conserved. */
 static double lost_energy(double dt) {
     gn_world *w = world_of("%sbodies: [{name: b, box: {size: [1, 2, 3]}, rotation: [0.3, 0.4, "
                            "-0.7], stiffness: 1, free: true, density: 10, initial_spin: [3, -2, "
@@ -190,9 +190,9 @@ static void the_work_of_bearings_is_in_the_ledger(void **state) {
     }
 }
 
-/* About its own axis: the work of a bearing that accelerates a wheel to p and decelerates it to p/3
- * is C p^2/2 and C p^2/18, for any step; two bearings; one that is rotated by a table beside a free
- * axis. */
+/* A wheel rotates about its own axis: the work of a bearing that accelerates it to p and
+ * decelerates it to p/3 is C p^2/2 and C p^2/18, for any step. Further tests: two bearings; a
+ * bearing that is rotated by a table, beside a free axis. */
 static void a_wheel_is_spun_up(void **state) {
     (void)state;
     gn_world *w = driven("mass: 1, box: {size: [1, 1, 1]}, inertia: [2, 2, 3], motion: {wz: [[0, "
@@ -219,8 +219,8 @@ static void a_wheel_is_spun_up(void **state) {
     assert_true(worst < 1e-5);
 }
 
-/* From a very small angle to a radian in ten steps, for a hundred thousand steps: the error does
- * not grow. */
+/* The driven angle per ten steps goes from very small to a radian, for a hundred thousand steps:
+ * the error does not grow. */
 static void a_driven_body_turns_for_long(void **state) {
     (void)state;
     const double spin[] = {1e-6, 1.0, 100.0};

@@ -150,7 +150,7 @@ static void a_rocking_block_keeps_its_energy(void **state) {
     }
     print_message("# rocking: %.3g of the weight over the height, leans to %.3g\n", worst / start,
                   0.2 + least);
-    assert_true(least < -0.25); /* to the other side */
+    assert_true(least < -0.25); /* the block has also rocked to the other side */
     assert_true(worst < 1e-3 * start);
     world_end(w);
 }
@@ -248,7 +248,7 @@ static void the_work_of_a_moving_wall_is_in_the_ledger(void **state) {
 
 /* --- the automatic step --- */
 
-/* From springs with displacements of metres to almost rigid ones, and a body of a thousand
+/* The springs range from displacements of metres to almost rigid ones; one body has a thousand
  * vertices. */
 static void the_automatic_step_follows_any_stiffness(void **state) {
     (void)state;
@@ -404,7 +404,7 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     const gn_wall_contacts *q = &stopped.world.boundary.body_contacts;
     double held = 0.0;
     for (size_t c = 0; c < q->soa.count; c++) held += fabs(q->shear[c]);
-    assert_true(held > 0.0); /* there is energy to carry over */
+    assert_true(held > 0.0); /* a resumed run has energy to restore */
     assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
     assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
     assert_true(gn_world_hash(&stopped.world.ctx, &stopped.world.dem, &stopped.world.boundary,

@@ -172,7 +172,8 @@ static int64_t steps_to_break(gn_world *w, gn_energy *e) {
 /* The first instant at which `rate` of load in a step reaches 1. */
 static void reached(int64_t steps, double rate) {
     double exact = 1.0 / rate;
-    assert_true(fabs(exact - round(exact)) > 1e-6); /* not on the edge of two steps */
+    assert_true(fabs(exact - round(exact)) >
+                1e-6); /* the break is not on the boundary between two steps */
     assert_int_equal(steps, (int64_t)ceil(exact));
 }
 
@@ -214,7 +215,7 @@ static void a_bond_breaks_by_pull_and_bending_together(void **state) {
     }
 }
 
-/* Compressed by as much as the fibre is bent, it holds; twice that bend breaks it. */
+/* A bond compressed by as much as its fibre is bent holds; twice that bend breaks it. */
 static void pressure_reduces_the_tension_of_bending(void **state) {
     (void)state;
     double bend = 317.3, moment = bend_stiffness(3) * 2.0 * bend * 1e-8;
@@ -242,7 +243,8 @@ static void twist_and_bending_add_to_their_own_stress_only(void **state) {
     reached(steps_to_break(w, &e), moment * 2.0 * share / (multiplier * r * limit_t));
 }
 
-/* It slides across the normal as well: the normal rotates by 1e-4, which tilts the increment. */
+/* The bond is sheared across the normal as well: the normal rotates by 1e-4, which tilts the
+ * increment. */
 static void shear_and_twist_add_up(void **state) {
     (void)state;
     gn_energy e;
@@ -254,9 +256,9 @@ static void shear_and_twist_add_up(void **state) {
     assert_near((double)steps_to_break(w, &e), ceil(exact), 1.0 + 2.0 * turn * turn * exact);
 }
 
-/* Bent and twisted, in 2D bent and sheared, with increments a and b per step relative to the
- * strengths of the fibre: it breaks at the first n with n^2 (a^2 + b^2) >= 1, by the larger of the
- * two. */
+/* A bond is bent and twisted, in 2D bent and sheared, with increments a and b per step relative to
+ * the strengths of the fibre: it breaks at the first n with n^2 (a^2 + b^2) >= 1, by the larger of
+ * the two. */
 static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
     (void)state;
     const double ratio[] = {0.4, 0.9, 1.6};
@@ -303,7 +305,7 @@ static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
             const gn_law *law = gn_law_of(b->soa.effects);
             const double *at = w->dem.particles.pos;
             gn_law_moments m = law->moments(b, 0, n);
-            /* where the forces of the last step were found, a path before */
+            /* stretch at the positions for which the last forces were computed, one step before */
             double u = hypot(at[4] - at[0], at[5] - at[1]) - 2.0 * r - pull[k / 3] * 1e-8;
             last = law->criterion(b, 0, kn * u, m.normal, m.shear);
             run_steps(w, 1);
@@ -681,8 +683,8 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     }
 }
 
-/* Elastic, so that small differences stay small: forces in single precision are off by some 1e-6.
- */
+/* The system is elastic, so that small differences stay small: forces in single precision are off
+ * by some 1e-6. */
 static void moments_in_single_precision_follow_the_double_ones(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -709,8 +711,8 @@ static void moments_in_single_precision_follow_the_double_ones(void **state) {
     }
 }
 
-/* With a share of 0 the strength depends on forces only; a thin beam hardly bends: as without
- * moments. */
+/* With a share of 0 the strength depends on forces only, and a thin beam hardly bends: the results
+ * are those without moments. */
 static void thin_beams_are_no_beams(void **state) {
     (void)state;
     gn_world *w[2];

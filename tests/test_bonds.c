@@ -226,8 +226,8 @@ static void a_broken_overlapping_bond_keeps_its_zero_gap(void **state) {
     }
     assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_SHEAR);
     assert_close(before, -pair_kn * press, 1e-2); /* compressed and slightly tilted */
-    /* No jump: the normal force continues with the same zero gap, the shear force drops to
-     * friction. */
+    /* There is no jump: the normal force continues with the same zero gap, and the shear force
+     * drops to friction. */
     double x[3], distance_now, t[3], turn;
     for (int k = 0; k < 400; k++) {
         for (int a = 0; a < 3; a++) x[a] = pos_of(w, 1)[a] - pos_of(w, 0)[a];
@@ -245,7 +245,8 @@ static void a_broken_overlapping_bond_keeps_its_zero_gap(void **state) {
 
 static void a_bond_broken_in_tension_touches_again_at_its_own_length(void **state) {
     (void)state;
-    /* Bonded across a gap of 40 um: pulled apart until it breaks, then brought back. */
+    /* A pair bonded across a gap of 40 um is pulled apart until the bond breaks, then brought
+     * back. */
     const double distance = 2.04e-3;
     gn_world *w = driven_pair(3, distance, "vx: [[0, 1], [4e-6, 1], [4.01e-6, -1], [1, -1]], vy: 0",
                               "bonds: {}\n", 1e-8);
@@ -304,7 +305,8 @@ static void a_pair_broken_at_once_behaves_as_one_never_bonded(void **state) {
 
 static void work_of_breaking_balances(void **state) {
     (void)state;
-    /* Pulled until it breaks: the whole work is released, 1/2 R_n^2/k_n and the last increment. */
+    /* A bond is pulled until it breaks: the whole work is released, 1/2 R_n^2/k_n and the last
+     * increment. */
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0", "bonds: {}\n", 1e-8);
     measured_step(w);
     while (w->dem.bonds.contacts.cause[0] == GN_INTACT) run_steps(w, 1);
@@ -316,7 +318,8 @@ static void work_of_breaking_balances(void **state) {
     world_end(w);
 }
 
-/* Sheared until it breaks under compression, then slipping: every part of the work is booked. */
+/* A bond is sheared until it breaks under compression, and the contact then slips: every part of
+ * the work is booked. */
 static void work_of_shear_breaking_and_slip_balances(void **state) {
     (void)state;
     gn_world *w = driven_pair(3, 2e-3,

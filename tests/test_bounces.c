@@ -192,9 +192,9 @@ static void a_change_of_the_step_is_in_the_ledger(void **state) {
 }
 
 /* Platens rest on a column and are loaded slowly; they are so much stiffer than the bonds that the
- * stability limit alone would resolve their contacts in 1.8 steps; the upper one touches late.
- * Compared with the mean force of springs in series: after the impact the balls continue to bounce
- * at the platens. */
+ * stability limit alone would resolve their contacts in 1.8 steps; the upper one touches late. The
+ * force is compared with the mean force of springs in series: after the impact the balls continue
+ * to bounce at the platens. */
 static void a_stiff_platen_that_touches_late_presses_gently(void **state) {
     (void)state;
     static const double stiff[] = {10.0, 100.0, 1000.0};

@@ -169,7 +169,8 @@ static void steps(gn_run *run, int64_t count) {
     if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* Compacts, bonds, is held, and is then sheared along z, with all features that a box allows. */
+/* The specimen compacts, bonds, is held, and is then sheared along z, with all features that a box
+ * allows. */
 static const char *programme(const char *run) {
     static char s[4096];
     snprintf(
@@ -286,11 +287,12 @@ static void threads_do_not_matter(void **state) {
     assert_true(one == hash_after(programme("threads: 2"), 6000));
 }
 
-/* Its servo uses sums that are formed contact by contact. */
+/* The box's servo uses sums that are formed contact by contact. */
 static void instruction_sets_do_not_matter(void **state) {
     (void)state;
     const uint64_t plain = hash_after(programme("threads: 1, isa: scalar"), 6000);
-    assert_true(plain == hash_after(programme("threads: 3"), 6000)); /* the best there is */
+    assert_true(plain == hash_after(programme("threads: 3"),
+                                    6000)); /* the instruction set is the best available one */
 }
 
 static void a_resumed_box_has_the_same_bits(void **state) {
@@ -362,7 +364,7 @@ static void a_seam_is_none_where_the_box_is_open_across_it(void **state) {
     for (int k = 0; k < 2; k++) world_end(w[k]);
 }
 
-/* Between a driven layer and one that is loaded: friction, slip through the periodic sides, in
+/* A layer between a driven one and a loaded one: friction, slip through the periodic sides, in
  * double and in single precision; threads, an interruption. */
 static void a_layer_that_is_sheared_has_the_same_bits(void **state) {
     (void)state;

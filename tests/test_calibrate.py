@@ -87,7 +87,7 @@ def known_parameters_are_recovered_from_their_readings_within_the_stated_interva
         assert low < entry["value"] < high and entry["prediction"][0] < min(entry["packings"]) and entry["prediction"][1] > max(entry["packings"]), entry
     for key, value in KNOWN.items():
         low, high = found["parameters"][key]["interval"]
-        middle, wider = (low * high)**0.5, (high / low)**(0.5 * 2.0**0.5)  # the targets scatter as much: they are means of as many packings
+        middle, wider = (low * high)**0.5, (high / low)**(0.5 * 2.0**0.5)  # the targets scatter as much: they are means over the same number of packings
         assert middle / wider <= value <= middle * wider, f"{key}: {value} outside of {middle / wider} .. {middle * wider}"
         # An interval that contains every value would prove nothing: the scatter of packings of 250 particles is some
         # per cent.
@@ -385,7 +385,7 @@ def files_of_others_are_kept_without_force(folder):
     path = write_scene(other, "kept", "calibrated.yaml")
     calibrated(folder, TARGETS + "budget: 1\n", "a", "--force", code=2)
     assert os.path.isdir(os.path.join(other, "runs", "mine")), "a folder that no calibration made"
-    calibrated(folder, TARGETS + "budget: 1\n", "a", code=2)  # the folder of a calibration by now
+    calibrated(folder, TARGETS + "budget: 1\n", "a", code=2)  # the folder is that of a calibration by now
 
 
 class Means:

@@ -72,7 +72,7 @@ def keys_are_found_by_words_of_the_field_and_of_other_programs(folder):
         found = expect(gneiss("keys", *words.split()), 0).stdout
         assert f"\n{key}\n" in "\n" + found, (words, found)
         assert "run.isa" not in found
-    assert "\ntest.opening\n" in gneiss("keys", "crack mouth").stdout  # in one argument
+    assert "\ntest.opening\n" in gneiss("keys", "crack mouth").stdout  # both words are in one argument
     expect(gneiss("keys", "water"), 2, "no key concerns 'water': no water or other fluid is modelled")
     expect(gneiss("keys", "pore pressure"), 2, "no water or other fluid is modelled")
     expect(gneiss("keys", "servo", "frction"), 2, "expected words that .* found 'servo frction'")
@@ -203,7 +203,7 @@ def plan_names_the_memory_that_a_run_takes(folder):
     texts = {name: scene + SHORT for name, scene in kinds.items()}
     texts["contacts"] = GRAINS.replace("1.2", "0.999") + SHORT.replace("snapshots: 1", "snapshots: 1, contacts: true")
     texts["history"] = LOOSE.replace("STEP", "auto").replace("1e-4}", "0.1}") + "output: {history_rows: 8000}\n"
-    program.ENVIRONMENT.pop("MALLOC_PERTURB_", None)  # it writes to all allocated memory, also where a run does not
+    program.ENVIRONMENT.pop("MALLOC_PERTURB_", None)  # the setting writes to all allocated memory, also where a run does not
     for name, text in texts.items():
         file = write_scene(folder, text)
         said = float(re.search(r"in all ([\d.]+) MB", expect(gneiss("plan", file), 0).stdout).group(1))
@@ -855,7 +855,7 @@ def the_most_memory_of_a_run_holds_at_least_its_particles(folder):
 def processor_seconds_go_on_over_a_resume(folder):
     run(LATTICE, folder, "--set", "time.end=0.2 ms")
     with h5py.File(os.path.join(folder, checkpoints(folder)[-1]), "r+") as file:
-        file.attrs["cpu_seconds"] = 3723.0  # as if it had taken this long
+        file.attrs["cpu_seconds"] = 3723.0  # attribute of a run that took this time
         report_digest.seal(file)
     resume(folder, "--set", "time.end=0.3 ms")
     assert 3723 < summary(folder)["seconds"]["cpu"] < 3723 + 100, summary(folder)["seconds"]
@@ -896,7 +896,7 @@ def no_rows_and_no_snapshots_leave_the_first_row_and_the_last_state(folder):
 
 @fact
 def the_ledger_is_looked_at_at_the_end_with_or_without_rows(folder):
-    """Equals a row of the last step; the bits of the state are equal."""
+    """The values equal a row of the last step; the bits of the state are equal."""
     whole, none, ledgers = os.path.join(folder, "whole"), os.path.join(folder, "none"), {}
     for out, rows in ((whole, 10**7), (none, 0)):
         run(LATTICE, out, "--set", f"output.history_rows={rows}", "--set", "output.snapshots=0")
@@ -1032,7 +1032,7 @@ def without_the_ledger_there_is_no_energy(folder):
 def snapshots_are_grids_with_their_time(folder):
     out = ucs()
     listed = series(out)
-    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # with the snapshot at the peak
+    assert 7 <= len(listed) <= 11 and listed[0][1] == 0.0, listed  # the list includes the snapshot at the peak
     for name, when in listed:
         with h5py.File(os.path.join(out, name)) as file:
             assert file["VTKHDF/FieldData/TimeValue"][0] == when
@@ -1047,7 +1047,7 @@ ASKED = {"spin": 3, "group": 1, "material": 1, "total_force": 3, "total_moment":
 
 @fact
 def fields_are_in_snapshots_and_results_where_they_are_asked_for(folder):
-    """With viscous damping of a v m at mid-step; unrequested fields are absent, and requesting them changes no bit."""
+    """The damping force is a v m at mid-step; unrequested fields are absent, and requesting them changes no bit."""
     states = []
     for asked in ((), ASKED):
         out = os.path.join(folder, str(len(asked)))
@@ -1125,7 +1125,7 @@ def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
     the contact time."""
     k, r, rho, v = 1e5, 1e-3, 2500.0, 0.01
     m = rho * 4 / 3 * math.pi * r**3
-    w = math.sqrt(k / m)  # the middle one stays
+    w = math.sqrt(k / m)  # the middle ball does not move
     scene = write_scene(folder, {
         "dimension": 3, "specimen": {"particles": [[-2.001e-3, 0, 0, r], [0, 0, 0, r], [2.001e-3, 0, 0, r]]},
         "law": {"stiffness": "uniform"},

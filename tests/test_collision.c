@@ -79,7 +79,7 @@ static void collisions_keep_momentum(int dimension) {
         assert_near(after.angular[a], before.angular[a], allowed * before.angular_size);
     }
     e = measured_step(w);
-    assert_true(e.friction > 0.005 * kinetic); /* they were in contact */
+    assert_true(e.friction > 0.005 * kinetic); /* the particles were in contact */
     assert_true(e.contact_damping > 0.05 * kinetic);
     /* A contact that opens or closes within a step leaves 1/2 k (v dt)^2 unbooked. */
     double v = 10.0, events = 100.0; /* upper bounds */
@@ -177,8 +177,8 @@ static void a_sphere_rebounds_from_a_wall_with_the_restitution_coefficient(void 
 enum { RADIUS_MM = 10 };
 static const double g = 10.0, mu = 0.25, v0 = 1.0, kn = 1e8;
 
-/* Set down with its weight balanced; slides along x with v0 and spin w0 about the axis that rolls.
- */
+/* A sphere (disc) on the floor with its weight balanced by the overlap slides along x with v0 and
+ * spin w0 about the axis that rolls. / */
 static gn_world *slider(int dimension, double spin0, double *mass) {
     double r = 1e-3 * RADIUS_MM, m = dimension == 3 ? sphere_mass(2500, r) : disc_mass(2500, r);
     *mass = m;

@@ -93,7 +93,8 @@ static void nonviscous_damping_slows_a_push_by_its_fraction(void **state) {
             assert_close(vel_of(w, 0)[a], want, 2.2e-16 * 4.0 * (double)steps);
         }
         assert_true(vel_of(w, 0)[2] == 0.0);
-        assert_true(spin_of(w, 0)[0] == 0.0); /* no moment, no spin: no damping, no NaN */
+        assert_true(spin_of(w, 0)[0] ==
+                    0.0); /* without moment and spin there is no damping and no NaN */
         gn_energy e = measured_step(w);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-10);
         assert_close(e.background_damping / e.work_applied, 0.4, 2.0 / (double)steps);
@@ -184,10 +185,10 @@ static void reactions_of_prescribed_motion_are_the_spring_force(void **state) {
     measured_step(w);
     run_steps(w, 9999);
     double u = pos_of(w, 1)[0] - pos_of(w, 0)[0] - 2e-3;
-    gn_energy e = measured_step(w); /* of the instant at which it starts */
+    gn_energy e = measured_step(w); /* reading at the instant at which the motion starts */
     assert_close(u, 0.01 * 1e-7 * 1e4, 1e-10);
     assert_close(w->dem.set_reaction[6], k0 * u, 1e-12);  /* pulls on */
-    assert_close(w->dem.set_reaction[0], -k0 * u, 1e-12); /* holds back */
+    assert_close(w->dem.set_reaction[0], -k0 * u, 1e-12); /* the reaction acts against the motion */
     assert_close(e.work_prescribed, 0.5 * k0 * u * u, 1e-9);
     assert_close(e.elastic_normal, 0.5 * k0 * u * u, 1e-12);
     assert_true(fabs(gn_energy_residual(&e)) < 1e-9);
@@ -230,7 +231,7 @@ static void a_servo_wall_reaches_and_holds_its_force(void **state) {
     while (w->ctx.time < 12e-3) {
         run_steps(w, 1);
         assert_true(fabs(w->boundary.walls[1].velocity[2]) <= 0.05 * (1.0 + 1e-12));
-        double force = w->boundary.walls[1].force[2]; /* of the sphere on the wall: up */
+        double force = w->boundary.walls[1].force[2]; /* force of the sphere on the wall, upwards */
         if (w->ctx.time > 3e-3 && w->ctx.time < 5e-3) assert_close(force, 5.0, 1e-6);
         if (w->ctx.time > 9e-3) assert_close(force, 8.0, 1e-6);
         late += w->ctx.time > 9e-3;

@@ -91,7 +91,9 @@ static void the_motion_is_bounded_when_the_reading_runs_away(void **state) {
     assert_int_equal(run->world.dem.broken_tension, 1);
     assert_near(least, -0.5, 0.0);
     assert_near(most, 1.0, 0.0);
-    assert_true(back > 0.3 * furthest); /* until the opening has its value for that time */
+    assert_true(
+        back >
+        0.3 * furthest); /* the ends move back until the opening has its value for that time */
     assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 0.01);
     run_end(run);
 }
@@ -193,7 +195,7 @@ static void threads_and_a_break_do_not_matter(void **state) {
         assert_true(hash == hash_after(chain(softens, ratio, control, two), 3000));
         gn_run *run = run_of("%s", chain(softens, ratio, control, one));
         for (int k = 0; k < 3; k++) {
-            /* Interrupted between readings of the control. */
+            /* The run is interrupted between readings of the control. */
             if (gn_run_steps(run, k < 2 ? 997 : 3000 - 2 * 997, &error) != GNEISS_OK)
                 fail_msg("%s", error.message);
             if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);

@@ -162,9 +162,10 @@ static block unrelaxed(const block *s) {
 
 static void a_strained_block_becomes_particles_under_its_stress(void **state) {
     (void)state;
-    const double gradients[3][9] = {{1e-6, 0, 0, 0, -2e-6, 0, 0, 0, 0},
-                                    {0, 2e-6, 0, 0, 0, 0, 0, 0, 0}, /* it shears and rotates */
-                                    {1e-6, 3e-6, 0, -1e-6, 2e-6, 0, 0, 0, 0}};
+    const double gradients[3][9] = {
+        {1e-6, 0, 0, 0, -2e-6, 0, 0, 0, 0},
+        {0, 2e-6, 0, 0, 0, 0, 0, 0, 0}, /* this field shears and rotates */
+        {1e-6, 3e-6, 0, -1e-6, 2e-6, 0, 0, 0, 0}};
     for (int k = 0; k < 6; k++) {
         const block s = unrelaxed(k / 3 ? &cube : &plate);
         gn_world *w = block_of(&s);
@@ -192,8 +193,8 @@ static void a_zone_that_is_passed_carries_all_of_the_stress(void **state) {
 
 /* --- what is kept while it moves --- */
 
-/* Linear momentum is conserved to rounding at all times; energy that conversions book, apart from
- * half steps of work at each. */
+/* Linear momentum is conserved to rounding at all times; energy is conserved including what
+ * conversions book, apart from half a step of work at each. */
 static void converting_keeps_momentum_and_books_energy(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -361,8 +362,9 @@ static void small_elements_keep_mass_and_momentum(void **state) {
                 double near[3];
                 memcpy(near, places[p], sizeof near);
                 if (k == 2) near[1] = 11e-3;
-                if (k == 2 && (m < 2 || p == 1)) continue; /* moves with the driven nodes */
-                if (k == 3 && p < 2 && m != 1) continue;   /* large */
+                if (k == 2 && (m < 2 || p == 1))
+                    continue; /* the particle moves with the driven nodes */
+                if (k == 3 && p < 2 && m != 1) continue; /* large */
                 convert_small(&small[k], motions[m], near);
             }
 }
@@ -621,8 +623,8 @@ static void driven_elements_do_not_convert(void **state) {
     world_end(w);
 }
 
-/* Nodes of a zone that are driven fast: half a step of work by the jump of their reactions is
- * booked with the conversion. */
+/* Nodes of a zone are driven fast: half a step of work by the jump of their reactions is booked
+ * with the conversion. */
 static void jumps_of_reactions_are_booked(void **state) {
     (void)state;
     block s = plate;
@@ -648,7 +650,8 @@ static void jumps_of_reactions_are_booked(void **state) {
  * together. The strain is uniform. */
 static void assert_means(gn_world *w, const double gradient[9]) {
     double found[9], u[3] = {0.0}, v[3];
-    const double x[3] = {0.5 * 25e-3, 0.5 * 15e-3, 0.0}; /* of particles from 10 to 15 mm */
+    const double x[3] = {0.5 * 25e-3, 0.5 * 15e-3,
+                         0.0}; /* centroid of the particles, which reach from 10 to 15 mm */
     gn_gauge_gradient(&w->ctx, &w->dem, &w->solids, &w->gauge, found);
     for (int k = 0; k < 9; k++) assert_near(found[k], gradient[k], 1e-14);
     gn_energy e = measured_step(w);

@@ -117,7 +117,8 @@ static void conversions_keep_both_momenta(void **state) {
         for (int m = 0; m < 4; m++)
             for (int b = 0; b < 3; b++) {
                 if (m == 3 && !blocks[k].space) continue;
-                if (k == 3 && (m != 1 || b != 0)) continue; /* moves with the driven nodes */
+                if (k == 3 && (m != 1 || b != 0))
+                    continue; /* the particle moves with the driven nodes */
                 assert_kept(&blocks[k], motions[m], boxes[b][0], boxes[b][1],
                             k != 2 && b < (blocks[k].space ? 1 : 2));
             }
@@ -315,8 +316,8 @@ static gn_world *lattice_of(double stiffer, double kratio, const char *more) {
         density / (pi / 4.0), stiffer * modulus, kratio, modulus, density, more);
 }
 
-/* Inside a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
- * across them, elements E and E/2. In a uniform strain only the volume of a zone is booked, which
+/* Inside a body, far from its sides, a lattice has the moduli k_n along its axes and k_t/2 across
+ * them, elements E and E/2. In a uniform strain only the volume of a zone is booked, which
  * particles represent in discrete steps. */
 static void springs_of_another_stiffness_are_reported_with_their_ratio(void **state) {
     (void)state;
@@ -326,7 +327,7 @@ static void springs_of_another_stiffness_are_reported_with_their_ratio(void **st
                  {1.5, 1.0, {1e-6}, 1.5},
                  {0.7, 3.0, {1e-6, 0.0, 0.0, 0.0, 2e-6}, 0.7},
                  {1.0, 4.0, {0.0, 1e-6, 0.0, 1e-6}, 0.25},
-                 {1.2, 2.0, {0.0, 2e-6}, 0.6}}; /* with a rotation in addition */
+                 {1.2, 2.0, {0.0, 2e-6}, 0.6}}; /* this field includes a rotation */
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         gn_world *w = lattice_of(cases[k].stiffer, cases[k].kratio, "");
         set_elements(w, strain, cases[k].gradient);
@@ -388,8 +389,8 @@ static void parts_of_the_booked_energy_add_up(void **state) {
 
 /* --- elements without particles --- */
 
-/* At a quarter of the spacing: between four particles, none of which is in the element or in a thin
- * zone. */
+/* Nodes at a quarter of the spacing: between four particles, none of which is in the element or in
+ * a thin zone. */
 static const double between[2][3] = {{2e-3, 2e-3, 0.0}, {2.25e-3, 2.25e-3, 1.0}};
 
 static void neighbours_convert_as_well_and_the_invariants_of_the_body_are_kept(void **state) {
@@ -459,7 +460,7 @@ static double least_held(const gn_world *w) {
 
 /* Beside a node at (5, 8) mm that is driven or loaded: elements that are small relative to
  * particles, none of which remains at the next node, which would be supported by one or two of
- * them; elements as large as particles, which contain their own. A node keeps at least r/width of
+ * them; or they are as large as particles, and contain their own. A node keeps at least r/width of
  * its mass. */
 static void assert_held(bool fine, const char *elements, const char *couple, bool space) {
     gneiss_error error = {0};
@@ -507,7 +508,7 @@ static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
         }
 }
 
-/* Recorded nodes at (14, 8) mm: although they are few, not all of the body can convert. */
+/* The nodes at (14, 8) mm are recorded: although they are few, not all of the body can convert. */
 static void motions_that_only_record_are_named(void **state) {
     (void)state;
     static const char at[] = "box: {min: [13.9 mm, 7.9 mm, 0], max: [14.1 mm, 8.1 mm, %s]}",

@@ -4,8 +4,8 @@
 #include "run_helpers.h"
 #include "solids/dormant_places.h"
 
-/* Bent at three points, on supports that hold its ends: elements of 2 mm, a lattice of 1 mm, E = M,
- * nu = 0. */
+/* A beam bent at three points, on supports that hold its ends: elements of 2 mm, a lattice of 1 mm,
+ * E = M, nu = 0. */
 static const char beam[] =
     "dimension: 2\n"
     "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [60, 16]}}\n"
@@ -107,7 +107,7 @@ static void finish_alike(const char *couple) {
          * particles. */
         assert_near(all[k]->world.ctx.stable, stable, 0.1 * stable);
     }
-    /* Bent down towards the floor, which acts on particles only. */
+    /* A beam bent down towards the floor, which acts on particles only. */
     gn_warnings reported;
     if (gn_run_warnings(one, &reported, &error) != GNEISS_OK) fail_msg("%s", error.message);
     bool passed = false;

@@ -68,11 +68,12 @@ static void a_body_rebounds_on_its_particles(void **state) {
     double impulse = 0.0;
     for (int k = 0; k < 400; k++) {
         run_steps(w, 1);
-        /* On the particles; velocities are those half a step before and after the instant. */
+        /* The wall acts on the particles; velocities are those half a step before and after the
+         * instant. */
         impulse -= w->ctx.dt * w->boundary.walls[0].force[1];
     }
     assert_near(whole_of(w).momentum[1] - before, impulse, 1e-9 * fabs(before));
-    assert_true(impulse > 1.2 * fabs(before)); /* it rebounds, and oscillates */
+    assert_true(impulse > 1.2 * fabs(before)); /* the body rebounds, and oscillates */
     gn_energy e = measured_step(w);
     assert_true(fabs(gn_energy_residual(&e)) < 1e-4);
     world_end(w);
@@ -117,7 +118,7 @@ static void walls_that_driven_elements_pass_are_predicted(void **state) {
                              "point: [64 mm, 0], normal: [-1, 0], motion: {vx: -2.5 mm/s}"),
                          floor = passed_of("point: [0, 0], normal: [0, 1]"),
                          inside = passed_of("point: [0, 1 mm], normal: [0, 1]"),
-                         /* with the motion that makes it press particles */
+                         /* this platen has the motion that makes it press particles */
         platen = passed_of("point: [60 mm, 0], normal: [-1, 0], motion: {vx: 2 mm/s}");
     assert_near(ahead.time, 0.5, 1e-3);
     assert_near(ahead.deepest, 1e-3, 1e-6);
@@ -125,7 +126,7 @@ static void walls_that_driven_elements_pass_are_predicted(void **state) {
     assert_int_equal(far.behind + far.touching, 0);
     assert_near(coming.time, 4.0 / 4.5, 1e-3);
     assert_int_equal(floor.behind, 0);    /* nu = 0: it does not press against the wall */
-    assert_int_equal(floor.touching, 29); /* those at the ends are held */
+    assert_int_equal(floor.touching, 29); /* the particles at the ends are held */
     assert_int_equal(inside.behind, 31);
     assert_near(inside.time, 0.0, 0.0);
     assert_near(inside.deepest, 1e-3, 1e-6);

@@ -158,7 +158,8 @@ static void rounded_vertices_are_convex(void **state) {
         assert_close(o.volume, 4e-4 * d, 0.02);
         assert_close(length3(o.along), 1.0, 0.03);
         gn_convex_free(&s->convex);
-        for (size_t v = s->vertices; v-- > 0 && k % 3;) /* amid a side */
+        for (size_t v = s->vertices;
+             v-- > 0 && k % 3;) /* moves a vertex in the middle of a side inwards */
             if (hypot(hypot(s->pos[v][0] - s->pos[2][0], s->pos[v][1] - s->pos[2][1]),
                       s->pos[v][2] - s->pos[2][2]) == 0.0)
                 for (int n = 0; n < 3; n++) s->pos[v][n] *= 0.999;
@@ -189,13 +190,15 @@ static void two_faces_have_their_distance(void **state) {
         gn_convex_pose down = pose(0.3, 0.2, 0, 0, 0, 0), up = pose(0, 0, 4 - d, 0, 0, 0);
         assert_true(meet(slab, &down, a, &up, &o));
         assert_close(o.volume, 8 * d, 1e-6 + 2e-13 / d);
-        assert_near(o.depth, d, 2 * d * d + 2e-13); /* near the sides those are nearer */
+        assert_near(o.depth, d,
+                    2 * d * d +
+                        2e-13); /* near the sides of the box the sides are nearer than the face */
         assert_near(o.along[2], -1.0, 2 * d);
         assert_near(hypot(o.along[0], o.along[1]), 0.0, 1e-6);
         assert_near(hypot(o.point[0] + 0.3, o.point[1] + 0.2), 0.0, 1e-5);
         assert_near(o.spread[0], 1.0 / 3.0, 4 * d + 1e-6);
         assert_near(o.spread[4], 4.0 / 3.0, 4 * d + 1e-6);
-        /* Equal ones, sides in line. */
+        /* Two equal boxes with their sides in line. */
         down = pose(0, 0, 0, 0, 0, 0);
         up = pose(0, 0, 6 - d, 0, 0, 0);
         assert_true(meet(a, &down, b, &up, &o));

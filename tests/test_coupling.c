@@ -33,7 +33,7 @@ static double largest_force(gn_world *w, double low, double high, bool columns) 
 }
 
 /* Nodes get the load of the particles around them, not its integral over their elements, so that
- * triangles leaning one way leave forces between the nodes of a column; together these are in
+ * triangles that all lean one way leave forces between the nodes of a column; together these are in
  * equilibrium. The remaining error is the square of the strain, which elements have and bonds do
  * not, and the rounding of positions over the displacement of one spacing. */
 static void a_patch_of_a_lattice_is_in_equilibrium_to_rounding(void **state) {
@@ -84,7 +84,8 @@ static void pulse_at(const double *x, const void *of, double u[3], double v[3]) 
     v[0] = q->speed * pi * q->size / q->length * sin(2.0 * pi * at);
 }
 
-/* Equals gn_coupled_returned, but for the particles of the lattice before the zone, J. */
+/* The energy of gn_coupled_returned, J, without that of the particles of the lattice before the
+ * zone. */
 static double returned_in_lattice(const gn_world *w, double end) {
     const gn_particles *q = &w->dem.particles;
     const double c = sqrt(modulus / density), back = 0.5 * w->ctx.dt_past;
@@ -273,7 +274,7 @@ static void assert_refused(const strip *s, const char *from, const char *to, con
 
 /* --- what a scene of waves needs besides --- */
 
-/* In elements (0 to 7 mm), or in particles (13 to 20 mm), beside a zone. */
+/* The pulse starts in elements (0 to 7 mm), or in particles (13 to 20 mm), beside a zone. */
 static void a_pulse_is_under_way_at_the_start(void **state) {
     (void)state;
     strip s = small_strip(false);
@@ -288,7 +289,8 @@ static void a_pulse_is_under_way_at_the_start(void **state) {
         for (int k = 0; k < 2; k++)
             for (size_t n = 0; n < all[k]->soa.count; n++) {
                 double u[3] = {0}, v[3] = {0};
-                if (k == 0 && tied_by_zone(w, n)) continue; /* they follow the nodes */
+                if (k == 0 && tied_by_zone(w, n))
+                    continue; /* particles of the zone follow the nodes */
                 pulse_at(all[k]->start + 4 * n, &p, u, v);
                 for (size_t a = 0; a < 3; a++) {
                     assert_near(all[k]->pos[4 * n + a], all[k]->start[4 * n + a] + u[a], 1e-17);
@@ -322,7 +324,8 @@ static void a_pulse_beside_a_zone_takes_its_particles_along(void **state) {
         assert_true(moved > 0);
         run_steps(w, 200);
         (void)measured_step(w);
-        /* Short waves of a strain of 7e-4: second order of the step. */
+        /* The waves are short and have a strain of 7e-4: the residual is of second order in the
+         * step. */
         assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 1e-4);
         world_end(w);
     }

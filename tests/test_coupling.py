@@ -248,7 +248,7 @@ def particles_and_elements_in_space_are_drawn_in_one_section(folder):
     for face in section.faces:
         x, y = face.T
         area += 0.5 * abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-    assert abs(area / (12e-3 * 4e-3) - 1) < 1e-3, area  # all of the mesh; a pulse of 1 um moves it
+    assert abs(area / (12e-3 * 4e-3) - 1) < 1e-3, area  # the area is that of the whole mesh; a pulse of 1 um moves it
     assert len(section.shown) == 13 * 4  # the middle layer of three
     titles = [what[0] for what in quantities(read, mesh)]
     assert titles == ["Displacement", "Largest principal stress"], titles
@@ -453,7 +453,7 @@ def a_zone_of_converting_elements_has_to_fit_into_the_box(folder):
                    r"scene\.yaml:\d+:\d+: couple\.convert\.width: expected a zone that is no wider than the 0\.004 m that are left between some element and what is outside of "
                    r"couple\.convert\.box \(or a larger box, with a packing that fills it\), found 0\.006 m")
     expect(gneiss("check", scene, "--set", "couple.convert.box.min=[9 mm, -1]", "--set", "couple.convert.width=4 mm"), 0, "")
-    expect(gneiss("check", scene, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}", "--set", "couple.convert.width=20 mm"), 0, "")  # all may convert
+    expect(gneiss("check", scene, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}", "--set", "couple.convert.width=20 mm"), 0, "")  # all elements may convert
 
 
 @fact
@@ -494,7 +494,7 @@ run: {threads: 1}
 
 @plain_fact
 def a_strength_of_a_run_that_conversion_halted_says_how_far_the_load_had_fallen(folder):
-    """A beam ends where its load is 95 % below its peak, or as time.stop.peak_drop says."""
+    """A beam ends where its load is 95 % below its peak, or at the fall given by time.stop.peak_drop."""
     for drop, over in ((None, False), (0.95, False), (0.15, True)):
         out = os.path.join(folder, f"drop{drop}")
         run(write_scene(folder, BENT), out, *([] if drop is None else ["--set", f"time.stop.peak_drop={drop}"]))
@@ -520,7 +520,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert summary["time"] < 0.9e-4
     said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
     with h5py.File(os.path.join(out, "results.h5")) as file:
-        assert file["history/step"][-1] == summary["steps"] - 1  # the last row is at the time that the run reached
+        assert file["history/step"][-1] == summary["steps"] - 1  # the last row is at the time at which the run ended
     assert re.search(r"the run ended at \S+ s of 0\.0001 s, and the further behaviour is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
                      r"couple\.convert\.box and the packing in it must extend beyond the converted elements on that side by the width of the zone, 0\.006 m", said), said
     page = gneiss("report", out)
@@ -538,7 +538,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert [after[k] for k in ("steps", "state_hash", "stop_reason")] == [summary[k] for k in ("steps", "state_hash", "stop_reason")]
     with h5py.File(os.path.join(out, "results.h5")) as file:
         assert file["history/elements"][-1] == 15 * 4 * 2
-        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles are dormant
+        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # the mean stress is that of the elements, in which all particles are dormant
 
 
 def pulse(stress):
@@ -698,7 +698,7 @@ sets:
             x = file["particles/position"][()] - u
         row = abs(x[:, 1] - 20e-3) < 1e-5
         off = abs(u[row, 0] - x[row, 0] * (1e-6 / 24e-3))
-        assert row.sum() == 25 and off.max() < 0.02e-6, off  # those without a spring lag by half of the 1 um
+        assert row.sum() == 25 and off.max() < 0.02e-6, off  # particles without a spring lag by half of the 1 um
 
 
 @fact
@@ -717,7 +717,8 @@ def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(
     assert abs(sum(found["booked"].values()) / made + 1) < 1e-9 and 9.9 < found["held"] < 10.1, found
     times = float(re.search(r"due to stiffness: the particles stored (\S+) times as much", stiff["energy_conversion"]).group(1))
     assert abs(times / found["held"] - 1) < 0.01, (times, found)
-    # Equal stiffness along the axes with its sides held, and 1.8 times as stiff with free sides.
+    # The stiffness along the axes is equal if the sides are held, and 1.8 times as large if the sides are
+    # free.
     free = ("--set", "elements.materials[0].poisson=0.4", "--set", "elements.materials[0].young=11.2e9")
     done = gneiss("check", scene, *free)
     tension = re.search(r"tension +(\S+), (\S+) Pa of these particles along the axes with free sides, (\S+) Pa of the elements", done.stdout)
@@ -734,7 +735,7 @@ def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(
 
 @fact
 def time_of_zones_is_in_the_profile(folder):
-    """Nodes that particles follow, forces handed over; nothing without zones."""
+    """The profile has the time in which particles follow nodes and forces are exchanged; without zones it has none."""
     scene = write_scene(folder, ZONE)
     for name, settings in (("lumped", ()), ("penalty", ("--set", "couple.constraint=penalty"))):
         run(scene, os.path.join(folder, name), *settings)
@@ -794,7 +795,7 @@ def elements_under_compression_convert_by_shear(folder):
         assert summary(os.path.join(folder, str(k)))["counts"]["elements"] == 480
 
 
-# A body whose middle is packed.
+# A body of elements whose middle contains a packing.
 REGION = """dimension: 2
 specimen: {group: 1, rectangle: {width: 60 mm, height: 16 mm}, mean_radius: 0.7 mm, density_basis: bulk,
   packing: {overlap: passive, size_variation: 0.2, region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}}}
@@ -814,7 +815,7 @@ run: {threads: 1}
 
 @fact
 def a_region_of_the_body_is_packed_and_may_convert(folder):
-    """Equals, to the bit, a smaller specimen written by hand at its position and with its box. The resolved scene
+    """The run equals, to the bit, that of a smaller specimen written by hand at its position and with its box. The resolved scene
     repeats it."""
     scene = write_scene(folder, REGION)
     done = gneiss("check", scene)

@@ -351,7 +351,7 @@ static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **sta
     unlink(path);
 }
 
-/* Pulled apart in the zone, where bonds are weakest. */
+/* The strip is pulled apart, and breaks in the zone, where bonds are weakest. */
 static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -361,7 +361,7 @@ static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     text *t = text_of(&s);
     char *at = strstr(t->s, "bond_tension_limit: 1e15");
     assert_non_null(at);
-    memcpy(at, "bond_tension_limit: 24e1", 24); /* at a strain of 1e-5 */
+    memcpy(at, "bond_tension_limit: 24e1", 24); /* the weakened bonds break at a strain of 1e-5 */
     if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
         gn_run_create(&scene, run, &error) != GNEISS_OK)
         fail_msg("%s", error.message);

@@ -32,7 +32,8 @@ typedef struct model {
     strip strip;
     bool packed;
     const char *more;
-    int cells[2]; /* of a packing's elements; 0: 5 by 3, 1.4 diameters of particles */
+    int cells[2]; /* number of elements beside a packing; 0: 5 by 3, of 1.4 diameters of particles
+                   */
 } model;
 
 static gn_world *made(const model *m, const char *time, const char *rest) {

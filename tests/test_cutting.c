@@ -17,8 +17,8 @@ static gn_cut ring(double diameter, double tip, double depth, double spacing) {
                     .tensile = 10.2e6};
 }
 
-/* Worked by hand for a rock of 147.3 and 10.2 MPa and a uniform pressure; as many digits as here.
- */
+/* The values were computed by hand for a rock of 147.3 and 10.2 MPa and a uniform pressure, with
+ * the digits that are listed. / */
 static void the_model_of_disc_cutters_gives_the_worked_table(void **state) {
     (void)state;
     static const struct {
@@ -44,7 +44,8 @@ static void the_model_of_disc_cutters_gives_the_worked_table(void **state) {
     }
 }
 
-/* To the first order of the arc, F_r = 2^(-1/6) C (T p)^(5/6) (sigma_c^2 sigma_t s)^(1/3). */
+/* The force to first order in the angle of the arc is F_r = 2^(-1/6) C (T p)^(5/6) (sigma_c^2
+ * sigma_t s)^(1/3). */
 static void the_rolling_force_does_not_depend_on_the_diameter(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {

@@ -81,7 +81,7 @@ def forces_along_the_rim_add_up_to_the_mean_forces(folder):
     run(example("disc"), folder, *COARSE)
     with results(folder) as file:
         rim = {name: data[:] for name, data in file["rim"].items()}
-    for part in ("normal", "rolling"):  # every tenth step is looked at
+    for part in ("normal", "rolling"):  # every tenth step is examined
         assert abs(rim[part].sum() / reading(folder, part + "_force") - 1) < 0.1, part
     arc = math.acos(1 - 4 / 216)
     assert np.allclose(rim["angle"], rim["share"] * arc) and len(rim["share"]) == 40

@@ -218,7 +218,7 @@ static void shares_follow_the_pace(void **state) {
          * share is. */
         deal.mark[0].worked = 10;
         deal.mark[1].worked = 30;
-        deal.mark[0].seconds = deal.mark[1].seconds = 4e-5; /* neither waits */
+        deal.mark[0].seconds = deal.mark[1].seconds = 4e-5; /* neither thread waits */
         gn_deal_end(&deal, 1, 4e-5);
     }
     assert_in_range(deal.cut[0][1], 9, 11);

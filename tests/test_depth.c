@@ -79,7 +79,7 @@ static void deep_overlaps_are_warned_of(void **state) {
         }
 }
 
-/* With Hertz's law; it penetrates by almost a radius. The overlap is checked in steps without
+/* A grain by Hertz's law penetrates by almost a radius. The overlap is checked in steps without
  * readings too. */
 static void soft_grains_are_warned_of(void **state) {
     (void)state;

@@ -95,7 +95,7 @@ def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
             break
     os.close(main_end)
     expect(subprocess.CompletedProcess([], done.returncode, "", shown), 0)
-    if os.cpu_count() <= 2:  # with more it would be too short to be printed
+    if os.cpu_count() <= 2:  # with more cores the estimate would be too short to be printed
         assert re.search(r"14 steps, about \d+ s on \d+ idle cores?", shown), shown
     shares = [int(share) for share in re.findall(r"(\d+) % of the work, \d+ s: kernels of contact for avx2_contact\d+", shown)]
     assert len(shares) == 12 and all(7 <= b - a <= 9 for a, b in zip(shares, shares[1:])) and shares[-1] >= 98, shown

@@ -9,7 +9,7 @@ static gn_domain *polygon(const double *corners, size_t count) {
     return d;
 }
 
-/* Closed forms. */
+/* --- closed forms --- */
 
 static void test_box_depth_and_volume(void **state) {
     (void)state;
@@ -132,11 +132,12 @@ static void test_polygon_notch_tip_points_at_the_centre(void **state) {
     assert_close(gn_domain_depth(d, (double[]){2, 1.5, 0}), -0.5 / sqrt(5), 1e-14);
     assert_int_equal(gn_domain_planes(d, (double[]){2.06, 0.92, 0}, 0.5, p), 1);
     assert_plane(&p[0], 0.6, -0.8, 0, 0.1);
-    /* Between the bottom and the tip: both planes. */
+    /* At a point between the bottom and the tip both planes are found. */
     assert_int_equal(gn_domain_planes(d, (double[]){2, 0.4, 0}, 0.7, p), 2);
     assert_plane(&p[0], 0, 1, 0, 0.4);
     assert_plane(&p[1], 0, -1, 0, 0.6);
-    /* In the notch, which is outside: the normal points into the nearer flank. */
+    /* A point in the notch, which is outside of the body: the normal points into the nearer
+     * flank. */
     assert_int_equal(gn_domain_planes(d, (double[]){2.1, 1.5, 0}, 0.5, p), 1);
     assert_plane(&p[0], 2 / sqrt(5), -1 / sqrt(5), 0, -0.3 / sqrt(5));
     gn_domain_free(d);
@@ -169,7 +170,7 @@ static void test_obtuse_corner_gives_the_sides_whose_foot_is_on_them(void **stat
     gn_domain_plane p[GN_DOMAIN_PLANES];
     gn_domain *d = polygon(corners, 6);
     assert_close(gn_domain_volume(d), 1.5 * sqrt(3), 1e-14);
-    /* On the bisector of the corner (1, 0): both sides, at equal depth. */
+    /* On the bisector of the corner (1, 0) both sides are found, at equal depth. */
     double deep = 0.1 * sin(M_PI / 3);
     assert_int_equal(gn_domain_planes(d, (double[]){0.9, 0, 0}, 0.2, p), 2);
     for (int i = 0; i < 2; i++) {

@@ -159,7 +159,8 @@ static void test_reentrant_edge_gives_one_normal_from_edge_to_centre(void **stat
     gn_domain_plane p[GN_DOMAIN_PLANES];
     gn_domain *d = lattice_domain(l);
     assert_close(gn_domain_volume(d), 0.75, 1e-14);
-    const double heights[] = {0.5, 0.55, 0.375}; /* at a node of the edge, and between */
+    const double heights[] = {0.5, 0.55,
+                              0.375}; /* points at a node of the edge, and between nodes */
     for (int i = 0; i < 3; i++) {
         double x[3] = {0.5 - 0.06, 0.5 - 0.08, heights[i]};
         assert_close(gn_domain_depth(d, x), 0.1, 1e-13);
@@ -277,7 +278,7 @@ static void test_triangles_without_area_change_nothing(void **state) {
     (void)state;
     gn_domain *d = cube_with_needle(0);
     assert_same_as_box(d, 20000);
-    /* In the plane of the bottom, near the edge with the needle. */
+    /* Points in the plane of the bottom, near the edge with the needle. */
     for (int i = 1; i < 10; i++)
         assert_close(gn_domain_depth(d, (double[]){0.1 * i, -0.1, 0}), -0.1, 1e-13);
     gn_domain_free(d);

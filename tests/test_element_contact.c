@@ -161,7 +161,7 @@ static void the_limit_includes_contacts_with_nodes(void **state) {
     for (int n = 0; n < 2000 && gn_world_step(w, false, &error) == GNEISS_OK; n++)
         for (size_t v = 0; v < w->solids.elements[0]->solid.nodes.soa.count; v++)
             speed = fmax(speed, fabs(w->solids.elements[0]->solid.nodes.vel[4 * v + 2]));
-    /* Free fall over the whole time would give a much smaller speed. */
+    /* Free fall over the whole time would lead to a much smaller speed. */
     assert_true(speed > 10.0 * 1e3 * 2000 * alone);
     world_end(w);
 }
@@ -281,9 +281,9 @@ static double worst_residual(gn_world *w, double end) {
     return worst / scale;
 }
 
-/* With contacts at nearest points of facets each of these generated energy, and the run stopped.
- * The error of a pressure that stretches its facet is excluded: for the disc, which strains the
- * surface by a tenth, it is 2e-3 during the contact. */
+/* Contacts at the nearest points of facets would generate energy in each of these cases and stop
+ * the run. The error of a pressure that stretches its facet is excluded: for the disc, which
+ * strains the surface by a tenth, it is 2e-3 during the contact. */
 static void a_large_particle_makes_no_energy(void **state) {
     (void)state;
     const char *const plain = "", *const rough = "kratio: 2, friction: 0.3";
@@ -370,7 +370,8 @@ static double bounce_at(double x, double y, const char *law, double slide, doubl
     return fabs(gn_energy_residual(&after)) * gn_energy_scale(&after) / before.kinetic;
 }
 
-/* Over a node, an edge, a diagonal, the middle of a cell, and along a diagonal. */
+/* The particle hits over a node, an edge, a diagonal, the middle of a cell, and along a
+ * diagonal. */
 static void a_large_particle_bounces_wherever_its_centre_is(void **state) {
     (void)state;
     const double places[][3] = {{0.0, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.5, 0.0},
@@ -383,8 +384,8 @@ static void a_large_particle_bounces_wherever_its_centre_is(void **state) {
     }
 }
 
-/* By Hertz's law near edges and corners, where a facet that is touched at its rim only has a
- * potential within rounding of 0. */
+/* A sphere by Hertz's law bounces near edges and corners, where a facet that is touched at its rim
+ * only has a potential within rounding of 0. */
 static void a_large_hertz_sphere_bounces_near_edges_and_corners(void **state) {
     (void)state;
     const double gaps[] = {0.0, 0.2, 0.5, 1.1, 2.3};
@@ -508,7 +509,8 @@ static void errors_say_where_and_what(void **state) {
     }
 }
 
-/* Errors that only the mesh or the machine reveals are reported at the key as well. */
+/* Errors that only the mesh or the machine reveals are reported at their key, as errors of the
+ * scene are. */
 static void errors_of_the_mesh_are_reported_at_their_key(void **state) {
     (void)state;
     const char *const scenes[][3] = {

@@ -14,7 +14,7 @@ typedef struct bench {
     gn_element_args args;
     int dimension;
     double reference[NODES][3];
-    double *slope_row, *growth_row; /* of the pressure form */
+    double *slope_row, *growth_row; /* rows of the pressure form */
     double allowed;                 /* N: round-off of a node's force */
 } bench;
 
@@ -137,7 +137,7 @@ static void face(const bench *b, const double *rows, size_t stride, size_t e, in
     for (int k = 0; side > 0.0 && k < 3; k++) normal[k] = -normal[k];
 }
 
-/* Gradient of a field with the values v at the nodes, at the start. */
+/* Gradient, in the initial configuration, of a field with the values v at the nodes. */
 static void slope(const bench *b, size_t e, const double *v, size_t stride, double g[3]) {
     double before[3][3], inverse[3][3];
     size_t first = stride * (size_t)gn_elements_node(&b->elements, 0)[e];
@@ -368,8 +368,8 @@ static void shared_parameters_give_the_bits_of_columns(void **state) {
             a.elements.mu[e] = a.elements.mu[0];
         }
         b.args.uniform = (gn_element_uniform){~(size_t)0, ~(size_t)0};
-        b.elements.lambda[100] = b.elements.mu[100] = NAN; /* not looked at */
-        for (size_t k = 0; k < GN_LANES_MAX; k++) {        /* one vector of them is */
+        b.elements.lambda[100] = b.elements.mu[100] = NAN; /* not read */
+        for (size_t k = 0; k < GN_LANES_MAX; k++) {        /* one vector of shared values is read */
             b.elements.lambda[k] = a.elements.lambda[0];
             b.elements.mu[k] = a.elements.mu[0];
         }

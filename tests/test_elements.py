@@ -19,7 +19,7 @@ def reference():
 
 
 def bar(dimension, form="displacement"):
-    """Pulled at its upper end by a velocity that rises from zero; free to contract."""
+    """A bar pulled at its upper end by a velocity that rises from zero; its sides are free to contract."""
     size, cells = ([0.04, 0.01, 0.01], [8, 2, 2]) if dimension == 3 else ([0.04, 0.01], [8, 2])
     motions = [{"name": "left", "group": "x_lower", "motion": {"vx": 0}},
                {"name": "right", "group": "x_upper", "motion": {"vx": [[0, 0], [1e-4, 0.02]]}},
@@ -124,7 +124,7 @@ def a_bar_with_a_waist_reads_back_its_modulus(folder):
 
 @fact
 def a_bar_with_steps_has_no_modulus_of_a_slender_bar(folder):
-    """Ends twice as wide as the waist: 28.0 GPa were read for 31.25. The mean strain of the volume is F/(E V/L) for
+    """The ends are twice as wide as the waist: the readings of a slender bar would give 28.0 GPa for 31.25. The mean strain of the volume is F/(E V/L) for
     any step."""
     length, waist = 0.1, 0.02
     write_bone(os.path.join(folder, "steps.msh"), length, lambda x: waist if abs(x - length / 2) > 0.0201 else waist / 2, 100, 8)
@@ -143,7 +143,7 @@ def a_bar_with_steps_has_no_modulus_of_a_slender_bar(folder):
 
 
 def extrapolated(values):
-    """From two resolutions, the finer one twice as fine, of a method whose error falls with the square."""
+    """Limit of a method whose error falls with the square of the resolution, from two resolutions, the finer one twice as fine."""
     coarse, fine = values
     return (4 * fine - coarse) / 3
 
@@ -211,7 +211,7 @@ def three_point_bending_deflects_as_timoshenko_says(folder):
 
 @fact
 def the_mouth_of_a_notch_opens_as_that_of_a_crack(folder):
-    """Tada, Paris and Irwin 2000, three-point bending with a span of four heights, to within 1 % for a crack. The
+    """Tada, Paris and Irwin 2000, three-point bending with a span of four heights; the formula is exact to 1 % for a crack. The
     notch is 2 mm wide, a hundredth of the span and a fifteenth of its depth, and so opens a little more."""
     height, span, depth, load = 0.1, 0.4, 0.03, 1e4
     scene = {"dimension": 2,

@@ -13,7 +13,8 @@ static double hoek_brown(double s3) {
     return s3 + 100e6 * sqrt(15 * s3 / 100e6 + 1);
 }
 
-/* As in a summary: with other readings in between, and a run that reached no strength. */
+/* Fits the rows as a summary has them: with other readings in between, and a run that reached no
+ * strength. */
 static gn_envelope fitted(double (*law)(double s3)) {
     const double s3[] = {0, 5e6, 5e6, 10e6, 20e6, 40e6};
     double rows[6][3];

@@ -88,7 +88,8 @@ static void every_break_is_listed_once_with_its_time_place_and_cause(void **stat
     }
 }
 
-/* Sums of the same numbers in another order; single ones in mixed precision. */
+/* The sums have the same numbers in another order; in mixed precision single numbers are
+ * compared. */
 static void energies_of_breaks_add_up_to_the_ledger(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++) {
@@ -286,8 +287,9 @@ static void a_break_that_makes_energy_is_warned_of(void **state) {
     gn_run *run = calloc(1, sizeof *run);
     swing(run, 0.9);
     const gn_energy *e = &run->world.ledger.reading;
-    /* At the turning point 0.81/0.19 - 1 of it; up to 14 degrees before or after it, where the
-     * strength is exceeded as well, the product of both forces is 0.65 to 1.3 times that. */
+    /* At the turning point the generated energy is 0.81/0.19 - 1 of it; up to 14 degrees before or
+     * after it, where the strength is exceeded as well, the product of both forces is 0.65 to 1.3
+     * times that. */
     double made = 5.0 / 7.0 * (0.81 / 0.19 - 1.0), after = e->kinetic + e->rotational;
     assert_true(-e->bond_breaking > 0.6 * made * e->stored_at_start);
     assert_near(after, e->stored_at_start - e->bond_breaking, 1e-6 * after);

@@ -283,7 +283,8 @@ static void a_world_sums_over_its_bodies_of_elements(void **state) {
     assert_near(t.mass, a->mass + b->mass, 1e-15 * t.mass);
     assert_near(gn_world_mass(&w->dem, &w->solids), w->dem.mass + t.mass,
                 1e-15 * gn_world_mass(&w->dem, &w->solids));
-    assert_true(w->solids.elements[1]->stable > w->solids.elements[0]->stable); /* half as stiff */
+    assert_true(w->solids.elements[1]->stable >
+                w->solids.elements[0]->stable); /* the second solid is half as stiff */
     assert_true(gn_elements_stable(&w->solids) == w->solids.elements[0]->stable);
     uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     b->nodes.pos[0] += 1e-9;

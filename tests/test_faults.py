@@ -149,7 +149,8 @@ SMALL = ("run", LATTICE, "--set", "time.end=0.05 ms", "--set", "output.snapshots
 
 @fact
 def allocations_of_the_setup_may_fail(folder):
-    # Some 260 in all: the first of them (options, scene, threads), and every thirteenth of the lists.
+    # There are some 260 allocations: the test makes the first of them fail (options, scene, threads), and
+    # every thirteenth of the lists.
     out_of_memory(folder, SMALL, lambda count: [*range(1, 61), *range(61, 300, 13)])
 
 
@@ -175,7 +176,7 @@ stages:
 
 @fact
 def allocations_of_the_readings_of_stages_may_fail(folder):
-    # Some of the last calls, in pairs.
+    # Some of the last calls fail, in pairs.
     scene = write_scene(folder, STAGED)
     out_of_memory(folder, ("run", scene), lambda count: range(count - 80, count + 1, 2))
 
@@ -197,8 +198,8 @@ CONVERTING = ("run", os.path.join(SCENES, "../../scenes/bending-adaptive.yaml"),
 
 @fact
 def allocations_of_measured_steps_of_zones_may_fail(folder):
-    # Between the set-up and the files of the end: among them the mean stress of zones. A few failures have no effect:
-    # there is another way.
+    # The allocations between the set-up and the final files, among them those of the mean stress of zones. A few
+    # failures have no effect, because the program has an alternative.
     out, codes = os.path.join(folder, "out"), {}
     for number in range(1000, allocations(out, *CONVERTING) - 250, 47):
         shutil.rmtree(out)
@@ -282,7 +283,7 @@ def threads_without_memory_for_their_stacks_are_refused_as_a_lack_of_memory(fold
 
 class Disk:
     """A folder as POSIX allows it to be after a loss of power: each file has its synced content and any part of later
-    writes, the folder its synced names and any of the names made, changed and removed since."""
+    writes, the folder its synced names and any of the names created, changed and removed since."""
 
     def __init__(self):
         self.files, self.serial, self.names, self.durable, self.pending = [], {}, {}, {}, []

@@ -6,7 +6,7 @@
 
 /* --- the time step --- */
 
-/* Both dimensions in both forms. */
+/* Both dimensions, each in both forms. */
 enum { WAYS = 4 };
 static int dimension_of(int way) {
     return way & 1 ? 3 : 2;
@@ -40,7 +40,7 @@ static void hold_side(gn_fem_solid *solid, const char *group, unsigned mask, int
     gn_fem_set_free(&set);
 }
 
-/* Largest eigenvalue of M^-1/2 K M^-1/2, K by differences of the kernel's forces. */
+/* Largest eigenvalue of M^-1/2 K M^-1/2, with K from differences of the kernel's forces. */
 static double dense_eigenvalue(gn_fem_solid *solid) {
     const size_t d = (size_t)solid->dimension, n = d * solid->nodes.soa.count;
     double *a = calloc(n * n, sizeof *a), *values = calloc(n, sizeof *values),
@@ -230,7 +230,8 @@ static void a_spinning_cube_turns_rigidly(void **state) {
             fem_step(solid, 2.0 * pi / rate / steps, s % 50 == 0);
             most = fmax(most, solid->reading.elastic / solid->reading.kinetic);
         }
-        strain *= strain; /* of a length of 1 m; the cube has waves of twice that as it starts */
+        strain *=
+            strain; /* strain over a length of 1 m; waves from the start of the cube double it */
         assert_true(most < 4.0 * strain);
         for (size_t n = 0; n < solid->nodes.soa.count; n++)
             for (int k = 0; k < d; k++)
@@ -386,13 +387,13 @@ static double huang(double b2, double r2, double s2) {
            b * (r2 + s2) / sqrt(1.0 - b2 * r2 * s2) * sinh(b * a) * sin(b * c);
 }
 
-/* In plane strain, 1 m high and `length` long. */
+/* A beam in plane strain, 1 m high and `length` long. */
 static double beam_frequency(double length, bool shear) {
     double e = rock.young / (1.0 - rock.poisson * rock.poisson), nu = rock.poisson;
     double plane = nu / (1.0 - nu), k = 10.0 * (1.0 + plane) / (12.0 + 11.0 * plane);
     double r2 = 1.0 / 12.0 / (length * length), s2 = e / 12.0 / (k * lame_mu(&rock));
     s2 /= length * length;
-    double low = 1.0, high = 3.6 * 3.6; /* of b2; without shear b = 3.516 */
+    double low = 1.0, high = 3.6 * 3.6; /* bounds of b2; without shear b = 3.516 */
     for (int k2 = 0; k2 < 100; k2++) {
         double middle = 0.5 * (low + high);
         if (huang(middle, shear ? r2 : 0.0, shear ? s2 : 0.0) > 0.0)
@@ -403,7 +404,7 @@ static double beam_frequency(double length, bool shear) {
     return sqrt(low * e / 12.0 / rock.density) / (length * length);
 }
 
-static double bending_shape(double z) { /* of a slender cantilever; z from 0 to 1 */
+static double bending_shape(double z) { /* first mode of a slender cantilever; z from 0 to 1 */
     double b = 1.8751040687 * z, f = 0.7340955138;
     return cosh(b) - cos(b) - f * (sinh(b) - sin(b));
 }

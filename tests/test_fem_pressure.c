@@ -76,7 +76,7 @@ static void a_sudden_load_makes_no_checkerboard_either(void **state) {
         const double dt = 0.95 * fem_limits(solid).sharp;
         double worst = 0.0;
         solid->damping_coefficient = 0.0;
-        /* About a third of the first period. */
+        /* The loop lasts about a third of the first period. */
         for (int s = 0; solid->time < 6.0; s++) {
             fem_step(solid, dt, s % 50 == 0);
             if (solid->time < 1.0 || s % 50) continue;
@@ -108,7 +108,7 @@ static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
         for (size_t n = 0; n < solid->nodes.soa.count; n++)
             for (int k = 0; k < d; k++)
                 solid->nodes.vel[4 * n + (size_t)k] = 1e-6 * uniform(&at, -1.0, 1.0);
-        /* As in test_fem_dynamics.c: growth by 1.49 a step, or at most 7 times the start. */
+        /* The growth is as in test_fem_dynamics.c: 1.49 per step, or at most 7 times the start. */
         for (int s = 0; s < (above ? 40 : 20000); s++) fem_step(solid, dt, false);
         for (size_t n = 0; n < solid->nodes.soa.count; n++)
             for (size_t k = 0; k < 3; k++) most = fmax(most, fabs(solid->nodes.vel[4 * n + k]));

@@ -42,8 +42,8 @@ static double error_of(const fem_case_spec *spec, const char *reading) {
 }
 
 /* A conforming displacement method stores too little energy under given forces: the work of the
- * load comes from below. Its error falls as h^2 where the solution is smooth; the corners of the
- * clamped side leave somewhat less. */
+ * load converges from below. Its error falls as h^2 where the solution is smooth; the corners of
+ * the clamped side leave somewhat less. */
 static void plain_triangles_converge_to_the_reference_from_below(void **state) {
     (void)state;
     fem_case_spec spec = {"cook", "compressible", GN_FEM_DISPLACEMENT, 8, false, 1};

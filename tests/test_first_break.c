@@ -122,7 +122,8 @@ static void a_column_carries_its_weight(void **state) {
     double weight = 1000.0 * mass_of(w, 1), half = 0.5 * (BONDS - 1) * weight;
     double time = BONDS * (strength - half) / (kn * 1e-3);
     gn_first_break found = begin(w);
-    assert_in_range(half / strength * 1000.0, 10, 500); /* it matters and does not break */
+    assert_in_range(half / strength * 1000.0, 10,
+                    500); /* the weight has an effect and breaks no bond */
     assert_near(found.time, time, 1e-4 * BONDS * strength / (kn * 1e-3));
     assert_true(found.i == 0 || found.j == 0);
     gn_energy e = measured_step(w);
@@ -194,7 +195,7 @@ static void the_weaker_material_breaks_first(void **state) {
     world_end(w);
 }
 
-/* Fractions far from the break and close to it. */
+/* The fractions are far from the break and close to it. */
 static void the_fraction_is_taken_as_it_is(void **state) {
     (void)state;
     const double fraction[] = {1e-3, 0.5, 0.999};

@@ -59,9 +59,10 @@ static gn_fit_state assemble(sample *s) {
 
 /* ---- energy and gradient ---- */
 
-/* The energy by the oracle's; the gradient by central differences of the oracle's energy with the
- * weights held, as Gauss-Newton takes them. The sum of squares is smooth over a step this small, so
- * that differences are good to about the square of it and the rounding of energies over it. */
+/* The energy is compared with that of the oracle; the gradient with central differences of the
+ * oracle's energy with the weights held, as Gauss-Newton takes them. The sum of squares is smooth
+ * over a step this small, so that differences are good to about the square of it and the rounding
+ * of energies over it. */
 static void check_gradient(sample *s) {
     assemble(s);
     double row[FIT_MOST][4], most = 0;
@@ -361,7 +362,7 @@ static bool never_rises(void *context, const gn_fit_state *state) {
 static void the_energy_never_rises_within_a_stage(void **state) {
     (void)state;
     sample *s = crowd(3, FIT_MOST, 0.17, &(gn_fit_law){.stiffness = 1}, 21);
-    gn_fit_goal goal = {40, 30, 0.05, 1e-6, 1.0, 1000}; /* one look for neighbours */
+    gn_fit_goal goal = {40, 30, 0.05, 1e-6, 1.0, 1000}; /* neighbours are searched once */
     double before = INFINITY;
     bool go_on = true;
     make_ok(gn_fit_run(s->fit, &s->law, &goal, never_rises, &before, &go_on, &failure));

@@ -271,7 +271,8 @@ static void a_region_takes_what_is_wholly_inside(void **state) {
               "[0.2, 0, 0, 1e-3]], group: 0}\n"
               "sinks: [{name: o, box: {size: [0.1, 0.1, 0.1]}, origin: [0, 0, 0.009]}]\n"
               "sets: [{name: a, select: {all: true}, initial_velocity: [0, 0, 0.01]}]\n" ENDLESS);
-    assert_true(w->dem.flow.sinks[0].number == 1.0); /* at the start */
+    assert_true(w->dem.flow.sinks[0].number ==
+                1.0); /* the sink removes one particle at the start */
     assert_int_equal(gn_world_present(&w->dem), 2);
     run_until(w, 0.04);
     assert_true(w->dem.flow.sinks[0].number == 1.0);
@@ -312,15 +313,15 @@ static void a_plane_that_counts_takes_nothing(void **state) {
         "       {name: b, select: {ids: [1]}, initial_velocity: [0, 0, 2]}]\n"
         "gravity: [0, 0, -10]\n" ENDLESS);
     measured_step(w);
-    run_until(w, 0.038); /* only b has passed, upward since 0.027 */
+    run_until(w, 0.038); /* only b has passed, upwards since 0.027 */
     assert_true(w->dem.flow.sinks[0].number == -1.0 && w->dem.flow.sinks[0].mass < 0.0);
-    run_until(w, 0.45); /* all are below */
+    run_until(w, 0.45); /* all particles are below */
     assert_true(w->dem.flow.sinks[0].number == 1.0);
     assert_int_equal(gn_world_present(&w->dem), 2);
     world_end(w);
 }
 
-/* Three in a row, bonded; the sink takes the last one with its bond. */
+/* Three bonded particles in a row; the sink removes the last one with its bond. */
 static void a_sink_takes_bonded_particles(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -353,7 +354,7 @@ static void lost_particles_are_known_by_id_and_place(void **state) {
     const gn_lost *lost = w->dem.flow.lost;
     assert_int_equal(w->dem.flow.lost_count, 1);
     assert_true(lost->id == 1.0 && lost->velocity[0] == 1.0);
-    /* Checked when lists are made: the skin is 0.15 mm, or wider. */
+    /* The sink is evaluated when lists are made: the skin is 0.15 mm, or wider. */
     assert_true(lost->place[0] > 0.06 && lost->place[0] < 0.062);
     assert_close(lost->place[0], 0.05 + lost->time, 1e-9);
     world_end(w);
@@ -433,7 +434,7 @@ static gn_world *busy_world(kind of, int threads, const char *precision) {
 
 enum { BUSY_STEPS = 6000 };
 
-/* Bonds are those of the block still, whose particles have the first 32 ids. */
+/* The bonds are still those of the block, whose particles have the first 32 ids. */
 static void bonds_are_those_of_the_block(const gn_world *w) {
     const gn_contacts *b = &w->dem.bonds.contacts;
     assert_int_equal(b->soa.count, 2 * 2 * 3 * 4 + 16);
@@ -536,7 +537,7 @@ static void stages_go_on_with_what_came(void **state) {
     assert_true(gn_world_present(&w->dem) > 100);
     assert_int_equal(w->dem.prescribed.count, 1);
     assert_near(gn_set_travel(&w->ctx, &w->dem, &w->solids, 0, 2), 0.03,
-                0.002); /* from the first step of the stage on */
+                0.002); /* the source inserts from the first step of the stage on */
     assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 0.005);
     gn_run_free(&run);
 }
@@ -558,7 +559,8 @@ static void grains_fall_on_finite_elements(void **state) {
     run_until(w, 0.02);
     gn_energy e = measured_step(w);
     assert_true(w->dem.flow.sources[0].number > 50.0 && e.elastic_elements > 0.0);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) /* none entered below the surface */
+    for (size_t p = 0; p < w->dem.particles.soa.count;
+         p++) /* no particle entered below the surface */
         assert_true(w->dem.particles.start[4 * p + 2] > 0.0);
     assert_near(gn_energy_residual(&e), 0.0, 0.01);
     world_end(w);
@@ -624,7 +626,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 2",
             "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
             "found sieve");
-    refuses("rate: 100", /* also if the value is the default */
+    refuses("rate: 100", /* the key is refused also if the value is the default */
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 1",
             "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
             "found sieve");

@@ -84,7 +84,7 @@ def particles_balance_sources_and_sinks_in_every_row(folder):
 
 @fact
 def a_plan_counts_the_steps_that_grains_will_need(folder):
-    """With Hertz's law steps become shorter once grains touch, and at first there are no grains."""
+    """By Hertz's law steps become shorter once grains touch, and at first there are no grains."""
     scene = {
         "dimension": 3, "materials": [{"name": "m", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.3, "restitution": 0.5}],
         "law": {"stiffness": "hertz"}, "gravity": [0, 0, -9.81],

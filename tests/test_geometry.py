@@ -93,7 +93,7 @@ def a_packing_in_the_cache_is_no_permission(folder):
     called(folder)
     expect(gneiss("check", scene, **options), 2, "--allow-gmsh")
     expect(gneiss("check", scene, "--allow-gmsh", **options), 0)
-    assert not called(folder)  # it was packed before
+    assert not called(folder)  # the geometry was packed before
 
 
 @fact

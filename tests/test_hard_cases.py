@@ -25,7 +25,7 @@ THREE = [[0, 0, 0, 1e-3], [0, 0, 3e-3, 1e-3], [0, 0, 6e-3, 1e-3]]
 
 
 def refused(folder, scene, code, *patterns):
-    """Fails with the patterns and leaves no folder behind."""
+    """Checks that a run fails with the patterns and leaves no folder behind."""
     path, out = write_scene(folder, scene), os.path.join(folder, "out")
     expect(gneiss("run", path, "--out", out), code, *patterns)
     assert not os.path.exists(out), f"written all the same: {os.listdir(out)}"
@@ -33,7 +33,7 @@ def refused(folder, scene, code, *patterns):
 
 
 def done(folder, scene, *arguments):
-    """Runs to its end; the output folder, in which every number is finite."""
+    """Runs a scene to its end; returns the output folder, in which every number is finite."""
     out = os.path.join(folder, "out")
     run(write_scene(folder, scene), out, *arguments)
     with results(out) as file:
@@ -197,7 +197,7 @@ def a_folder_in_the_place_of_a_file_is_an_error(folder):
 
 
 def in_namespace(script, *arguments):
-    """A shell script with its own mount table."""
+    """Writes a shell script with its own mount table."""
     call = ["unshare", "-m", "--propagation", "private", "sh", "-c", script, "sh", *arguments]
     try:
         if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:
@@ -340,7 +340,7 @@ def a_safety_that_leaves_no_step_is_refused(folder):
 
 @fact
 def collisions_that_leave_no_step_are_refused(folder):
-    # With and without contacts at the start; each collision in 1e17 steps.
+    # The spheres start with and without contacts; each collision lasts 1e17 steps.
     for radius in (0.01, 0.001):
         particles = [[0, 0, 0, radius], [0.019, 0, 0, radius]]
         refused(folder, json.dumps(spheres(particles, time={"end": 1e-3, "contact_steps": 1e17})), 2,
@@ -363,7 +363,7 @@ def a_time_of_a_century_is_given_in_years(folder):
 
 
 def signalled(folder, *arguments):
-    """Interrupted half a second after its start, long before its preparation ends."""
+    """The run is interrupted half a second after its start, long before its preparation ends."""
     process = subprocess.Popen(command(*arguments), env={**ENVIRONMENT, "GNEISS_CACHE": "off"},
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     time.sleep(0.5)
@@ -416,7 +416,7 @@ def a_stack_of_128_kb_is_enough(folder):
 def a_finished_long_run_is_replaced_only_by_force(folder):
     run(LATTICE, folder)
     with h5py.File(os.path.join(folder, "results.h5"), "r+") as file:
-        file.attrs["seconds"] = 3723.0  # as if it had taken this long
+        file.attrs["seconds"] = 3723.0  # attribute of a run that took this time
         report_digest.seal(file)
     before = contents(folder)
     expect(gneiss("run", LATTICE, "--out", folder, "--quiet"), 2, "finished run that took 62 min 03 s", "--force", "--out")

@@ -114,7 +114,8 @@ static double most_missed(const matter *m, int steps) {
     return most;
 }
 
-/* Both ends of a contact miss 0.064 (2.94/N)^(5/2) at most, and mostly of one sign. */
+/* The steps in which a contact begins and ends have errors of at most 0.064 (2.94/N)^(5/2), mostly
+ * of one sign. */
 static void impacts_in_few_steps_have_the_error_of_the_sum_over_steps(void **state) {
     (void)state;
     const matter glass = {.01, 4.8e10, .20, 2800, 0, 1};
@@ -152,7 +153,7 @@ static double rebound(const matter *m, double v, double steps, bool pull) {
     return ratio;
 }
 
-/* By the closed form: in u^(5/4) the collision is a damped oscillator, for which 200 steps have a
+/* The closed form: in u^(5/4) the collision is a damped oscillator, for which 200 steps have a
  * second-order error of (pi/200)^2: 2e-4. */
 static void restitution_is_as_requested_at_any_speed(void **state) {
     (void)state;
@@ -179,8 +180,8 @@ static void restitution_without_pull_is_that_of_the_fit_at_any_speed(void **stat
     }
 }
 
-/* As many steps as an automatic step takes, at any phase: without the share of the step in which
- * the dashpot begins (gn_hertz_closing) they are off by up to 3 %. */
+/* The collision has as many steps as with an automatic step, at any phase: without the share of the
+ * step in which the dashpot begins (gn_hertz_closing) the results are off by up to 3 %. */
 static void restitution_hardly_depends_on_the_step(void **state) {
     (void)state;
     for (int k = 0; k < 40; k++) {
@@ -215,8 +216,8 @@ static void oblique_impacts_slide_by_coulomb(void **state) {
 
 /* Test 6: a sphere that spins, mu 0.4, e 0.5. Where the surface slides throughout it loses 3.5 mu
  * (1 + e) v_n, with e* = 0.5503 in place of e if the dashpot pulls (friction follows the pressing
- * part alone). It does from the moment on in which the tangential spring is stretched enough: the
- * dashpot, which grows with u^(1/4), presses before that, 0.6 % of the impulse. */
+ * part alone). It slides as soon as the tangential spring is stretched enough: the dashpot, which
+ * grows with u^(1/4), contributes 0.6 % of the impulse before that. */
 static void a_spinning_sphere_slides_by_coulomb(void **state) {
     (void)state;
     for (int pull = 0; pull < 2; pull++) {
@@ -266,7 +267,7 @@ static gn_world *loop(double friction) {
  * without rescaling, unloading would return 0.2 of the work of shear. */
 static void a_loop_of_load_and_shear_gains_no_energy(void **state) {
     (void)state;
-    gn_world *w = loop(100.0); /* it does not slide */
+    gn_world *w = loop(100.0); /* the sphere does not slide */
     measured_step(w);
     for (int k = 0; k < 4600; k++) run_steps(w, 1);
     gn_energy e = measured_step(w);
@@ -320,7 +321,7 @@ static void a_stack_rests_on_the_overlaps_of_its_weight(void **state) {
         double weight = (COUNT - k) * g * sphere_mass(density, r), radius = k ? 0.5 * r : r;
         double u = pow(0.75 * weight / (modulus * sqrt(radius)), 2.0 / 3.0);
         double below = k ? pos_of(w, k - 1)[2] + r : 0.0;
-        /* Limited by the rounding of positions: 1e-16 of 1e-2 m. */
+        /* The error is limited by the rounding of positions: 1e-16 of 1e-2 m. */
         assert_near(below - (pos_of(w, k)[2] - r), u, 1e-6 * u);
     }
     run_steps(w, 100000);
@@ -360,9 +361,9 @@ static gn_world *roller(bool hertz, double v0, double rolling, double twisting, 
 
 static const double down[3] = {0, 0, -9.81};
 
-/* dv/dt = -(5/7) mu_r g: it stops after 7 v0^2/(10 mu_r g). The sphere settles into the plane
- * first, which changes the pressing force for some milliseconds; the spring of the moment then
- * swings by less than a thousandth of the way. */
+/* With dv/dt = -(5/7) mu_r g the sphere stops after 7 v0^2/(10 mu_r g). The sphere settles into the
+ * plane first, which changes the pressing force for some milliseconds; the spring of the moment
+ * then oscillates by less than a thousandth of the way. */
 static void a_rolling_sphere_stops_where_resistance_says(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++) {
@@ -381,8 +382,8 @@ static void a_rolling_sphere_stops_where_resistance_says(void **state) {
     }
 }
 
-/* On an incline it rests if tan phi <= mu_r, else it rolls with (5/7) g (sin phi - mu_r cos phi).
- */
+/* On an incline the sphere rests if tan phi <= mu_r, else it rolls with (5/7) g (sin phi - mu_r cos
+ * phi). / */
 static void resistance_holds_a_sphere_on_an_incline(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++)
@@ -640,7 +641,8 @@ static void the_step_follows_the_overlap(void **state) {
         double w2 = 4.0 * modulus * sqrt(0.01 * fmax(u, 0.0)) / mass_of(w, 0); /* two contacts */
         assert_true(w->ctx.dt * sqrt(w2) < 1.0);
     }
-    assert_true(w->ctx.dt < 0.3 * first); /* from 1e-6 to 2.5e-2 of the radius: 1/12 */
+    assert_true(w->ctx.dt < 0.3 * first); /* the overlap grows from 1e-6 to 2.5e-2 of the radius:
+                                             the step falls to 1/12 */
     assert_in_range(w->ctx.dt_lowered, 1, 60);
     world_end(w);
 }
@@ -748,11 +750,12 @@ static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     double side = 4e-3, mass = 2500 * side * side * side, inertia = mass * side * side / 6;
     double square = 1e5 * 20e-3 * 20e-3 / inertia;
     assert_true(w->ctx.stable <= 2.0 / sqrt(square));
-    assert_true(w->ctx.stable >= 1.0 / sqrt(square)); /* and is not idle */
+    assert_true(w->ctx.stable >= 1.0 / sqrt(square)); /* the limit is not needlessly low */
     world_end(w);
 }
 
-/* It follows from the tangential stiffness: without it there would be no resistance. */
+/* The resistance follows from the tangential stiffness: without one there would be no resistance.
+ */
 static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
     (void)state;
     static const char *const key[] = {"rolling_friction", "twisting_friction"};

@@ -28,7 +28,8 @@ static double struck_by(const char *driver, double gap) {
     return found;
 }
 
-/* At rest for 0.01 s, then suddenly at V = 5 m/s: the struck object leaves at (1 + e) V. */
+/* The driver is at rest for 0.01 s, then moves suddenly at V = 5 m/s: the struck object leaves at
+ * the speed (1 + e) V. */
 static void delayed_motion_gives_the_same_rebound(void **state) {
     (void)state;
     char driver[3][512];
@@ -51,7 +52,8 @@ static void step_of_run(gn_run *run) {
     if (gn_run_steps(run, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-/* Started by a stage, with a loose lattice: the same result as from the start. */
+/* The motion is started by a stage, beside a loose lattice: the result is the same as from the
+ * start. */
 static void a_wall_that_a_stage_starts_strikes_as_one_that_moves_from_the_start(void **state) {
     (void)state;
     double fastest[2];

@@ -1,4 +1,4 @@
-/* With Hertz's law restitution and resistance to rolling hold for every object that a sphere can
+/* By Hertz's law restitution and resistance to rolling hold for every object that a sphere can
  * touch: other spheres, rigid walls, walls with a material, a fixed body, a free one, finite
  * elements. */
 #include "world_helpers.h"
@@ -76,7 +76,7 @@ static double rebound(kind k, double v, double mine, double other, const char *c
     return back / v;
 }
 
-/* Over three decades of speed, with steps so short that their error is negligible. */
+/* The speeds cover three decades, with steps so short that their error is negligible. */
 static void restitution_is_as_requested_for_any_pair(void **state) {
     (void)state;
     const double asked[] = {0.5, 0.9};
@@ -156,9 +156,9 @@ static gn_world *roller(bool hertz, int dimension, double friction, double rolli
     return world_of("%s", t.s);
 }
 
-/* A hundredth below the resistance it rests, except for the oscillation of the spring; a hundredth
- * above it rolls with the remaining part of its weight, which is so small that the overlap, by
- * which its arm is reduced, matters. */
+/* On a slope a hundredth below the resistance a sphere rests, except for the oscillation of the
+ * spring; a hundredth above it the sphere rolls with the remaining part of its weight, which is so
+ * small that the overlap, by which its arm is reduced, matters. */
 static void a_sphere_on_an_incline_is_held_up_to_the_resistance(void **state) {
     (void)state;
     const double mu = 0.1;
@@ -181,9 +181,9 @@ static void a_sphere_on_an_incline_is_held_up_to_the_resistance(void **state) {
         }
 }
 
-/* It slips from tan = 3.5 mu - 2.5 mu_r on: below that it rolls with (5/7) g (sin - mu_r cos),
- * beyond it slides with g (sin - mu cos) while friction accelerates its spin with 2.5 (mu - mu_r) g
- * cos. */
+/* A sphere slips from tan = 3.5 mu - 2.5 mu_r on: below that it rolls with (5/7) g (sin - mu_r
+ * cos), beyond it slides with g (sin - mu cos) while friction accelerates its spin with 2.5 (mu -
+ * mu_r) g cos. */
 static void a_sphere_rolls_or_slips_down_an_incline(void **state) {
     (void)state;
     const double mu = 0.3, mu_r = 0.1, limit = 3.5 * mu - 2.5 * mu_r;
@@ -205,7 +205,7 @@ static void a_sphere_rolls_or_slips_down_an_incline(void **state) {
         }
 }
 
-/* dv/dt = -(2/3) mu_r g: it stops after 3 v0^2/(4 mu_r g). */
+/* With dv/dt = -(2/3) mu_r g it stops after 3 v0^2/(4 mu_r g). */
 static void a_rolling_disc_stops_where_resistance_says(void **state) {
     (void)state;
     const double mu = 0.05, v0 = 0.2, way = 3.0 * v0 * v0 / (4.0 * mu * 9.81);

@@ -25,14 +25,14 @@ def fact(function):
 
 
 def run(*command, **options):
-    """Standard output; an exit code other than 0 fails the fact with the output of the command."""
+    """Returns standard output; an exit code other than 0 fails the fact with the output of the command."""
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=200, **options)
     assert done.returncode == 0, f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
     return done.stdout
 
 
 class Installed:
-    """The build installed below a folder of its own; nothing outside of it changes."""
+    """Installs the build below a folder of its own; nothing outside of it changes."""
 
     def __init__(self, root):
         self.root = root
@@ -44,7 +44,7 @@ class Installed:
         self.library = os.path.dirname(self.find("libgneiss.so"))
 
     def find(self, name, folder=""):
-        """The one file of the name, in a folder of this name."""
+        """Returns the only file of the name, in a folder of this name."""
         places = [os.path.join(place, name) for place, _, files in os.walk(self.root) if name in files and place.endswith(folder)]
         assert len(places) == 1, f"expected one {name} in the installation, found {places}"
         return places[0]
@@ -170,7 +170,7 @@ def the_report_is_where_the_program_looks_for_it(place):
 
 @fact
 def every_command_has_a_page_of_the_manual_and_completions(place):
-    """`gneiss help` gives the names; the pages are its texts."""
+    """`gneiss help` prints the names of the commands; the pages have the texts of `gneiss help NAME`."""
     program, folder = place.find("gneiss", "/bin"), os.path.dirname(place.find("gneiss.1"))
     commands = re.findall(r"^  (\w+) ", run(program, "help").split("commands:")[1].split("options:")[0], re.MULTILINE)
     assert sorted(os.listdir(folder)) == sorted(["gneiss.1", *(f"gneiss-{name}.1" for name in commands)]), os.listdir(folder)

@@ -483,7 +483,8 @@ static void the_series_is_made_from_the_files(void **state) {
     for (int k = 0; k < 4; k++) {
         gn_snapshot s = particles_at(steps[k], at[k]);
         ok(gn_snapshot_write(f->dir, "p", &s, error));
-        ok(gn_snapshot_write(f->dir, "p_q", &s, error)); /* another name that begins alike */
+        ok(gn_snapshot_write(f->dir, "p_q", &s,
+                             error)); /* another series whose name begins alike */
     }
     snprintf(path, sizeof path, "%s/p_0000000700.hdf.tmp", f->dir);
     spill(path, "cut", 3);

@@ -44,7 +44,7 @@ static void place_contact(bench *b, size_t c, uint64_t *at) {
             xj[a] += b->args.period[a] * (c % 2 ? 1.0 : -1.0);
     }
     for (int a = 0; a < 3; a++) {
-        bool moves = (a < 2 || b->space) && c % 31 != 5; /* some at rest */
+        bool moves = (a < 2 || b->space) && c % 31 != 5; /* some particles are at rest */
         b->p.vel[4 * b->k.i[c] + a] = moves ? uniform(at, -0.05, 0.05) : 0.0;
         b->p.vel[4 * b->k.j[c] + a] = moves ? uniform(at, -0.05, 0.05) : 0.0;
         bool spins = (a == 2 || b->space) && c % 29 != 7;
@@ -352,8 +352,8 @@ static bending bend(const bench *b, size_t c, const double n_old[3], const doubl
     return r;
 }
 
-/* Moments against rolling anew, under the pressing force, with the tangential spring at `root` of
- * its stiffness (1 by the linear law). */
+/* Recomputes moments against rolling under the pressing force, with the tangential spring at `root`
+ * of its stiffness (1 by the linear law). */
 static void expect_roll(const bench *b, size_t c, const double n_old[3], const double middle[3],
                         const double n[3], double twist_rate, double pressed, double root,
                         expected *e, tally *sum) {
@@ -874,10 +874,11 @@ static void contacts_that_begin_at_touch_do_not_hang_on_their_neighbours(void **
     }
 }
 
-/* Against double, over the force of a stretch of 1e-3, at least 1e-6 m here. Travel changes a
- * distance by up to 4e-5 m; rounding that (6e-8), the stretch before it and their sum is 7e-12 m:
- * 7e-6. Positions in single precision would be off by 6e-8 x 0.02 m: 1e-3. A bond that softens down
- * a slope of at most half its stiffness doubles what its trial force is off by. */
+/* The difference from double precision, relative to the force of a stretch of 1e-3, at least 1e-6 m
+ * here. Travel changes a distance by up to 4e-5 m; rounding that (6e-8), the stretch before it and
+ * their sum is 7e-12 m: 7e-6. Positions in single precision would be off by 6e-8 x 0.02 m: 1e-3. A
+ * bond that softens down a slope of at most half its stiffness doubles what its trial force is off
+ * by. */
 static void mixed_forces_follow_the_double_ones(void **state) {
     (void)state;
     double worst = 0.0;
@@ -1045,7 +1046,8 @@ static double full_turn(const double axis[3], int steps, double *change) {
     return sqrt(dot3(off, off)) / 5.0;
 }
 
-/* About the normal: the direction errs by a^3/6 per step, the size by a^4/8. */
+/* Rotation about the normal: the direction has an error of a^3/6 per step, the magnitude of
+ * a^4/8. */
 static void shear_turns_with_a_spin_about_the_normal(void **state) {
     (void)state;
     const double axis[3] = {1, 0, 0};
@@ -1057,9 +1059,9 @@ static void shear_turns_with_a_spin_about_the_normal(void **state) {
 }
 
 /* The chord that the centres travel in a step is shorter than the arc of the spins, and the branch
- * of the middle, to which both are seen, shorter than the distance: for a spin of a/dt instead of
- * 2 tan(a/2)/dt a slip of d (2 sin(a/2) - a cos(a/2)) = d a^3/12 per step is left, d (2 pi) a^2/12
- * per turn: second order in the step. */
+ * vector at mid-step, to which both are related, is shorter than the distance: for a spin of a/dt
+ * instead of 2 tan(a/2)/dt a slip of d (2 sin(a/2) - a cos(a/2)) = d a^3/12 per step is left, d (2
+ * pi) a^2/12 per turn: second order in the step. */
 static void shear_turns_with_a_rotation_across_the_normal(void **state) {
     (void)state;
     const double axis[3] = {0, 0, 1};

@@ -59,7 +59,7 @@ def crowd(dimension, spacing, kind):
 
 @fact
 def a_crowd_that_servo_walls_press_together_has_their_stress_and_loses_their_volume(folder):
-    """No friction: the pressure is uniform. At first the grains fill half of the space."""
+    """Without friction the pressure is uniform. At first the grains fill half of the space."""
     for dimension, spacing, kind in ((3, 1.3, "hydrostatic"), (3, 1.1, "hydrostatic"), (2, 1.3, "hydrostatic"), (3, 1.3, "compression"),
                                      (2, 1.2, "compression")):
         out = run_scene(folder, crowd(dimension, spacing, kind), "--force")
@@ -96,7 +96,7 @@ DIAMETER = 0.05
 
 
 def disc(dimension, count, **more):
-    """Between two plane walls that close at 0.1 m/s, from rest."""
+    """Grains between two plane walls that close at 0.1 m/s, from rest."""
     normal = [[0, 1], [0, -1]] if dimension == 2 else [[0, 1, 0], [0, -1, 0]]
     shape = {"disc": {"diameter": DIAMETER}} if dimension == 2 else {"cylinder": {"diameter": DIAMETER, "height": 0.02}}
     walls = [{"name": name, "point": [0, sign * DIAMETER / 2 * 0.996] + [0] * (dimension - 2), "normal": normal[k], "stiffness": "1 GN/m",
@@ -164,8 +164,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
 @fact
 def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
     """Line loads would give 1 and 3 times 2 P/(pi D t) in the middle; the averages over a region of a fifth of the
-    radius about it are 0.96 and 2.96. The packing adds its own scatter: some twenty-five discs are there, whose
-    stresses scatter by a third."""
+    radius about it are 0.96 and 2.96. The packing adds its own scatter: the region has some twenty-five discs, whose stresses scatter by a third."""
     given = disc(2, 600, materials=[{**ROCK, "tensile_strength": 1e90, "shear_strength": 1e90}], time={"end": 1e-3})
     out = run_scene(folder, given)
     read = readings(out)
@@ -183,8 +182,9 @@ def jaw(name, side, ratio, half=0.5):
 
 @fact
 def jaws_that_hold_the_rim_lower_the_tension_in_the_middle(folder):
-    """By [sin 2a - a]/a of 2 P/(pi D t) where they touch 2a of the rim (Hondros 1959), held against what line loads make in the same packing, so
-    that its scatter is none. Pressures on a few discs are not even: of their angles the mean square is taken, each by how deep it is pressed."""
+    """Loads over an angle 2a of the rim make the stress [sin 2a - a]/a of 2 P/(pi D t) (Hondros 1959). It is compared with that of line loads in the
+    same packing, so that the packing causes no scatter. Pressures on a few discs are not uniform: a follows from the mean square of their angles,
+    weighted by the overlaps."""
     whole = [{**ROCK, "tensile_strength": 1e90, "shear_strength": 1e90}]
     shares = []
     for seed in (1, 3):
@@ -210,8 +210,8 @@ def jaws_that_hold_the_rim_lower_the_tension_in_the_middle(folder):
 
 @fact
 def a_region_may_be_empty_or_the_whole_disc(folder):
-    """In the whole of it the contacts between discs have the mean stress along the load but for what the walls add between rim and centres:
-    a radius at either end, of 3 mm at most, of 50 mm."""
+    """In the whole disc the contacts between discs have the mean stress along the load, except for the contribution of the walls between rim and
+    centres: a radius at either end, at most 3 mm of 50 mm."""
     given = disc(2, 150, time={"end": 2e-4}, test={"diameter": DIAMETER})
     given["test"]["centre"] = 1e-6
     assert not history(run_scene(folder, given, name="empty"))["centre_stress_xx"].any()
@@ -236,7 +236,7 @@ def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
     rows, broken = history(ended), history(ended)["broken_tension"]
     looked = np.isin(rows["step"], history(on)["step"])  # the rows that time.end asks for, between which there are others
     stress = rows["stress"][looked]
-    means = (stress[1:] + stress[:-1]) / 2  # of 200 rows
+    means = (stress[1:] + stress[:-1]) / 2  # means of adjacent rows of the 200 requested
     assert means[-1] < 0.5 * means.max() and not (means[means.argmax():-1] < 0.5 * means.max()).any()
     assert broken[-1] > 0.1 * 800 ** 0.5
     assert history(on)["stress"][:len(stress)].max() == stress.max() and history(on)["time"][-1] > history(ended)["time"][-1]
@@ -325,7 +325,7 @@ def auto_that_is_written_is_auto(folder):
 
 @fact
 def ends_that_measure_nothing_are_refused_or_warned_of(folder):
-    """Refused if it is certain; an object that is fixed, or below another one, is watched, and a run in which no
+    """A scene is refused if contact is certainly impossible; an object that is fixed, or below another one, is observed, and a run in which no
     contact occurred reports that."""
     only = r"test.upper: expected ends that close, found ends that only come apart: the test would measure nothing"
     def moving(factor, **more):
@@ -354,7 +354,7 @@ def ends_that_measure_nothing_are_refused_or_warned_of(folder):
 
 @fact
 def walls_in_a_wrong_position_to_the_specimen_are_warned_of(folder):
-    """Deep inside it, far from it, tilted; flats of a disc, walls that come by themselves and wedges of two are not."""
+    """Ends deep inside the specimen, far from it or tilted are reported; flats of a disc, walls that approach by themselves and wedges of two are not."""
     def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: (test.(?:upper|lower): wall .*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
     def with_top(**more):
@@ -522,7 +522,7 @@ def bending_of_elements_gives_their_modulus(folder):
 
 @fact
 def a_bending_test_is_held_against_its_beam(folder):
-    """Each number by itself; correct scenes get no warning, here with four points, nor in the scenes."""
+    """Each number is wrong by itself; correct scenes get no warning: here one with four points, and the shipped scenes."""
     def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", gneiss("check", write_scene(folder, given)).stdout)
     four = {"load_span": 0.04, "upper": ["load", "other"]}
@@ -768,7 +768,7 @@ def a_run_with_a_membrane_has_the_same_bits_on_two_threads_and_after_a_stop(fold
 
 @fact
 def a_membrane_without_pressure_is_none(folder):
-    """Equal bits: adding zero to a force does not change it."""
+    """The bits are equal: adding zero to a force does not change it."""
     given = triaxial(0)
     del given["test"]["diameter"], given["test"]["length"]
     plain = {**given, "test": {**given["test"], "kind": "compression"}}
@@ -779,9 +779,9 @@ def a_membrane_without_pressure_is_none(folder):
 
 @fact
 def a_membrane_goes_with_everything_else(folder):
-    """Prescribed, loaded and unbonded particles, gravity, added mass, dashpots, separate damping of spins, friction
-    on walls, rotations, a domain that particles leave, bonds that soften, single precision: the same bits on two
-    threads and after an interruption, and the ledger closes."""
+    """A scene with prescribed, loaded and unbonded particles, gravity, added mass, dashpots, separate damping of spins, friction
+    on walls, rotations, a domain that particles leave, bonds that soften, and single precision has the same bits on two
+    threads and after an interruption, and its ledger closes."""
     given = triaxial(5e6, materials=[{**ROCK, "tensile_strength": "8 MPa", "shear_strength": "10 MPa", "fracture_energy": 2}],
                      law={"stiffness": "harmonic", "softening": "energy"}, gravity=[0, 0, -9.81],
                      damping={"background": {"model": "nonviscous_component", "coefficient": 0.4, "rotation": 0.6}, "contact": {"restitution": 0.5}},
@@ -898,7 +898,7 @@ def a_force_of_a_stage_acts_beside_the_membrane(folder):
 
 @fact
 def unbonded_particles_detach_from_a_membrane_as_broken_ones_do(folder):
-    """Pulled away by more than a radius: it is no longer loaded, and the pressure acts on the rest."""
+    """A particle pulled away by more than a radius is no longer loaded, and the pressure acts on the rest."""
     away = {"motion": {"vx": -20.0, "vy": 0.0}}
     stages = [{"name": "a", "end": {"time": 5e-5}}, {"name": "b", "sets": {"some": away}, "end": {"time": 3e-4}}]
     found = {}
@@ -945,8 +945,8 @@ def the_middle_of_a_lattice_has_the_pressure(folder):
 
 @fact
 def the_middle_of_what_is_cut_from_a_packing_has_the_pressure(folder):
-    """Balls of some 260 spheres: of each the middle scatters by 2 %, and in the mean of eight it is 1.6 % above the pressure, as where bonds
-    were cut what is left gives way more than their number says. (Scaled to the hull it was 18 % above.)"""
+    """Balls of some 260 spheres: the stress in the middle scatters by 2 % among them, and its mean over eight is 1.6 % above the pressure, because
+    near cut bonds the rest deforms more than the number of bonds suggests. (With areas scaled to the hull it would be 18 % above.)"""
     box = {"dimension": 3, "specimen": {"box": {"size": ["20 mm"] * 3}, "particles": 4000, "packing": {"size_ratio": 2}}, "run": {"threads": 1}}
     expect(gneiss("pack", write_scene(folder, box, "box.yaml"), "--out", os.path.join(folder, "packed"), "--quiet"), 0)
     rows, found = np.loadtxt(os.path.join(folder, "packed", "packing.txt")), []
@@ -1002,7 +1002,7 @@ def the_surface_of_particles_is_that_of_the_same_particles_without_their_shape(f
 
 @fact
 def a_surface_of_particles_follows_what_breaks(folder):
-    """Bonds that break under platens: the same bits on two threads and after a stop between two looks, a ledger that closes, and no sides."""
+    """Bonds break under platens: the bits are the same on two threads and after a stop between two updates, the ledger closes, and there are no sides."""
     given = triaxial(1e5, time={"end": 1.5e-3, "stop": "none"})
     given["membrane"]["surface"] = "particles"
     whole = run_scene(folder, given, name="whole")
@@ -1060,8 +1060,9 @@ def bodies_without_a_shape_have_a_surface_each(folder):
 
 @fact
 def yield_under_pressure_takes_poissons_ratio_below_zero(folder):
-    """By the law normal springs alone yield. A hexagonal lattice has (1 - k)/(3 + k) with k = k_t/k_n, but for what its skin lacks; under
-    30 MPa and with a slope of a third k is three times as large, and nothing else is changed. The reading is absent then, with the reason."""
+    """By this law only normal springs yield. A hexagonal lattice has nu = (1 - k)/(3 + k) with k = k_t/k_n, apart from the effect of its free
+    surface; under 30 MPa and with a slope of a third k is three times as large, and nothing else is changed. The reading is then absent, with the
+    reason."""
     steel = {"name": "m", "density": 2500, "young": "27 GPa", "poisson": 0.2, "friction": 0.2, "bond_friction": 0.9, "tensile_strength": "1 GPa",
              "shear_strength": "1 GPa", "fracture_ratio": 0.1}
     radius, columns, rows_of = 1e-3, 16, 24
@@ -1367,7 +1368,7 @@ def ramp(value):
 
 
 def sheared(folder, name, expected, length, area, given):
-    """Over the whole ramp: waves are 1 % of the first tenth of the stress, and below 1e-4 of it after 20 transits."""
+    """The error over the whole ramp: waves are 1 % of the first tenth of the stress, and below 1e-4 of it after 20 transits."""
     out = run_scene(folder, given, name=name)
     rows, read = history(out), readings(out)
     last = slice(len(rows["stress"]) // 2, None)
@@ -1381,8 +1382,8 @@ def sheared(folder, name, expected, length, area, given):
 
 @fact
 def a_triangular_lattice_has_the_shear_modulus_of_its_springs(folder):
-    """Uniform strain: springs at 0, 60 and 120 degrees in a cell of 2 sqrt(3) r^2 give G = sqrt(3)/4 (k_n + k_t). 12 rows, the outer two led: a
-    strain of 0.1 % at most, whose square is what the turn of the lattice adds."""
+    """Uniform strain: springs at 0, 60 and 120 degrees in a cell of 2 sqrt(3) r^2 give G = sqrt(3)/4 (k_n + k_t). 12 rows, the outer two driven: the
+    strain is 0.1 % at most, and the rotation of the lattice adds its square."""
     r, rows_, speed = 1e-3, 12, 5e-4
     length = (rows_ - 1) * np.sqrt(3) * r
     given = glued({"kind": "hexagonal", "cells": [5, rows_ // 2]}, [10 * r, 1], ramp(speed), 2, "x", "y", {"wz": ramp(-speed / length / 2)})
@@ -1490,7 +1491,7 @@ def slab(name, side, axis="y", depth=1.5e-3, **motion):
 
 
 def bonded(cells=(8, 8), **more):
-    """Discs of 1 mm on a square lattice, the first centre at 1 mm; or spheres."""
+    """Discs or spheres of 1 mm on a square lattice, with the first centre at 1 mm."""
     kind = "square" if len(cells) == 2 else "cubic"
     return scene(len(cells), specimen={"lattice": {"kind": kind, "radius": 1e-3, "cells": list(cells)}}, time={"end": 1e-4}, **more)
 
@@ -1514,7 +1515,7 @@ def ends(kind, lower, upper, **more):
 
 @fact
 def two_ends_on_one_side_are_refused(folder):
-    """Ends made of walls, sets, bodies, motions of elements and lists of them, for any kind of test."""
+    """Any kind of test accepts ends made of walls, sets, bodies, motions of elements and lists of them."""
     alike = "test.upper: expected a wall that faces the lower end along y, found 'b', whose normal has the sense of that of 'a': both ends are on one side"
     for walls, pattern in (([plate("a", 0, 1, motion={"vy": 0}), plate("b", 0, 1)], alike),
                            ([plate("a", 0, 1, motion={"vy": 0}), plate("b", 0.016, 1)], alike),
@@ -1608,7 +1609,7 @@ def a_confinement_needs_what_confines(folder):
     for more in ({"walls": [left, right]}, {"bodies": [body, other]}, {"sets": [low, high]}, {"sets": [low], "walls": [right]}, {"periodic": {"min": [0, 0], "max": [0.016, 1], "open": "y"}}):
         accepted(bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}))
     cup = {"name": "low", "polyline": [[-0.001, 0.02], [-0.001, 0], [0.02, 0], [0.02, 0.02]], "stiffness": 1e9}
-    accepted(bonded(test=test, walls=plates[1:], bodies=[cup]))  # its bottom is an end, and it holds the sides
+    accepted(bonded(test=test, walls=plates[1:], bodies=[cup]))  # the bottom of the cup is an end, and the cup holds the sides
 
 
 @fact
@@ -1635,7 +1636,7 @@ def control_needs_ends_that_move(folder):
 
 @fact
 def shear_without_normal_stress_is_warned_of(folder):
-    """By `gneiss check` and by the run; a constant height has a test of its own."""
+    """The errors are found by `gneiss check` and by the run; a constant height has a test of its own."""
     for k, (more, reported) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
         sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
         given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
@@ -1676,7 +1677,8 @@ def halves(gap):
 
 @fact
 def the_sheared_height_is_that_between_the_ends(folder):
-    """The strain is over that height, and the section that of the whole; where the ends meet it is the whole height. A length that is free is not doubted."""
+    """The strain is over that height, and the section that of the whole; where the ends meet it is the whole height. A free length is accepted
+    without a warning."""
     def said(test=None, **more):
         given = bonded(test={**ends("shear", "low", "up"), "axis": "x", "normal": "y", **(test or {})}, **more)
         text = expect(gneiss("check", write_scene(folder, given)), 0).stdout
@@ -1857,7 +1859,7 @@ def the_scenes_of_the_other_tests_give_their_readings(folder):
         out = small(folder, name, "--set", "specimen.particles=400", "--set", "output.history_rows=500")
         value = readings(out)[reading]
         assert value is not None and value > least, (name, readings(out), absent(out))
-        if name == "concrete":  # its pressure is applied in an earlier stage
+        if name == "concrete":  # the pressure of the concrete scene is applied in an earlier stage
             strains_count_from_the_last_stage(out, "lateral_strain", "volumetric_strain")
 
 
@@ -1918,7 +1920,7 @@ def the_scene_of_the_shear_test_gives_a_strength_under_its_normal_stress(folder)
 
 @fact
 def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
-    """Springs k along the axes, 2 r apart, give a cubic lattice K = k/(6 r), of 8 spheres a side as of many."""
+    """Springs k along the axes, 2 r apart, give a cubic lattice K = k/(6 r), which 8 spheres along a side represent as well as many."""
     lattice = {"specimen": {"lattice": {"kind": "cubic", "radius": "1 mm", "cells": [8, 8, 8]}}, "law": {"stiffness": "uniform"},
                "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3,
                               "bond_tension_limit": 1e9, "bond_shear_limit": 1e9}], "bonds": {"interaction_range": 0.05},
@@ -1937,7 +1939,7 @@ def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
 
 @fact
 def the_mean_stress_under_a_membrane_can_be_made_of_the_contacts(folder):
-    """With the volume and the part of the membrane that are stored as attributes; without them the result differs."""
+    """The stress uses the volume and the part of the membrane that are stored as attributes; without them the result differs."""
     out = run_scene(folder, {"specimen": {"cylinder": {"diameter": "20 mm", "height": "30 mm"}, "particles": 300, "material": "a"}, "materials": [ROCK],
                              "law": {"stiffness": "harmonic"}, "bonds": {}, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
                              "membrane": {"pressure": "10 MPa", "ramp": "0.1 ms", "surface": "particles"}, "test": {"kind": "hydrostatic"}, "time": {"end": "0.3 ms"},
@@ -1969,7 +1971,7 @@ def a_stage_does_not_take_the_tangential_springs_away(folder):
 
 @fact
 def the_source_of_the_area_of_a_test_is_reported(folder):
-    """In simple shear it is the section of the box, whatever the distance of the ends; for a disc and a beam it
+    """In simple shear the area is the section of the box, whatever the distance of the ends; for a disc and a beam it
     relates stress to force."""
     for name, length, area, source in (("simple-shear", None, 0.06, "the section of the periodic box"), ("brazilian", None, None, "pi/2 times diameter and thickness"),
                                        ("bending", None, None, "the force over it is the stress in the fibre"), ("shear", 0.03, 0.06, None)):

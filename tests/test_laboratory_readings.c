@@ -1,4 +1,4 @@
-/* Readings of tests by name and of the course of a test, from curves whose answers are known. */
+/* Readings of named tests and readings over the whole test, from curves with known results. */
 #include "test.h"
 
 #include "test_kinds/beginning.h"
@@ -68,7 +68,8 @@ static void moduli_are_slopes_over_the_given_ranges(void **state) {
     table t = course();
     gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
     assert_close(r.tangent_modulus, 120, 1e-9); /* 40 to 60 Pa */
-    /* From 1 to 50 Pa: the corner lies at 35 Pa; rows are 1/4000 of the rise apart. */
+    /* The secant runs from 1 to 50 Pa: the corner lies at 35 Pa; rows are 1/4000 of the rise
+     * apart. */
     assert_close(r.secant_modulus, 49 / (0.4375 + 15.0 / 120 - 1.0 / 80), 1e-3);
     assert_true(r.average_modulus > 80 && r.average_modulus < 120);
 }
@@ -88,7 +89,7 @@ static void damage_begins_where_the_volume_is_least(void **state) {
     assert_close(r.crack_damage_stress, stress_at(0.75), 1e-3); /* a row */
 }
 
-/* Slopes of 1 and -3 before bonds break at 30 % of the load, of 2 and -2 from there on. */
+/* The slopes are 1 and -3 before bonds break at 30 % of the load, 2 and -2 from there on. */
 static void ratios_in_the_middle_of_a_disc_are_those_before_it_cracks(void **state) {
     (void)state;
     static const char *const names[] = {"strain",           "stress",         "centre_stress_xx",
@@ -434,7 +435,8 @@ static void elastic_constants_are_read_before_bonds_break_yield_or_soften(void *
 static void the_secant_at_half_the_peak_has_what_broke_in_it(void **state) {
     (void)state;
     const weakening of = {.from = 20, .column = "broken_tension", .rows = 1000};
-    /* From 1 to 50 Pa: 19 Pa at 100 Pa per unit strain, 30 Pa at 50. */
+    /* Between 1 and 50 Pa the stress rises by 19 Pa at 100 Pa per unit strain and by 30 Pa at 50.
+     */
     const double strain = 0.19 + 0.60;
     const gn_test_kind kinds[] = {GN_TEST_COMPRESSION, GN_TEST_SHEAR, GN_TEST_HYDROSTATIC,
                                   GN_TEST_OEDOMETER, GN_TEST_BENDING};
@@ -504,13 +506,13 @@ static void a_test_begins_when_its_ends_move_and_their_initial_load_has_vanished
         size_t least;
         bool begun;
     } cases[] = {
-        {grows, {0, 10, 20, 30, 20, 10}, 0, true},  /* from nothing */
-        {grows, {50, 60, 80, 99, 20, 10}, 0, true}, /* under load already */
-        {grows, {50, 49, 50.1, 99, 9, 1}, 1, true}, /* with a wobble */
-        {grows, {90, 30, 20, 23, 30, 60}, 2, true}, /* it existed before it fell */
-        {grows, {90, 91, 20, 10, 5, 1}, 0, true},   /* near its strength */
-        {grows, {90, 80, 60, 64, 30, 1}, 5, false}, /* or later: nothing is known */
-        {late, {1, -4, 3, 8, 9, 2}, 2, true},       /* a normal stress precedes it */
+        {grows, {0, 10, 20, 30, 20, 10}, 0, true},  /* the load grows from zero */
+        {grows, {50, 60, 80, 99, 20, 10}, 0, true}, /* the load exists already */
+        {grows, {50, 49, 50.1, 99, 9, 1}, 1, true}, /* a load with a small oscillation */
+        {grows, {90, 30, 20, 23, 30, 60}, 2, true}, /* the load existed before it fell */
+        {grows, {90, 91, 20, 10, 5, 1}, 0, true},   /* the load is near the strength */
+        {grows, {90, 80, 60, 64, 30, 1}, 5, false}, /* too late: nothing is known */
+        {late, {1, -4, 3, 8, 9, 2}, 2, true},       /* a normal stress precedes the motion */
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const gn_beginning b = begun_by(cases[k].strain, cases[k].stress, 6);
@@ -542,7 +544,8 @@ static void the_initial_load_of_the_ends_is_no_peak(void **state) {
     }
 }
 
-/* Ends that do not move while bonds break, that unload, or that a dead load drives. */
+/* Ends have no strength if they do not move while bonds break, unload, or are driven by a dead
+ * load. */
 static void ends_that_do_not_move_or_hold_a_load_have_no_strength(void **state) {
     (void)state;
     static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};

@@ -132,7 +132,7 @@ static void move(couple *t, double x, double y, double force[3]) {
 
 enum { STEPS = 400 };
 
-/* Compressed, pulled until well after the bond has broken, compressed again. */
+/* The bond is compressed, pulled until well after it has broken, and compressed again. */
 static double way(int step) {
     return -8e-6 * sin(3.0 * pi * step / STEPS);
 }
@@ -194,7 +194,7 @@ static void force_and_energy_reported_by_the_law_are_those_of_the_kernel(void **
     }
 }
 
-/* Pulled and sheared by steps of a thousandth of the displacement at the break. */
+/* The bond is pulled and sheared by steps of a thousandth of the displacement at the break. */
 static void a_bond_breaks_when_its_criterion_reaches_one(void **state) {
     (void)state;
     for (int law = 0; law < LAWS; law++)

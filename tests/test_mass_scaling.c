@@ -144,7 +144,7 @@ static void a_grain_weighs_what_it_did(void **state) {
     world_end(w);
 }
 
-/* Dropped from a tenth of its radius; falls with a ninth of g and rebounds. */
+/* The grain is dropped from a tenth of its radius; it falls with a ninth of g and rebounds. */
 static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
     (void)state;
     double m = sphere_mass(2500, 1e-3), height = 1e-5;
@@ -189,7 +189,7 @@ static void masses_follow_the_contacts_that_form(void **state) {
         const double dt = w->ctx.dt, end = mass_of(w, 0), middle = mass_of(w, 1);
         gn_energy e = {0};
         for (int k = 0; k < 400 && e.elastic_normal < 1e-9; k++) e = measured_step(w);
-        assert_true(e.elastic_normal > 0.0); /* they were in contact */
+        assert_true(e.elastic_normal > 0.0); /* the particles were in contact */
         assert_true(sharp ? w->ctx.dt < 0.95 * dt : w->ctx.dt == dt);
         assert_true(mass_of(w, 0) == end);
         if (sharp) {
@@ -228,7 +228,7 @@ static void momentum_and_energy_of_a_free_pair_stay(void **state) {
     world_end(w);
 }
 
-/* With all other options, in both precisions: the ledger closes, with the same bits on any number
+/* With all other options, in both precisions, the ledger closes, with the same bits on any number
  * of threads. */
 static void beside_all_else_the_ledger_closes_with_the_same_bits(void **state) {
     (void)state;

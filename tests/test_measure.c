@@ -295,7 +295,8 @@ static void particles_with_a_lost_bond_do_not_count_as_strain(void **state) {
     for (size_t k = 0; k < held.count; k++) assert_int_not_equal(held.id[k] % 10, 0);
     gn_strain_gauge_free(&held);
 
-    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 3 : 4; /* not a bonded body */
+    for (size_t k = 0; k < 300; k++)
+        p.bonds0[k] = k % 10 ? 3 : 4; /* with these bonds the particles are not a bonded body */
     gn_strain_gauge all = gauge_of(&p, 3);
     bool loose = false;
     for (size_t k = 0; k < all.count; k++) loose = loose || all.id[k] % 10 != 0;

@@ -41,7 +41,7 @@ static double *areas(const gn_world *w) {
     return kept;
 }
 
-/* Applied forces are those of the sets less the pressure times J F^-T A, A the areas of the start;
+/* Applied forces are those of the sets minus the pressure times J F^-T A, with A the initial areas;
  * frees these. */
 static void expect_forces(const gn_world *w, const double f[9], double *start, double pressure,
                           double allowed) {
@@ -96,7 +96,8 @@ static void flatten(gn_world *w) {
 }
 
 /* For any packing, areas are changed by the smallest amount that removes the moment at the present
- * positions: exactly under a rigid rotation. Checked at the start, between updates, and at one. */
+ * positions: exactly under a rigid rotation. The test compares at the start, between updates, and
+ * at an update. */
 static void areas_follow_an_affine_motion_as_nanson_says(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++)
@@ -323,7 +324,7 @@ static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state)
     assert_close(chips_share(w), share, 1e-3);
     lift(w, 0.5e-3);
     w->ctx.step = 150;
-    press(w); /* not looked at */
+    press(w); /* no update is due at this step */
     assert_close(chips_share(w), share, 1e-3);
     w->ctx.step = 200;
     press(w);
@@ -390,8 +391,9 @@ static void dead_loads_are_handed_on(void **state) {
         w->ctx.step = 100;
         press(w);
         assert_true(q->skin[4 * p + 3] < 0 && q->applied[4 * p + 1] == 0);
-        assert_close(gn_membrane_area(&w->dem), whole, 0.1); /* of the exposed surface */
-        /* in balance if all particles were at their initial positions */
+        assert_close(gn_membrane_area(&w->dem), whole,
+                     0.1); /* the area is that of the exposed surface */
+        /* the forces would be in balance if all particles were at their initial positions */
         for (int a = 0; a < d; a++) q->pos[4 * p + a] = q->start[4 * p + a];
         expect_balance(w, 7e6);
         world_end(w);

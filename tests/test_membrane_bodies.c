@@ -54,8 +54,8 @@ static void areas_turn_with_the_body_that_they_are_of(void **state) {
     world_end(w);
 }
 
-/* At any distance of the bodies from one another each is followed by the surroundings of a patch,
- * and the stretch of a patch is limited by that of its own body. */
+/* At any distance between the bodies the patches of each follow their own surroundings, and the
+ * stretch of a patch is limited by that of its own body. */
 static void bodies_that_drift_apart_keep_their_areas(void **state) {
     (void)state;
     gn_world *w = two_blocks(7e6, 0);
@@ -122,7 +122,7 @@ static void bodies_that_are_apart_do_not_push_or_turn_one_another(void **state) 
             for (int a = 0; a < 3; a++) force[a] += q->applied[4 * p + a], moment[a] += turn[a];
             size += sqrt(gn_dot3(q->applied + 4 * p, q->applied + 4 * p));
         }
-        assert_true(size > 7e6 * 6 * 36e-6); /* on faces of 6 mm at least */
+        assert_true(size > 7e6 * 6 * 36e-6); /* the pressure acts on faces of at least 6 mm */
         for (int a = 0; a < 3; a++) {
             assert_near(force[a], 0, 1e-12 * size);
             assert_near(moment[a], 0, 1e-12 * size * 0.04);
@@ -164,7 +164,7 @@ static void bodies_without_volume_are_not_loaded_by_the_membrane(void **state) {
     world_end(w);
 }
 
-/* About the centre of mass: moments of displacements and of spins. */
+/* Angular momentum about the centre of mass, of velocities and of spins. */
 static void angular_momentum(const gn_world *w, double sum[3]) {
     const gn_particles *q = &w->dem.particles;
     double mass = 0, centre[3] = {0}, velocity[3] = {0};
@@ -185,8 +185,9 @@ static void angular_momentum(const gn_world *w, double sum[3]) {
         }
 }
 
-/* An undamped block rotates under 100 MPa, 1 % of its modulus: between updates as well the membrane
- * exerts no moment, whatever waves there are. (The error was 1 % after 3 000 steps.) */
+/* An undamped block rotates under 100 MPa, 1 % of its modulus: the membrane exerts no moment,
+ * between updates as well and with any waves in the block. (The error was 1 % after 3 000
+ * steps.) */
 static void a_block_that_turns_keeps_its_angular_momentum(void **state) {
     (void)state;
     gn_world *w = world_of(

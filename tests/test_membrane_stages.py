@@ -55,8 +55,7 @@ def the_pressure_of_a_stage_comes_from_what_there_is(folder):
 
 @fact
 def a_membrane_without_pressure_holds_that(folder):
-    """The result equals that of one in a list of confinements; of one whose pressure ends at 0 after its ramp, and of
-    a table at its end."""
+    """The result equals that of a membrane in a list of confinements, of one whose pressure ends at 0 after its ramp, and of a table at its end."""
     table = [[0, "0.1 MPa"], ["1 ms", 0], ["2 ms", 0], ["3 ms", "0.1 MPa"]]
     out = run_scene(folder, block([stage("none", {"held": 0.01, "time": "5 ms"}, membrane={"pressure": 0}),
                                    stage("some", {"held": 0.01}, membrane={"pressure": "0.1 MPa", "ramp": "1 ms"}),
@@ -86,7 +85,7 @@ def a_stage_that_ends_by_held_waits_for_the_pressure_and_has_it(folder):
 
 @fact
 def a_membrane_of_the_first_stage_is_one_of_the_scene(folder):
-    """Both give the same bits, also beside a membrane of the scene that a stage repeats."""
+    """Both runs have the same bits, also beside a membrane of the scene that a stage repeats."""
     membrane = {"pressure": [[0, "0.1 MPa"], ["1 ms", "0.2 MPa"]], "ramp": "0.3 ms"}
     end = [stage("all", {"time": "1 ms"})]
     plain = block([], membrane=membrane, time={"end": "1 ms"})

@@ -93,7 +93,7 @@ static void pivoting_particles_carry_no_pressure(void **state) {
     world_end(w);
 }
 
-/* Bonds with moments, and grains without rotation, provide support with one contact. */
+/* Bonds with moments, and grains without rotation, need only one contact for support. */
 static void particles_that_cannot_pivot_support_the_membrane(void **state) {
     (void)state;
     static const char *const bonds[] = {
@@ -110,7 +110,7 @@ static void particles_that_cannot_pivot_support_the_membrane(void **state) {
 
 /* --- following --- */
 
-/* Tips whose grains roll away by four radii and more had patches that were 250 radii wide. */
+/* Tips whose grains roll away by four radii and more would have patches 250 radii wide. */
 static void grains_that_roll_stretch_no_patch(void **state) {
     (void)state;
     gn_world *w = world_of("dimension: 2\nspecimen: {polygon: [[0, 0], [0.04, 0], [0.005, 0.02]], "

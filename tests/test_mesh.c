@@ -390,8 +390,8 @@ static void several_solids_in_any_letters_are_one_surface(void **state) {
 
 static void corners_are_welded_by_distance_alone(void **state) {
     fixture *f = *state;
-    /* Every triangle sees the corners of the cube a little elsewhere, up to 0.4e-6 of its size and
-     * so on both sides of the borders of any grid. */
+    /* Every triangle has slightly different coordinates of the cube's corners, by up to 0.4e-6 of
+     * its size, and so on both sides of the borders of any grid. */
     for (double size = 1e-6; size < 1e9; size *= 1e4) {
         bytes b = {0};
         gn_mesh m;
@@ -578,7 +578,7 @@ static void flipped_bytes_never_crash(void **state) {
             spill_bytes(f, &b);
             refused += !read_damaged(f, read);
         }
-        assert_in_range(refused, 1, 399); /* some are detected, some are harmless */
+        assert_in_range(refused, 1, 399); /* some changes are detected, others are harmless */
     }
 }
 

@@ -33,7 +33,7 @@ static double tangential(const gn_contacts *q) {
     return sqrt(square);
 }
 
-/* Stretched by `normal` newtons, then sheared until it breaks. */
+/* The bond is stretched by `normal` newtons, then sheared until it breaks. */
 static broke break_it(double mu, double mu1, const char *coupling, double normal,
                       const char *precision) {
     double speed = normal / 1e7 / 1.00005e-4;
@@ -95,12 +95,13 @@ static void linear_coupling_takes_the_friction_of_the_pull(void **state) {
     assert_int_equal(b.cause, GN_BROKEN_SHEAR);
     double strength = 12.0 - 0.5 * b.normal;
     assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
-    /* Not below zero: the bond then cannot carry the first increment of shear. */
+    /* The strength does not fall below zero: the bond then cannot carry the first increment of
+     * shear. */
     b = break_it(0.3, 0.9, "linear", 15.0, "double");
     assert_true(b.shear <= 1.01 * step_force);
 }
 
-/* To the rounding of forces and of the stretch in single precision. */
+/* The forces agree to the rounding of forces and of the stretch in single precision. */
 static void in_mixed_precision_a_bond_breaks_at_the_same_force(void **state) {
     (void)state;
     const char *const couplings[] = {"none", "quadratic", "linear"};
@@ -325,7 +326,7 @@ static void threads_give_the_same_bits(void **state) {
     }
 }
 
-/* With all other options: two materials, walls, gravity, a periodic direction, dampings,
+/* A scene with all other options: two materials, walls, gravity, a periodic direction, dampings,
  * orientations. */
 static const char *const busy =
     "dimension: 3\n"

@@ -51,13 +51,14 @@ static void make_particle(herd *h, size_t p, int space, uint64_t *at) {
     for (int a = 0; a < 3; a++) {
         bool there = a < 2 || space;
         h->p.pos[4 * p + a] = there ? uniform(at, -0.1, 0.1) : 0.0;
-        h->p.vel[4 * p + a] = there && p % 11 ? uniform(at, -2.0, 2.0) : 0.0; /* some at rest */
+        h->p.vel[4 * p + a] =
+            there && p % 11 ? uniform(at, -2.0, 2.0) : 0.0; /* some particles are at rest */
         h->p.applied[4 * p + a] = there ? uniform(at, -1.0, 1.0) : 0.0;
         if (h->p.spin)
             h->p.spin[4 * p + a] = (space || a == 2) && p % 13 ? uniform(at, -90.0, 90.0) : 0.0;
     }
     double r = h->p.pos[4 * p + 3] = uniform(at, 0.5e-3, 2e-3), m = sphere_mass(2650.0, r);
-    h->p.vel[4 * p + 3] = p % 37 == 36 ? 0.0 : 1.0 / m; /* some removed */
+    h->p.vel[4 * p + 3] = p % 37 == 36 ? 0.0 : 1.0 / m; /* some particles have been removed */
     if (h->p.spin) h->p.spin[4 * p + 3] = p % 37 == 36 ? 0.0 : 1.0 / (0.4 * m * r * r);
     if (h->p.orientation) h->p.orientation[4 * p] = 1.0;
     h->p.slot[p] = -1;

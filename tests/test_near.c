@@ -111,8 +111,9 @@ static void reading_the_world_changes_no_bit(void **state) {
     world_end(left);
 }
 
-/* Pairs of grains at random positions and velocities: the bits of every instruction set are those
- * of the scalar one, and an omitted pair touches at no time of the interval, nor almost. */
+/* Pairs of grains at random positions and velocities: the bits of every instruction set are
+ * those of the scalar one, and an omitted pair does not touch, even nearly, at any time of the
+ * interval. */
 static void acting_pairs_are_found(void **state) {
     (void)state;
     enum { PAIRS = 8 * 200 };
@@ -141,7 +142,7 @@ static void acting_pairs_are_found(void **state) {
     for (int32_t k = 0; k < 2 * PAIRS; k++) {
         own[k] = k;
         if (k < PAIRS) i[k] = k;
-        if (k >= PAIRS) j[2 * PAIRS - 1 - k] = k; /* of another block */
+        if (k >= PAIRS) j[2 * PAIRS - 1 - k] = k; /* the other end is in another block */
         for (uint64_t n = 0; n < 3; n++) {
             pos[k][n] = 1.5 * gn_random_symmetric(7 + n, (uint64_t)k);
             vel[k][n] = gn_random_symmetric(17 + n, (uint64_t)k);

@@ -84,7 +84,8 @@ static void pairs_across_a_periodic_box_are_all_found(void **state) {
             double ratio = k % 2 ? 6.0 : 1.0, size = dimension == 2 ? 50.0 : 26.0;
             if (k >= 2) size = 2.02 * (2.0 * ratio + 0.4); /* just wide enough: one or two cells */
             gn_particles p = scattered(500, dimension, size, ratio, 77 + (uint64_t)k);
-            for (int a = 0; a < dimension; a++) p.pos[a] += 3.0 * size; /* not wrapped yet */
+            for (int a = 0; a < dimension; a++)
+                p.pos[a] += 3.0 * size; /* positions are not wrapped yet */
             gn_pair_query q = {&p, dimension, 0.4, 0.0, true, {size, 1.1 * size, 1.2 * size}, 1};
             assert_true(check(&q) > 100);
             gn_soa_destroy(&gn_particle_record, &p);
@@ -117,7 +118,7 @@ static void coincident_centres_are_pairs(void **state) {
     (void)state;
     gn_particles p = particles(40, 3);
     for (size_t k = 0; k < 40; k++)
-        p.pos[4 * k + 3] = 1.0 + (double)(k % 3); /* all at the origin */
+        p.pos[4 * k + 3] = 1.0 + (double)(k % 3); /* all particles are at the origin */
     gn_pair_query q = {&p, 3, 0.0, 0.0, false, {0}, 1};
     assert_int_equal(check(&q), 40 * 39 / 2);
     gn_soa_destroy(&gn_particle_record, &p);
@@ -217,7 +218,7 @@ static void the_skin_does_not_change_the_motion(void **state) {
     for (size_t k = 0; k < 3 * a->dem.particles.soa.count; k++)
         largest = fmax(largest, fabs(x[k] - y[k]));
     print_message("# largest difference %g m\n", largest);
-    assert_true(largest < 1e-12); /* of paths of some 1e-3 m */
+    assert_true(largest < 1e-12); /* paths are some 1e-3 m */
     free(x);
     free(y);
     assert_true(a->dem.verlet.rebuilds > 10 * b->dem.verlet.rebuilds);
@@ -258,7 +259,8 @@ static void a_skin_below_the_path_of_a_step_does_not_change_a_rebound(void **sta
         double want[2], got[2];
         rebound("auto", damping[k % 2], 0.125 * (k / 2), want);
         for (int kind = 0; kind < 2; kind++)
-            assert_near(want[kind], k % 2 ? 0.5 : 1.0, 0.01); /* of ten steps per contact */
+            assert_near(want[kind], k % 2 ? 0.5 : 1.0,
+                        0.01); /* the step is a tenth of the duration of a contact */
         for (size_t s = 0; s < sizeof skins / sizeof *skins; s++) {
             rebound(skins[s], damping[k % 2], 0.125 * (k / 2), got);
             assert_true(got[0] == want[0]);

@@ -39,7 +39,7 @@ static gn_world *closing_lattice(const char *kind, double height, double restitu
         damping, friction, height, friction);
 }
 
-/* Measured on the specimen, so that the wall starts just outside of it. */
+/* Measures the specimen, so that the wall starts just outside of it. */
 static double height_of(const char *kind) {
     gn_world *w = closing_lattice(kind, 1.0, 1.0, 0.0, "uniform");
     double height = w->ctx.upper[2];
@@ -158,8 +158,8 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
 
 /* --- the limit in flight and when lists are made --- */
 
-/* No objects are near each other: the stiffest existing pair counts, and neither two of the
- * smallest radius, nor a friction that the law does not have. */
+/* No objects are near each other: the stiffest existing pair determines the limit; a pair of two
+ * smallest radii, or a friction that the law does not have, does not count. */
 static void one_tiny_particle_counts_as_it_is(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -384,8 +384,8 @@ static gn_world *wedged(double speed, double strength, const char *more) {
         strength, strength, speed, more);
 }
 
-/* Without it the residual is 6e-3; 4e-4 is the error of ten steps per contact in a slot of exactly
- * the particle's size. */
+/* Without the resolution of debris the residual is 6e-3; 4e-4 is the error of ten steps per contact
+ * in a slot of exactly the particle's size. */
 static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
     (void)state;
     gn_world *w = wedged(0.1, 0.005, "");
@@ -407,7 +407,7 @@ static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
                              : wedged(1e-3, 5e-5, "");
         const double start = w->ctx.dt;
         residual_after(w, 1e-4);
-        assert_true(w->dem.broken_tension > 0); /* has one bond at most */
+        assert_true(w->dem.broken_tension > 0); /* the grain has at most one bond */
         assert_true(w->ctx.dt > 0.99 * start);
         world_end(w);
     }
@@ -451,9 +451,9 @@ static gn_world *rattling(double spacing, double restitution, double background)
         spacing, restitution, background, edge, edge, edge);
 }
 
-/* In a collision of 23 us they move by at most 2 um. With gaps of 0.2 um all twelve neighbours of a
- * sphere may touch at once, and w^2 of the pair is (12 + 12) k/(3 m) = 4 times that of two alone;
- * with gaps of 0.1 mm, or with damping, two touch at a time. */
+/* In a collision of 23 us the spheres move by at most 2 um. With gaps of 0.2 um all twelve
+ * neighbours of a sphere may touch at once, and w^2 of the pair is (12 + 12) k/(3 m) = 4 times that
+ * of two alone; with gaps of 0.1 mm, or with damping, two touch at a time. */
 static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
     (void)state;
     static const double spacing[] = {1.0001, 1.0001, 1.0001, 1.0001, 1.0001, 1.05},
@@ -469,9 +469,9 @@ static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
     }
 }
 
-/* For 400 collision times. The error falls with the cube of the step: 8.5 % with ten steps per pair
- * become 1.1 % with twenty, and trajectories of so many collisions differ by less than twice that.
- * */
+/* The run lasts 400 collision times. The error falls with the cube of the step: 8.5 % with ten
+ * steps per pair become 1.1 % with twenty, and trajectories of so many collisions differ by less
+ * than twice that. */
 static void a_lattice_that_rattles_keeps_its_ledger(void **state) {
     (void)state;
     gn_world *w = rattling(1.0001, 1.0, 0.0);

@@ -173,7 +173,7 @@ def elements_have_the_same_bits_wherever_they_stand(folder):
 
 @fact
 def elements_at_1e8_m_keep_their_energy(folder):
-    # Near 0 the residual of this scene is 2e-9, of the rounding of 309 steps.
+    # Near 0 the residual of this scene is 2e-9, from the rounding of 309 steps.
     scene = beam((1e8, 0))
     scene["elements"]["rectangle"].update(size=[0.1, 0.1], cells=[6, 6])
     scene["elements"]["motions"][1]["box"] = {"min": [1e8, 0.1], "max": [1e8 + 0.1, 0.1]}
@@ -313,7 +313,7 @@ def an_oblique_wall_may_be_given_by_a_point_far_along_it(folder):
     near = done(folder, scene([0, 0, 0], [edge, 0, edge]), "near")
     along = done(folder, scene([0, 0, 0], [edge + 2.0**22, 0, edge - 2.0**22]), "along")
     a, b = field(near, "particles/displacement"), field(along, "particles/displacement")
-    # Its distance is the difference of products of 2^22 m: good to 2^-30 m, 1.3e-4 of the overlap.
+    # The distance is the difference of products of 2^22 m: its error is 2^-30 m, 1.3e-4 of the overlap.
     assert abs(a).max() > 1e-6 and abs(a - b).max() < 2e-4 * abs(a).max(), (a, b)
     a, b = (history(out)["wall_slope_displacement_x"][-1] for out in (near, along))
     assert a > 5e-8 and abs(a - b) < 1e-9 * a, (a, b)
@@ -370,7 +370,7 @@ def check_shows_the_origin_and_the_coordinates_of_the_scene(folder):
 
 @fact
 def a_body_at_rest_enters_the_next_stage(folder):
-    """However slow it has become: only values set at the start have to exceed rounding."""
+    """A run continues however slow its motion has become: only values set at the start have to exceed rounding."""
     block = {"name": "block", "origin": [-0.01, -0.01, 0.001], "stiffness": 1e6, "friction": 0.5, "kratio": 2, "free": True, "density": 2500,
              "box": {"size": [0.02, 0.02, 0.02]}}
     scene = {"dimension": 3, "law": {"stiffness": "uniform"}, "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 2, "friction": 0.3}],

@@ -52,10 +52,10 @@ def contacts_of_a_broken_rock_have_the_force_of_their_overlap(folder):
         kn = 2 * 10e9 * 2 * ri * rj / (ri + rj)  # harmonic (Rojek et al. 2012)
         kn[~two] = 15e6
         largest = np.abs(c["normal_force"]).max()
-        weak = two & held & (kn * -c["overlap"] > 0.99 * 40e6 * c["area"])  # which break in the next step
+        weak = two & held & (kn * -c["overlap"] > 0.99 * 40e6 * c["area"])  # bonds that break in the next step
         assert np.abs(c["normal_force"] + kn * c["overlap"])[two & ~weak].max() < share * largest
         assert (c["overlap"][two & ~held] > 0).all()
-        # At walls it is the force of the last step, after which they and the particles have moved.
+        # At walls the force is that of the last step, after which they and the particles have moved.
         assert np.abs(c["normal_force"] + kn * c["overlap"])[~two].max() < 15e6 * 2 * 5 * 3e-7
         assert np.allclose(c["area"], 4 * np.minimum(ri, rj) ** 2, rtol=1e-12)
         assert np.count_nonzero(weak) < 0.01 * len(two)
@@ -117,7 +117,7 @@ def hertz_contacts_have_his_force_and_circle_and_stresses_add_up_to_the_reading(
     c, p = check_all(place)
     assert set(c["state"]) == {7} and {0, 1, 2} <= set(c["with"]), np.bincount(c["with"])
     two = c["with"] == 0
-    modulus = np.where(two, 0.5, 1.0) * 1e7 / (1 - 0.25 ** 2)  # of two beads in series; walls are rigid
+    modulus = np.where(two, 0.5, 1.0) * 1e7 / (1 - 0.25 ** 2)  # the modulus is that of two beads in series; walls are rigid
     r = p["radius"][c["i"]]
     radius = np.where(two, 0.5, 1.0) * r
     law = 4 / 3 * modulus * np.sqrt(radius) * np.maximum(c["overlap"], 0) ** 1.5
@@ -244,7 +244,7 @@ def check_bursts(folder, period=None):
     return b
 
 
-SLOW = ("--set", "time.end=0.2 ms", "--set", "output.burst_reach=2")  # before all breaks at once
+SLOW = ("--set", "time.end=0.2 ms", "--set", "output.burst_reach=2")  # the run ends before all bonds break at once
 
 
 @fact

@@ -50,7 +50,7 @@ def scene_of_specimen(folder, specimen, name="scene.yaml", dimension=3):
 
 
 def check_whole_files(out, particles):
-    """No existing file is incomplete."""
+    """Every existing file is complete."""
     for name in os.listdir(out):
         path = os.path.join(out, name)
         assert not name.endswith(".tmp"), os.listdir(out)
@@ -341,8 +341,8 @@ def a_scene_runs_the_particles_that_pack_writes(folder):
 
 @fact
 def a_specimen_may_come_from_the_folder_of_a_packing(folder):
-    """The bits and the volume are those of the scene that makes the packing, also after a stop; at rest, and without bonds
-    of its own."""
+    """Bits and volume are those of the scene that makes the packing, also after a stop. The packing is at rest, and the new scene has no bonds of its
+    own."""
     own = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 200", "own.yaml")
     path, _ = pack(folder, own)
     other = scene_of_specimen(folder, f"from: {path}", "other.yaml")
@@ -402,7 +402,7 @@ def a_resumed_run_needs_neither_cache_nor_shape(folder):
 # --- interrupted ------------------------------------------------------------------------------------------
 
 def interrupted(folder, *arguments):
-    """Starts, waits for the first line of progress, interrupts; the finished process."""
+    """Starts the program, waits for the first line of progress and interrupts it; returns the finished process."""
     environment = {**ENVIRONMENT, "GNEISS_CACHE": os.path.join(folder, "cache")}
     with subprocess.Popen(command(*arguments, "--log", "json"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, env=environment) as process:
@@ -461,7 +461,7 @@ def a_folder_in_the_place_of_a_file_is_an_error(folder):
 
 
 def in_namespace(script, *arguments, cache):
-    """A shell script with its own mount table; `$1` is a folder on a small disk."""
+    """Writes a shell script with its own mount table; `$1` is a folder on a small disk."""
     try:
         if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:
             raise Skip("no mount namespaces for this user")
@@ -654,7 +654,7 @@ test: {kind: compression, axis: z, lower: low, upper: up, length: 20 mm}
 
 @fact
 def a_mean_stress_is_over_the_volume_of_the_shape(folder):
-    """The file says so, and a run that makes the packing itself (without a file of particles) agrees."""
+    """The file states the change, and a run that makes the packing itself (without a file of particles) agrees."""
     scene, volume = concave(folder)
     out = os.path.join(folder, "out")
     run(scene, out, **cached(folder))
@@ -705,8 +705,8 @@ def uniform_sizes_come_out_uniform(folder):
 
 @fact
 def no_size_that_is_asked_for_changes_by_more_than_a_tenth(folder):
-    """In some unit, of the last overlaps a thousandth more: discs between which others have no place would have to shrink by a third of themselves
-    (radii of 1 to 4.7 where 1 to 3 were asked for), so all become smaller instead. The warning has both."""
+    """Sizes are compared in a common unit; the last overlaps may change them by a thousandth more. Discs between which others have no space would
+    have to shrink by a third (radii of 1 to 4.7 where 1 to 3 were requested), so all discs become smaller instead. The warning states both."""
     for dimension, shape, overlap, law in ((2, {"rectangle": {"width": 1, "height": 1}}, "none", {"sizes": "uniform"}),
                                            (2, {"disc": {"diameter": 1}}, "none", {"sizes": "sieve", "sieve": [[1 / 3, 0], [0.5, 0.4], [1, 1]]}),
                                            (2, {"rectangle": {"width": 1, "height": 1}}, "passive", {"sizes": "uniform"}),
@@ -763,7 +763,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
 
 @fact
 def sizes_that_too_few_particles_cannot_have_are_warned_of(folder):
-    """40 discs, one in 400 of which is above half the largest size. The run has no more than a step."""
+    """The scene has 40 discs; one in 400 would be above half the largest size. The run has no more than a step."""
     def reported(name, packing, particles):
         specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}
         scene = {"dimension": 2, "specimen": specimen, "materials": [{"name": "a", "density": 1, "young": 1, "poisson": 0.2}], "law": {"stiffness": "dempack"},
@@ -797,7 +797,7 @@ def files_of_others_are_replaced_by_a_packing_only_with_force(folder):
         expect(gneiss("pack", scene, "--out", out, "--force"), 0)
         expect(gneiss("pack", scene, "--out", out), 0)  # own files are replaced
         os.remove(os.path.join(out, "packing.h5"))
-        expect(gneiss("pack", scene, "--out", out), 0)  # as killed calls leave them
+        expect(gneiss("pack", scene, "--out", out), 0)  # folders as killed calls leave them
         shutil.rmtree(out)
         os.mkdir(out)
 

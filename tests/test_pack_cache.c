@@ -371,7 +371,7 @@ static void without_a_wish_the_cache_is_that_of_the_user(void **state) {
     assert_false(specimen_from_cache(f, 2, disc));
     snprintf(place, sizeof place, "%s/.cache/gneiss", f->dir);
     assert_int_equal(entries(place, false), 1);
-    setenv("XDG_CACHE_HOME", "relative", 1); /* must be ignored */
+    setenv("XDG_CACHE_HOME", "relative", 1); /* a relative path must be ignored */
     assert_true(specimen_from_cache(f, 2, disc));
     snprintf(place, sizeof place, "%s/xdg", f->dir);
     setenv("XDG_CACHE_HOME", place, 1);

@@ -107,7 +107,8 @@ static void coordination_goes_by_the_gap_over_both_radii(void **state) {
 static void the_fabric_of_a_cubic_lattice_is_isotropic(void **state) {
     (void)state;
     for (int l = 0; l < LATTICES; l++) {
-        if (strcmp(lattices[l].name, "hexagonal") == 0) continue; /* its patch is not */
+        if (strcmp(lattices[l].name, "hexagonal") == 0)
+            continue; /* the patch of a hexagonal lattice is not isotropic */
         int d = lattices[l].dimension;
         cloud_lattice(&lattices[l], 2, true);
         gn_pack_quality q = measured_cloud(d);
@@ -147,7 +148,7 @@ static void lenses_have_their_closed_form(void **state) {
             for (int m = 0; m < 5; m++) {
                 double a = radii[k][0], b = radii[k][1];
                 double apart = a + b - depth[m] * 2 * fmin(a, b);
-                /* Differences of porosities near 1 are good to 1e-16 of 1. */
+                /* Differences of porosities near 1 have an error of 1e-16. */
                 assert_near(lens_of(d, a, b, apart), shared(d, a, b, apart), 1e-14, "lens", m);
             }
 }

@@ -133,7 +133,7 @@ static void assert_bounded(int dimension, const char *what) {
     assert_close(hull_of(dimension), volume, 3e-4);
 }
 
-/* Radii differ by three, or one is larger than all others together; inner ones are left out
+/* Radii differ by three, or one is larger than all others together; inner spheres are left out
  * beforehand. */
 static void spheres_of_many_sizes_have_one_hull_however_they_are_turned(void **state) {
     (void)state;

@@ -36,8 +36,8 @@ static void make_sheet(int corners, double rough, uint64_t seed, sheet *s) {
         }
 }
 
-/* Divided by k: the force on the surface, the potential, and forces on vertices (NULL: not
- * requested). */
+/* Results of a contact divided by k: the force on the surface, the potential, and forces on
+ * vertices (NULL: not requested). */
 static double press(const sheet *s, const double centre[3], double radius, double force[3],
                     double (*on)[3]) {
     double sum = 0.0;
@@ -209,7 +209,8 @@ static void press_block(const soup *s, int corners, const double centre[3], doub
     }
 }
 
-/* Over a node, an edge, a diagonal, the middle of a cell, at a point along a diagonal. */
+/* The centre is over a node, an edge, a diagonal, the middle of a cell, at a point along a
+ * diagonal. */
 static void a_centre_over_a_node_or_an_edge_is_no_special_place(void **state) {
     (void)state;
     static soup s;
@@ -274,7 +275,7 @@ static void the_force_is_that_of_the_potential_at_edges_and_corners(void **state
     }
 }
 
-/* With Hertz's law at edges and corners every contact has a positive part, and a force that is at
+/* By Hertz's law at edges and corners every contact has a positive part, and a force that is at
  * most that of the power 5/4 of the whole potential. */
 static void hertz_contacts_are_finite_at_edges_and_corners(void **state) {
     (void)state;

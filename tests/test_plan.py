@@ -79,7 +79,7 @@ def an_error_is_a_share_or_per_cent(folder):
     assert reported(scene, "--error", "0.09")["wanted"] == reported(scene, "--error", "9 %")["wanted"] == 0.09
     for wrong in ("0", "five", "200%", "-1%", "5%%"):
         expect(gneiss("plan", scene, "--error", wrong), 2, "--error: expected a share")
-        expect(gneiss("run", "none.yaml", "--error", wrong), 2, "--error: expected a share")  # before anything is read or packed
+        expect(gneiss("run", "none.yaml", "--error", wrong), 2, "--error: expected a share")  # the option is refused before anything is read or packed
 
 
 @fact
@@ -140,7 +140,7 @@ def the_written_scene_finds_its_files_from_another_folder(folder):
 
 @fact
 def the_written_scene_is_the_scene_with_the_listed_settings(folder):
-    """Its lines are commands of a shell; values may have quotes and line breaks."""
+    """The lines of a plan are commands of a shell; values may have quotes and line breaks."""
     scene, out = rock(folder), os.path.join(folder, "fast.yaml")
     plan(scene, "--error", "9%", "--set", "title=it's\nhere", "--write", out)
     text = open(out).read()
@@ -368,7 +368,7 @@ def a_planned_run_is_named_after_its_scene_and_may_be_repeated(folder):
     name = os.path.splitext(os.path.basename(scene))[0] + "-planned"
     assert sorted(os.listdir(os.path.join(folder, "runs"))) == [name, name + ".yaml"]
     expect(gneiss("run", scene, *given, cwd=folder), 0)
-    expect(gneiss("run", os.path.relpath(scene, folder), *given, cwd=folder), 0)  # the same file by another path
+    expect(gneiss("run", os.path.relpath(scene, folder), *given, cwd=folder), 0)  # the path differs, the file is the same
     planned = os.path.join(folder, "runs", name + ".yaml")
     with open(planned, "w") as file:
         file.write("# another\n")

@@ -1,5 +1,5 @@
 """Random small scenes over the whole range of what gneiss runs, at the default settings of the step: none goes bad. Speaks TAP.
-A number behind the program: the first so many, without those that were found to be hard. `random_scenes.py PROGRAM --seed N` runs one
+A number behind the program: only so many scenes are run, without the hard ones of MORE. `random_scenes.py PROGRAM --seed N` runs one
 of them, `--seed N --write DIR` writes it."""
 import functools
 import os
@@ -13,7 +13,8 @@ SCENES = int(sys.argv[2]) if len(sys.argv) > 2 else 200
 MORE = (1003, 1395, 2067)
 # A specimen that disintegrates long before its lists are rebuilt.
 MORE += (560,)
-# Undamped bodies of few bonds each, some of them broken or damaged: they last half the steps of a contact.
+# Undamped bodies of few bonds each, some of them broken or damaged: collisions last half the steps of a
+# contact.
 MORE += (1673, 3639, 13405)
 
 

@@ -1,5 +1,5 @@
 """Random small bodies of particles and elements, with zones that stay or elements that convert, at the default settings: none goes
-bad. Speaks TAP. A number behind the programs: the first so many, without those that were found to be hard.
+bad. Speaks TAP. A number behind the programs: only so many scenes are run, without the hard ones of MORE.
 `random_zones.py PROGRAM MOMENTUM --seed N` runs one of them, `--seed N --write DIR` writes it."""
 import functools
 import os
@@ -9,8 +9,8 @@ import random_zones
 
 PROGRAM, MOMENTUM = map(os.path.abspath, sys.argv[1:3])
 SCENES = int(sys.argv[3]) if len(sys.argv) > 3 else 40
-# A pulse whose elements reach into the zone; particles on springs that rattle at walls, of which the ledger missed 2e-3 and 2e-2; others of zones that walls
-# press, which missed 2e-3 and 1e-3 while collisions with these were resolved by the nodes' mass.
+# A pulse whose elements reach into the zone; particles on springs that vibrate at walls, for which the ledger missed 2e-3 and 2e-2; zones under
+# pressure of walls, for which it missed 2e-3 and 1e-3 while collisions with walls were resolved by the mass of the nodes.
 MORE = (1520, 1710, 4346, 6236, 6364)
 
 

@@ -60,7 +60,7 @@ def the_forces_of_two_supports_add_up(folder):
 
 @fact
 def an_end_without_a_support_is_reported_as_unbalanced(folder):
-    """Half of the load on one end: its difference is two thirds of the mean."""
+    """Half of the load acts on one end: the difference of the ends is two thirds of the mean."""
     out, done = run_scene(folder, bending("left"), "--quiet")
     assert abs(summary(out)["readings"]["end_imbalance"] - 2 / 3) < 0.05
     assert "differ by" in warnings(out)["end_imbalance"] and "warning: end_imbalance" in done.stderr, done.stderr
@@ -107,7 +107,7 @@ def bodies_and_walls_make_an_end_together(folder):
 
 @fact
 def a_set_that_nothing_drives_is_watched(folder):
-    """It has the force of the other end and moves as its particles do."""
+    """The loaded end has the force of the other end and moves as its particles do."""
     sets = [part("top", [0, 6e-3], [8e-3, 8e-3], vy=RAMP), part("foot", [0, 0], [8e-3, 2e-3], vx=0)]
     wall = {"name": "floor", "point": [0, 0], "normal": [0, 1], "stiffness": 1e6}
     scene = block([4, 4], sets=sets, walls=[wall],
@@ -145,7 +145,7 @@ def between(cells, sides=None, **more):
 
 @fact
 def one_axis_gives_a_modulus_and_poissons_ratio(folder):
-    """A square lattice along its bonds: k_n per unit of width, no lateral strain, in series with two walls of k_n per
+    """A square lattice is loaded along its bonds: k_n per unit of width, no lateral strain, in series with two walls of k_n per
     column, as stiff as a bond each: 12 discs have 11 bonds and 12 diameters."""
     out, _ = run_scene(folder, between([6, 12]), "--quiet")
     readings = summary(out)["readings"]
@@ -189,7 +189,8 @@ def soft_walls_leave_the_modulus_over_the_mean_strain(folder):
     run(UCS, soft, "--set", "walls.bottom.stiffness=1e6", "--set", "walls.top.stiffness=1e6")
     read = summary(soft)["readings"]
     assert read["young_modulus"] is None and "soft ends" in absent(soft)["young_modulus"], absent(soft)
-    # Loaded 5 times slower, its wave is smaller than that of the other: a few percent.
+    # The specimen is loaded 5 times slower, so that its wave is smaller than that of the other: a few
+    # percent.
     assert abs(read["young_modulus_average"] / stiff["young_modulus_average"] - 1) < 0.05, (read, stiff)
     assert abs(read["poisson_ratio"] - stiff["poisson_ratio"]) < 0.01, (read, stiff)
 
@@ -301,9 +302,9 @@ def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
 @plain_fact
 def the_modulus_of_a_body_with_a_waist_is_that_of_its_material(folder):
     """Stress of the waist and closing over the whole length do not refer to the same length: readings of discs packed
-    in such a shape were a third too large. Compared with a strip of the same width and density."""
+    in such a shape would be a third too large. They are compared with a strip of the same width and density."""
     length, waist = 60e-3, 10e-3
-    sides = [(0.0, 1.0), (0.1, 1.0), (0.3, 0.5), (0.7, 0.5), (0.9, 1.0), (1.0, 1.0)]  # of the length; half widths over the waist
+    sides = [(0.0, 1.0), (0.1, 1.0), (0.3, 0.5), (0.7, 0.5), (0.9, 1.0), (1.0, 1.0)]  # heights over the length; half widths over the waist
     corners = [[sign * w * waist, y * length] for sign, line in ((1, sides), (-1, sides[::-1])) for y, w in line]
     wide = {"polygon": corners}
     strip = {"polygon": [[-waist / 2, 0], [waist / 2, 0], [waist / 2, length], [-waist / 2, length]]}

@@ -51,16 +51,16 @@ static double rebound(const meeting *m, double restitution, double steps) {
     if (m->other == HELD) add(&t, "  - {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0}}\n");
     add(&t, "time: {step: %.17g, end: 1, on_unstable: warn}\nrun: {threads: 1}\n", dt);
     gn_world *w = world_of("%s", t.s);
-    /* At critical damping, the slowest separation, they are at 1 % of the speed after eight times
-     * 1/w. */
+    /* At critical damping, the slowest separation, the particles are at 1 % of the speed after
+     * eight times 1/w. */
     run_steps(w, (int64_t)(steps * 4.0 + m->phase + 2.0));
     double parts = vel_of(w, moving)[0] - (m->other == WALL ? 0.0 : vel_of(w, 0)[0]);
     world_end(w);
     return parts / speed;
 }
 
-/* 1 % down to one half, 0.01 below: the accuracy that the resolution rule of the automatic step
- * guarantees. */
+/* The accuracy that the resolution rule of the automatic step guarantees: 1 % down to a restitution
+ * of one half, 0.01 below. */
 static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     (void)state;
     static const double asked[] = {0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0};
@@ -218,8 +218,8 @@ static double drift(const double (*at)[3], int count, const double axis[3], doub
     return change;
 }
 
-/* The strain that the spin asks for builds up as a vibration about it, whose energy the scheme
- * keeps to (w dt)^2 of the share that is elastic; nothing grows. */
+/* The strain due to the spin builds up as a vibration about its mean, whose energy the scheme keeps
+ * to (w dt)^2 of the share that is elastic; nothing grows. */
 static void spinning_clusters_keep_their_energy(void **state) {
     (void)state;
     const double three[3][3] = {{0, 0, 0}, {2e-3, 0, 0}, {1e-3, 1.7320508075688772e-3, 0}};

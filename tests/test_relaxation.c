@@ -7,15 +7,15 @@
 /* A block of elements of 2 mm, held all around, and a lattice in it whose particles are shifted by
  * up to a quarter of their radius: a packing without an affine equilibrium. */
 typedef struct packed {
-    int cells[3]; /* of elements */
+    int cells[3]; /* number of elements along each axis */
     bool space;
-    double jitter;         /* of a radius */
-    double range;          /* of bonds, of a radius; 0: 0.35, all neighbours */
+    double jitter;         /* random shift of particles, relative to the radius */
+    double range;          /* range of bonds, relative to the radius; 0: 0.35, all neighbours */
     const char *convert;   /* keys in addition to box and width; NULL: none */
-    const char *strength;  /* of bonds, N; NULL: unlimited */
+    const char *strength;  /* strength of bonds, N; NULL: unlimited */
     const char *materials; /* keys besides */
     const char *rest;      /* NULL: one thread */
-    bool loose;            /* not held all around */
+    bool loose;            /* some sides are not held */
 } packed;
 
 static text *packed_text(const packed *s) {
@@ -149,8 +149,8 @@ static double stored(const gn_world *w) {
     return sum;
 }
 
-/* Except for the correction of the body as a whole at the new positions, some 1e-6 of it away:
- * masses, and the velocities that keep its momenta. */
+/* The motions agree except for the correction of the body as a whole at the new positions, some
+ * 1e-6 of them: of masses, and of the velocities that keep its momenta. */
 static void assert_same_motion(const gn_world *a, const gn_world *b) {
     const gn_particles *p = &a->dem.particles, *q = &b->dem.particles;
     const double *of[2][2] = {{p->vel, q->vel}, {p->spin, q->spin}};
@@ -248,9 +248,9 @@ static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
 
 /* --- what is in balance --- */
 
-/* Except for the force at the edge of a zone, spacing/(4 width) of that of a bond, because the rows
- * beside it are half a spacing away; at a corner from each side. Such a force moves less than over
- * half of the 8 mm that convert. */
+/* The lattice is in balance except for the force at the edge of a zone, spacing/(4 width) of that
+ * of a bond, because the rows beside the edge are half a spacing away; at a corner this force comes
+ * from each side. Such a force moves less than over half of the 8 mm that convert. */
 static void a_lattice_in_uniform_strain_stays(void **state) {
     (void)state;
     const double ghost = sqrt(3.0) * 1e-3 / (4.0 * width);
@@ -539,7 +539,7 @@ static void threads_precision_and_resumption_give_the_same_bits(void **state) {
     }
 }
 
-/* Independent of the kernels with which earlier steps were made. */
+/* The results do not depend on the kernels that made earlier steps. */
 static void instruction_sets_give_the_same_bits(void **state) {
     (void)state;
     uint64_t first = 0;

@@ -15,7 +15,7 @@ static gn_energy run_until_lost(gn_world *w, int64_t count) {
 
 static const double g0 = 9.81;
 
-/* On the wall with the overlap of its weight, drifting across x = 10 mm. */
+/* A grain on the wall with the overlap of its weight drifts across x = 10 mm. */
 static void the_elastic_energy_at_a_wall_leaves_with_the_grain(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -41,7 +41,7 @@ static void the_elastic_energy_at_a_wall_leaves_with_the_grain(void **state) {
     }
 }
 
-/* Both are driven, so that the bond keeps its length; the second leaves. */
+/* Both particles are driven, so that the bond keeps its length; the second leaves. */
 static void the_elastic_energy_of_a_bond_leaves_with_the_grain(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
@@ -122,7 +122,7 @@ static const char material[] =
     "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 2, friction: 0.5, "
     "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\nlaw: {stiffness: uniform}\n";
 
-/* Stretched, sheared and turning; the second leaves. */
+/* The pair is stretched, sheared and rotating; the second particle leaves. */
 static void a_swinging_bonded_pair_closes_the_ledger(void **state) {
     (void)state;
     char scene[2048];
@@ -167,8 +167,7 @@ static void a_damped_contact_closes_the_ledger(void **state) {
     closes("damped", scene, 1);
 }
 
-/* Unbonded particles: they collide off centre, with friction, and the first leaves while it lasts.
- */
+/* Unbonded particles collide off centre, with friction, and the first leaves during the contact. */
 static void a_collision_that_is_left_closes_the_ledger(void **state) {
     (void)state;
     static const char *const dashpots[] = {"", "damping: {contact: {fraction: 0.2}}\n"};
@@ -188,7 +187,7 @@ static void a_collision_that_is_left_closes_the_ledger(void **state) {
     }
 }
 
-/* Slides and rolls, and oscillates on it. */
+/* A grain slides and rolls on a floor, and oscillates on it. */
 static void slides_over(const char *what, const char *floor) {
     char scene[2048];
     snprintf(scene, sizeof scene,

@@ -201,7 +201,7 @@ def the_line_of_the_modulus_lies_on_the_curve(folder):
 
 
 def curves_of_a_test_are_those_of_the_last_stage(folder):
-    """From the rows 50 to 199, displacements and strains relative to the first of them."""
+    """The curves are made from rows 50 to 199, with displacements and strains relative to the first of them."""
     path = os.path.join(folder, "results.h5")
     make("stages", path)
     columns = {"volumetric_strain": 2.0, "lateral_strain": 3.0, "normal_stress": 4.0, "dilation": 5.0, "force": 6.0, "opening": 7.0}
@@ -364,7 +364,7 @@ def bursts_are_drawn_with_their_number_and_size_beside_the_stress(folder):
     assert sum(bar.get_height() for bar in above.patches) == 5
     points = [line for line in below.lines if line.get_marker() == "o"][0]
     assert list(points.get_ydata()) == [1, 1, 3, 40, 2]
-    assert np.allclose(points.get_xdata(), 1.75 * np.array([0.5, 0.7, 0.75, 0.85, 0.9]))  # of 1.75 % at the end
+    assert np.allclose(points.get_xdata(), 1.75 * np.array([0.5, 0.7, 0.75, 0.85, 0.9]))  # strains relative to 1.75 % at the end
     assert np.allclose(other.lines[0].get_ydata() * 1e6, results.column("stress"))
 
 
@@ -546,7 +546,7 @@ def every_figure_of_a_packing_is_listed_with_its_meaning(folder):
 
 
 def figures_of_a_packing_stand_in_the_order_of_their_texts(folder):
-    """Some texts refer to the one before."""
+    """Some texts refer to the preceding one."""
     page = text_of("packed_cylinder", folder)
     listed = re.search(r"<h2>Figures</h2>(.*?)</table>", page, re.DOTALL)[1]
     names = [name.replace(" ", "_") for name in re.findall(r"<tr><td[^>]*>([^<]*)</td>", listed)]
@@ -670,7 +670,7 @@ def walls_are_where_they_have_come_to(folder):
     axes = plt.figure().add_subplot()
     seen = beside()
     seen.draw_cut(axes, 1.0, (0, 2, -2, 6), False)
-    lines = axes.collections[1].get_segments()  # behind the body; the wall whose plane is that of the picture has none
+    lines = axes.collections[1].get_segments()  # edges behind the body; the wall in the plane of the picture has none
     assert len(axes.collections) == 3 and np.allclose(np.array(lines)[0][:, 1], -0.5), lines
     assert "rigid bodies" in seen.text() and "walls" in seen.text()
     assert beside(np.zeros((0, 3), int), "").text() == ""
@@ -709,7 +709,7 @@ def a_bed_is_drawn_from_above_and_moving_grains_by_speed(folder):
 
 
 def colours_are_those_of_quantiles(folder):
-    values = np.concatenate([np.linspace(10.0, 11.0, 1000), [0.0, 500.0]])  # all have moved, two have flown off
+    values = np.concatenate([np.linspace(10.0, 11.0, 1000), [0.0, 500.0]])  # all particles have moved, two have flown away
     _, _, norm = report_pictures.quantiles(values, "m")
     assert 10 <= norm.vmin < 10.1 and 10.9 < norm.vmax <= 11.1, (norm.vmin, norm.vmax)
     assert report_pictures.extend_of(values, norm) == "both"

@@ -365,7 +365,7 @@ run: {threads: 1}
 
 @fact
 def a_grain_that_falls_far_bounces_by_hertz_at_default_settings(folder):
-    """Its automatic step is that of a contact that does not exist yet, and it is fast when it reaches it."""
+    """The particle's automatic step is that of a contact that does not exist yet, and the particle is fast when it touches."""
     grain = {"specimen": {"particles": [[0, 0, 0.5, 0.001]], "material": "a"}, "law": {"stiffness": "hertz"},
              "materials": [{"name": "a", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.5, "restitution": 0.5}],
              "gravity": [0, 0, -9.81], "walls": [{"name": "f", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "a"}],
@@ -401,7 +401,7 @@ def a_specimen_is_not_taken_from_a_run_that_did_not_end(folder):
 
 @fact
 def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
-    """With Hertz's law the properties of contacts depend on the speed alone: two clumps that collide head-on, from 1
+    """By Hertz's law the properties of contacts depend on the speed alone: two clumps that collide head-on, from 1
     to 50 m/s."""
     r = 1e-3
     places = [[side + 2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for side in (0, 0.03) for i in range(3) for j in range(3) for k in range(3)]
@@ -423,7 +423,7 @@ def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
 
 @fact
 def a_fast_body_takes_steps_that_grains_resolve(folder):
-    """A plate at 30 m/s hits grains at rest, whose own speed gives no information yet."""
+    """A plate at 30 m/s hits grains at rest, whose speed does not show the coming impact."""
     r = 1e-3
     places = [[2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for i in range(3) for j in range(3) for k in range(3)]
     given = {"dimension": 3, "specimen": {"particles": places},

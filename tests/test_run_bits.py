@@ -75,8 +75,8 @@ def how_often_is_written_does_not_change_the_state(folder):
 
 @fact
 def mixed_precision_agrees_with_double_until_something_breaks(folder):
-    # Without background damping, whose direction at rest depends on rounding, so that it differs from the first step
-    # on.
+    # These runs have no background damping: its direction at rest depends on rounding, so that it differs from the
+    # first step on.
     undamped = ("--set", "damping.background.model=none", "--set", "damping.background.coefficient=0")
     stress = {}
     for precision in ("double", "mixed"):

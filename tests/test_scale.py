@@ -17,7 +17,7 @@ def box_file(folder, name, *size):
 
 
 def core(folder, size=100, speed=0.05, end=0.01, depth=10, density=2500, **more):
-    """A block of half its height, loaded between its ends."""
+    """A block of half the usual height, loaded between its ends."""
     box_file(folder, "core.stl", size / 2, size / 2, size)
     ends = [{"name": side, "select": {"end": {"axis": "z", "side": side, "depth": depth}}, "motion": {"vz": v}}
             for side, v in (("lower", 0), ("upper", -speed))]
@@ -79,7 +79,7 @@ def a_test_of_a_file_of_four_metres_is_warned_of_unless_it_is_bending(folder):
 @fact
 def a_given_scale_of_one_needs_no_warning(folder):
     test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
-    for scene in (core(folder), core(folder, size=40, speed=50, end=1, test=test)):  # the second: a pillar
+    for scene in (core(folder), core(folder, size=40, speed=50, end=1, test=test)):  # the second scene is a pillar
         assert "without a scale" in check(folder, scene).stdout
         scene["specimen"]["scale"] = 1
         assert "without a scale" not in check(folder, scene).stdout

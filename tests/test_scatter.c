@@ -43,7 +43,7 @@ static void normal_numbers_have_the_deviation_asked_for(void **state) {
         const gn_scatter scatter = {GN_SCATTER_NORMAL, 0.0, deviation[k]};
         double mean, s;
         drawn(&scatter, 5, &mean, &s);
-        /* Cut at 0 and 2, where it matters three deviations away. */
+        /* The distribution is cut at 0 and 2, which matters if these are three deviations away. */
         double density = exp(-0.5 * cut * cut) / sqrt(2.0 * pi), inside = erf(cut / sqrt(2.0));
         double want = deviation[k] * sqrt(1.0 - 2.0 * cut * density / inside);
         assert_near(mean, 1.0, 4.0 * want / sqrt(DRAWS));
@@ -160,7 +160,8 @@ static void dashpots_are_those_of_the_drawn_stiffness(void **state) {
     const gn_contacts *b = &w->dem.bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {
         double mass = mass_of(w, 0) / 2.0, most = 0.6 * sqrt(mass * b->kn[c]);
-        /* Reduced by the correction for a step of that many radians, see kernels/dashpot.h. */
+        /* The dashpot is reduced by the correction for a step of that many radians, see
+         * kernels/dashpot.h. */
         double turn = sqrt(b->kn[c] / mass) * w->ctx.dt;
         assert_true(b->cn[c] <= most && b->cn[c] >= most * (1.0 - turn));
     }
@@ -180,7 +181,7 @@ static gn_world *shaken(double step) {
 }
 
 /* Bonds of drawn stiffness, exponentially distributed: below the limit the energy stays, above it
- * multiplies, at 1.05 of it by exp(2 acosh(2 1.05^2 - 1)) = 3.6 in two steps. */
+ * multiplies, at 1.05 times the limit by exp(2 acosh(2 1.05^2 - 1)) = 3.6 in two steps. */
 static void the_limit_is_that_of_the_drawn_stiffness(void **state) {
     (void)state;
     gn_world *w = shaken(0.0);
@@ -221,7 +222,7 @@ static void a_chain_is_weaker_by_the_modulus_root_of_its_length(void **state) {
     assert_close(sum / CHAINS / whole, want, 4.0 * cv / sqrt(CHAINS));
 }
 
-/* Pulled slowly, by a fifth of the crossings of a wave to the break, with damping. */
+/* The chain is pulled slowly, with damping: a wave crosses it five times before the break. */
 static void a_chain_breaks_where_it_is_weakest(void **state) {
     (void)state;
     char material[512];

@@ -753,7 +753,7 @@ static void overrides_without_a_target_are_reported_by_their_key(void **state) {
     refuses_set("", "1", "--set: expected key=value such as time.end=2ms");
 }
 
-/* Names stand in overrides and in the paths of data sets. */
+/* Names become parts of overrides and of the paths of data sets. */
 static void names_that_no_path_can_hold_are_refused(void **state) {
     (void)state;
     static const char *const bad[] = {"a/b", "/",    "-1",         "1e5",       ".5",

@@ -341,7 +341,7 @@ static void refuses_outside_values(const gn_key *key, const char *path, void *co
                  key->type == GN_KEY_IDS || key->type == GN_KEY_PARTICLES;
     if (!key->range || key->type == GN_KEY_LIST) return;
     char at[256];
-    bool servo = strstr(path, ".servo.") != NULL; /* the second wall has one */
+    bool servo = strstr(path, ".servo.") != NULL; /* only the second wall has a servo */
     snprintf(at, sizeof at, servo ? "walls[1]%s" : "%s", path + (servo ? 8 : 0));
     char values[2][32], text[128], file[4096];
     const gn_override *shape = shape_of(path);

@@ -356,7 +356,8 @@ static void a_refinement_says_where_once(void **state) {
 
 static void a_size_ratio_beside_a_sieve_is_refused(void **state) {
     (void)state;
-    for (int ratio = 3; ratio <= 6; ratio += 3) { /* also if the value is the default */
+    for (int ratio = 3; ratio <= 6;
+         ratio += 3) { /* the key is refused also if the value is the default */
         char specimen[128];
         snprintf(specimen, sizeof specimen,
                  "  disc: {diameter: 1}\n  particles: 9\n"

@@ -3,8 +3,8 @@
 #include "boundary/boundary.h"
 #include "world_helpers.h"
 
-/* Between a floor and a servo wall that wants 5 N, all a little pressed at the start, so that the
- * automatic step knows its contacts. */
+/* Particles between a floor and a servo wall with a target of 5 N, all slightly compressed at the
+ * start, so that the automatic step includes their contacts. */
 static gn_world *driven(const char *particles, double top, const char *damping, double relaxation,
                         double safety, double speed) {
     return world_of("dimension: 3\nspecimen: {%s, group: 0}\n"

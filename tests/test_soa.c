@@ -49,7 +49,8 @@ static void only_fields_of_active_effects_are_allocated(void **state) {
                 full = contacts(5, every);
     assert_true(bare.kn && !bare.row4 && !bare.kt && !bare.mu && !bare.rn && !bare.rt &&
                 !bare.row8);
-    assert_true(flat.rn && !flat.row4 && !flat.rt && !flat.row8); /* rt needs shear as well */
+    assert_true(flat.rn && !flat.row4 && !flat.rt &&
+                !flat.row8); /* the column rt exists only with shear as well */
     assert_true(full.rt && full.fd && full.row8 && !full.row4);
     assert_true(gn_record_bytes(&gn_contact_record, 0) <
                 gn_record_bytes(&gn_contact_record, every));

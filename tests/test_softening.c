@@ -51,7 +51,7 @@ static void linear_softening_dissipates_the_fracture_energy(void **state) {
     }
 }
 
-/* Compressed in the damaged state: the full k_n again. */
+/* In compression the damaged bond has the full k_n again. */
 static void a_damaged_bond_closes_with_all_of_its_stiffness(void **state) {
     (void)state;
     bond *t = make(&concrete, 0);
@@ -132,7 +132,8 @@ static void random_shear_follows_the_surface(void **state) {
             double y = 0.0, z = 0.0;
             if (k % 5 == 0) {
                 double to = uniform(&at, -5e-6, path % 2 ? -1e-7 : 3.5e-6);
-                if (to * u < 0.0) to = 1e-9 * copysign(1.0, u); /* not past 0 in one step */
+                if (to * u < 0.0)
+                    to = 1e-9 * copysign(1.0, u); /* a step does not lead past zero stretch */
                 move(t, to, 0.0, 0.0);
             } else {
                 y = uniform(&at, -1.5e-6, 2e-6);
@@ -151,7 +152,7 @@ static void random_shear_follows_the_surface(void **state) {
              * k_t/(k_t - H) < 3. */
             assert_near(t->force[1], f[0], 1e-11 * (1.0 + size));
             assert_near(t->force[2], f[1], 1e-11 * (1.0 + size));
-            /* Except where a step reverses the force. */
+            /* The damage never decreases, except where a step reverses the force. */
             if (onward) assert_true(t->sums.damage >= -energy_rounding);
             if (kappa < 1.0)
                 assert_near(t->k.kappa[0], kappa, 1e-11);
@@ -181,13 +182,13 @@ static void softening_in_shear_dissipates_its_fracture_energy(void **state) {
     }
 }
 
-/* Under pressure it ends at the friction of the broken bond without a jump. */
+/* Under pressure the softening ends at the friction of the broken bond without a jump. */
 static void under_pressure_shear_softens_to_friction(void **state) {
     (void)state;
     bond *t = make(&concrete, 0);
     move(t, -3e-6, 0.0, 0.0);
     double before = 0.0, largest = 0.0, n = -t->force[0];
-    double slope = (cohesion + (mu1 - mu2) * n) / us; /* of the surface over the slip */
+    double slope = (cohesion + (mu1 - mu2) * n) / us; /* slope of the strength over the slip */
     for (int k = 0; k < 4000; k++) {
         move(t, -3e-6, 1e-8, 0.0);
         assert_true(fabs(across(t) - before) <= kt / (kt / slope - 1.0) * 1e-8 * (1.0 + 1e-6));
@@ -224,7 +225,8 @@ static double line_at(double c) {
     return force;
 }
 
-/* Independent of the form of the kernel: the state is the largest compression so far. */
+/* The oracle does not depend on the form of the kernel: the state is the largest compression so
+ * far. */
 static void random_presses_follow_the_three_slopes(void **state) {
     (void)state;
     uint64_t at = 23;
@@ -286,7 +288,8 @@ static void work_is_stored_or_lost(void **state) {
         double u = 0.0;
         for (int k = 0; k < 60; k++) {
             double to = uniform(&at, -12e-6, 4e-6), stop = t->k.plastic[0];
-            if ((to - stop) * (u - stop) < 0.0) to = stop; /* not past the point of no force */
+            if ((to - stop) * (u - stop) < 0.0)
+                to = stop; /* a step does not lead past the point of zero force */
             if (k % 2)
                 move(t, to, 0.0, 0.0);
             else
@@ -302,7 +305,7 @@ static void work_is_stored_or_lost(void **state) {
 
 /* --- parameters and readings of a bond --- */
 
-/* Pulled (sheared) to just below the end and just beyond it. */
+/* The bond is pulled (sheared) to just below the end of softening and just beyond it. */
 static void check_end(const gn_material *m, gn_softening softening, bool sheared, double at_end) {
     bond *t = make(m, 0);
     set_again(t, softening);
@@ -317,8 +320,8 @@ static void check_end(const gn_material *m, gn_softening softening, bool sheared
 static void softening_ends_by_energy_strain_or_ratio(void **state) {
     (void)state;
     gn_material m = concrete;
-    m.fracture_strain = 4e-3;       /* of 2 mm: 8 um */
-    m.shear_fracture_strain = 6e-3; /* of the root of the area, 2 mm: 12 um */
+    m.fracture_strain = 4e-3;       /* 4e-3 of 2 mm: 8 um */
+    m.shear_fracture_strain = 6e-3; /* 6e-3 of the root of the area, 2 mm: 12 um */
     m.fracture_ratio = 1.5;
     check_end(&m, GN_SOFTENING_ENERGY, false, 6e-6);
     check_end(&m, GN_SOFTENING_ENERGY, true, 9e-6);
@@ -423,9 +426,9 @@ static void a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_partic
     assert_near(dissipated_by_bar(2, 1e-3, "double", "bilinear"), 1.0, 0.03);
 }
 
-/* Damaged, it oscillates undamped through 0, stiffer in compression: 700 periods of 30 steps each.
- * The fraction of a step for which its compressive part acts is accurate to a high order of the
- * step: half the step gives a thirtieth of the residual. */
+/* The damaged bond oscillates undamped through 0, stiffer in compression: 700 periods of 30 steps
+ * each. The fraction of a step for which its compressive part acts is accurate to a high order of
+ * the step: half the step gives a thirtieth of the residual. */
 static void a_damaged_bond_keeps_its_energy_while_it_swings(void **state) {
     (void)state;
     const double mass = sphere_mass(2650, 1e-3), speed = 5e-6 * sqrt(1e7 / mass);
@@ -512,7 +515,7 @@ static void yielding_on_closure_is_in_the_ledger(void **state) {
     assert_true(worst < 0.05);
 }
 
-/* With all features that it allows. */
+/* A scene with all features that the law allows. */
 static const char *const busy =
     "dimension: %d\n"
     "specimen: {lattice: {kind: %s, radius: 1e-3, cells: [4, 4, 5], spacing: 0.99, jitter: 0.02},"
@@ -636,7 +639,7 @@ static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
 
 /* --- coupled by squares --- */
 
-/* Each alone equals the softening of uncoupled bonds. */
+/* Each component alone equals the softening of uncoupled bonds. */
 static void coupled_by_squares_either_alone_softens_as_uncoupled(void **state) {
     (void)state;
     for (int sheared = 0; sheared < 2; sheared++) {
@@ -664,9 +667,9 @@ static pure begin_pure(void) {
     return p;
 }
 
-/* Opened and slipped along a straight line from the ellipse to (a u_f, b u_s): the forces keep
- * their ratio and fall linearly with the path, so that a^2 G_n + b^2 G_t is dissipated, whatever
- * the steps. */
+/* The bond opens and slips along a straight line from the ellipse to (a u_f, b u_s): the forces
+ * keep their ratio and fall linearly with the path, so that a^2 G_n + b^2 G_t is dissipated,
+ * whatever the steps. */
 static void a_fixed_mix_of_both_dissipates_its_share_of_both_energies(void **state) {
     (void)state;
     for (int k = 1; k < 12; k++) {
@@ -744,7 +747,7 @@ static void random_paths_coupled_by_squares_follow_the_ellipse(void **state) {
     assert_true(together > 5000 && pressed > 300 && broken > 300);
 }
 
-/* For any path in tension and compression: the state is never outside the remaining ellipse, and
+/* For any path in tension and compression the state is never outside the remaining ellipse, and
  * dissipated energy is never recovered except where a step leads from compression past the strength
  * or reverses a force. Damage in shear is damage in tension. */
 static void coupled_by_squares_forces_stay_within_what_is_left(void **state) {
@@ -757,7 +760,7 @@ static void coupled_by_squares_forces_stay_within_what_is_left(void **state) {
         for (int k = 0; k < 60; k++) {
             double to = uniform(&at, -2e-6, 3e-6), slip = uniform(&at, -1e-6, 1.5e-6);
             bool onward = p.t * (p.t + kt * slip) >= 0.0;
-            if (to * p.u < 0.0) to = 0.0; /* not past the point of no force */
+            if (to * p.u < 0.0) to = 0.0; /* a step does not lead past the point of zero force */
             go(&p, to, slip);
             if (p.cause) break;
             double left = 1.0 - p.b.kappa, friction = left * mu1 + p.b.kappa * mu2;
@@ -790,7 +793,7 @@ typedef struct way_to_break {
 } way_to_break;
 
 static const way_to_break ways_to_break[] = {
-    /* Uncoupled: the component that fails first. */
+    /* Uncoupled: the component that fails first is the cause. */
     {0, 15, 13.5, 0.8, 1.0, 0.0, 0.0, GN_BROKEN_TENSION},
     {0, 15, 13.5, 0.8, 0.0, 1.0, 0.0, GN_BROKEN_SHEAR},
     {0, 15, 13.5, 0.8, 1.0, 0.5, 0.0, GN_BROKEN_TENSION},
@@ -811,7 +814,7 @@ static const way_to_break ways_to_break[] = {
     {GN_FX_COUPLED_LINEAR, 15, 13.5, 0.3, 1.0, 0.5, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_LINEAR, 15, 13.5, 0.3, 0.5, 1.0, 0.0, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_LINEAR, 15, 13.5, 0.3, 0.0, 1.0, 2e-6, GN_BROKEN_SHEAR},
-    /* By squares: with u_f k_n/R_n = u_s k_t/C the shares keep their ratio all the way. */
+    /* Coupled by squares: with u_f k_n/R_n = u_s k_t/C the shares keep their ratio all the way. */
     {GN_FX_COUPLED_QUADRATIC, 15, 13.5, 0.8, 1.0, 0.0, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_QUADRATIC, 15, 13.5, 0.8, 0.0, 1.0, 0.0, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_QUADRATIC, 15, 13.5, 0.8, 1.0, 0.2, 0.0, GN_BROKEN_TENSION},
@@ -829,8 +832,8 @@ static const way_to_break ways_to_break[] = {
     {GN_FX_COUPLED_QUADRATIC, 0, 13.5, 0.8, 0.3, 1.0, 0.0, GN_BROKEN_SHEAR},
 };
 
-/* In steps of any size that end anywhere: the cause is determined by the whole path, however small
- * the remainder at the start of the last step. */
+/* The steps have any size and end anywhere: the cause is determined by the whole path, however
+ * small the remainder at the start of the last step. */
 static void check_cause(const way_to_break *way, gn_effects softening, uint64_t *at) {
     gn_material m = concrete;
     m.bond_friction = way->friction;

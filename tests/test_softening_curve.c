@@ -63,7 +63,7 @@ static void random_pulls_follow_both_lines(void **state) {
     assert_true(steep > 1000 && flat > 5000 && broken > 300);
 }
 
-/* In steps that end where the lines bend; of both kinds of coupling. */
+/* The steps end where the lines bend; both kinds of coupling are tested. */
 static void both_lines_dissipate_the_fracture_energies(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {
@@ -79,8 +79,8 @@ static void both_lines_dissipate_the_fracture_energies(void **state) {
     }
 }
 
-/* Opened and slipped in a fixed ratio of the fractions of the strengths: the forces keep it, and
- * a^2 G_n + b^2 G_t is dissipated, in any number of steps along each line. */
+/* The bond opens and slips in a fixed ratio of the fractions of the strengths: the forces keep this
+ * ratio, and a^2 G_n + b^2 G_t is dissipated, in any number of steps along each line. */
 static void a_fixed_mix_dissipates_its_share_of_both_energies(void **state) {
     (void)state;
     for (int k = 1; k < 12; k++) {

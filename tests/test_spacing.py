@@ -17,7 +17,7 @@ def early(folder, *arguments):
 
 
 def share_of_peak(folder):
-    """For every snapshot: time over that of the peak, stress over the peak."""
+    """Returns for every snapshot: time over that of the peak, stress over the peak."""
     rows = history(folder)
     peak = rows["stress"].argmax()
     return [(time / rows["time"][peak], np.interp(time, rows["time"], rows["stress"]) / rows["stress"][peak])
@@ -92,7 +92,7 @@ def a_snapshot_is_kept_at_the_peak_and_at_half_of_it_before_and_after(folder):
 
 @plain_fact
 def snapshots_of_the_peak_are_kept_however_late_time_end_is(folder):
-    """At 70 and 700 times the time of the peak: rows and regular snapshots are then far apart."""
+    """At 70 and 700 times the time of the peak rows and regular snapshots are far apart."""
     for end in ("15 ms", "150 ms"):
         shutil.rmtree(folder, ignore_errors=True)
         run(UCS, folder, "--threads", 1, *LATE, "--set", "output.history_rows=400", "--set", f"time.end={end}")

@@ -171,7 +171,8 @@ static void tables_count_from_the_stage_that_gives_them(void **state) {
                       "200}}\n"
                       "- {name: go on, gravity: [0, 0, 1], end: {steps: 300}}\n"));
     finish(run);
-    assert_near(vel_of(&run->world, 0)[0], 0.5, 1e-3); /* at 500 steps, less half a step */
+    assert_near(vel_of(&run->world, 0)[0], 0.5,
+                1e-3); /* the velocity at 500 steps, minus that of half a step */
     assert_near(gn_set_travel(&run->world.ctx, &run->world.dem, &run->world.solids, 0, 0),
                 0.5 * 0.5 * 0.5e-3, 1e-9);
     run_end(run);
@@ -279,7 +280,7 @@ static void bonds_begin_without_force_where_they_form(void **state) {
     steps(run, 38);
     assert_near(run->world.dem.set_reaction[6], spring * 3.8e-6, 1e-6 * spring * 3.8e-6);
     assert_near(force_in(run, 3, &e), 0.0,
-                1e-9); /* there is no tension any more, and it is no contact */
+                1e-9); /* without tension any more the pair is not in contact */
     /* The work of the tension over the last 0.1 um, from 3.9 to 4.0, is booked by half only. */
     assert_near(e.stage_change, -held - 0.5 * spring * 3.9e-6 * 4e-6, 1e-6 * held);
     assert_near(gn_energy_residual(&e), 0.0, 1e-9);
@@ -347,7 +348,7 @@ static void walls_and_bodies_follow_materials_that_change(void **state) {
             const gn_wall_contacts *q = &run->world.boundary.contacts;
             if (q->fd) damped = q->fd[0];
             assert_near(q->row[2] - damped, -force, 1e-9 * -force);
-            assert_near(gn_energy_residual(e), 0.0, 1e-6);   /* of 100 steps of u^1.5 */
+            assert_near(gn_energy_residual(e), 0.0, 1e-6);   /* the error of 100 steps of u^1.5 */
             if (stage == 3) assert_true(e->friction > 1e-8); /* J; before it next to none */
         }
         run_end(run);
@@ -405,7 +406,7 @@ static void bonds_form_beside_bonds(void **state) {
     assert_near(run->world.dem.bonds.contacts.length0[0], before, 0.0);
     assert_near(run->world.dem.bonds.contacts.length0[1], 2.2e-3, 1e-5);
     steps(run, 30);
-    assert_true(run->world.dem.broken_tension > 0); /* of the new strength */
+    assert_true(run->world.dem.broken_tension > 0); /* bonds break at the new strength */
     assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 1e-3);
     run_end(run);
 }
@@ -473,7 +474,7 @@ static void resumes_with_the_same_bits(const char *scene, int64_t every, size_t 
         if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
     }
     other = run_of(scene);
-    steps(other, run->world.ctx.step); /* past the end as well */
+    steps(other, run->world.ctx.step); /* the steps go past the end as well */
     assert_int_equal(seen, stages);
     assert_true(gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
                               &run->world.solids, &run->world.box) ==
@@ -585,7 +586,7 @@ static size_t bond_between(const gn_world *w, int32_t a, int32_t b) {
     return SIZE_MAX;
 }
 
-/* To the step before bonds form beside bonds that have softened and yielded. */
+/* Runs to the step before bonds form beside bonds that have softened and yielded. */
 static gn_run *before_more_bonds(int64_t step) {
     gn_run *run = run_of(worn("linear", "threads: 1"));
     steps(run, step);
@@ -779,7 +780,8 @@ static void bodies_and_elements_take_their_part(void **state) {
     finish(run);
     gn_world *w = &run->world;
     double fall = 9.81 * 0.8e-3;
-    assert_near(w->boundary.bodies[1].velocity[2], -fall, 0.01 * fall); /* half a step */
+    assert_near(w->boundary.bodies[1].velocity[2], -fall,
+                0.01 * fall); /* the error is half a step */
     assert_near(w->boundary.bodies[0].position[2] - w->boundary.bodies[0].start[2], -25e-6,
                 0.05 * 25e-6);
     double travel[3];
@@ -933,7 +935,7 @@ static void overlaps_of_a_packing_wait_for_their_bonds(void **state) {
     assert_near(run->world.ledger.reading.kinetic, 0.0, 1e-20);
     finish(run);
     assert_true(run->world.dem.bonds.contacts.soa.count >=
-                overlaps); /* and those at the limit of contact */
+                overlaps); /* pairs at the limit of contact get bonds too */
     assert_int_equal(run->world.dem.bonds_at_start, run->world.dem.bonds.contacts.soa.count);
     for (size_t c = 0; c < run->world.dem.bonds.contacts.soa.count; c++)
         assert_true(gn_contact_bonded(&run->world.dem.bonds.contacts, c));
@@ -969,7 +971,7 @@ static void a_run_begins_where_another_ended(void **state) {
     for (int k = 0; k < 3; k++) assert_near(length3(vel_of(&run->world, k)), 0.0, 0.0);
     steps(run, 1);
     assert_near(run->world.ledger.reading.elastic_normal, 0.0,
-                0.0); /* formed again, free of stress */
+                0.0); /* the bond is formed again, free of stress */
     run_end(run);
     run_end(other);
 
@@ -1121,7 +1123,8 @@ static void a_stage_that_never_ends_is_refused(void **state) {
             nothing);
     accepted("stages:\n- {name: a, end: {stress: 1 kPa}, sets: {top: {force: [0, 0, -1]}}}\n");
     accepted("membrane: {pressure: 1 kPa}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n");
-    /* No servo: another condition has to end it, or a membrane is without pressure. */
+    /* Without a servo another condition has to end the stage; a membrane may be without
+     * pressure. */
     refused("stages:\n- {name: a, end: {held: 1 %}}\n- {name: b}\n",
             "s.yaml:18:25: stages[0].end.held: expected a wall or a periodic box with a servo");
     accepted("stages:\n- {name: a, end: {held: 1 %, time: 1 ms}}\n- {name: b}\n");
@@ -1140,7 +1143,7 @@ static void a_stage_that_never_ends_is_refused(void **state) {
     accepted("stages:\n- {name: a, gravity: [0, 0, -9], end: {stress: 1 kPa}, walls: {lid: "
              "{motion: {vz: 1}}}}\n");
 
-    /* A table whose last value is 0 has ended when its stage was long enough. */
+    /* A table whose last value is 0 has ended if its stage was long enough. */
     snprintf(parting, sizeof parting,
              "s.yaml:19:27: stages[1].end.strain: expected ends that close");
     refused("stages:\n- {name: a, end: {time: 1 ms}, walls: {lid: {motion: {vz: [[0, -1], [1 ms, "

@@ -6,7 +6,7 @@
 typedef struct assembly {
     int dimension;
     const char *specimen;
-    int64_t steps;              /* of the stable run */
+    int64_t steps;              /* number of steps of the stable run */
     const char *law, *material; /* NULL: linear, by the mean radius */
 } assembly;
 
@@ -87,7 +87,7 @@ static void a_rock_is_stable_up_to_the_sharp_limit(void **state) {
     holds_below_and_fails_above(&rock);
 }
 
-/* Undamaged, the stiffest state of bonds with these laws. (Bonds with moments:
+/* The undamaged state is the stiffest one of bonds with these laws. (Bonds with moments:
  * tests/test_bond_moments.c.) */
 static void by_every_law_of_bonds_a_body_is_stable_up_to_the_sharp_limit(void **state) {
     (void)state;

@@ -88,7 +88,7 @@ static void a_face_centred_lattice_is_cubic(void **state) {
     assert_close(x.fabric.length, 2e-3, 1e-10);
 }
 
-/* Nothing rotates in a lattice under a uniform strain, so that moments of bonds have no part. */
+/* In a lattice under a uniform strain nothing rotates, so that moments of bonds have no effect. */
 static void bonds_with_moments_do_not_change_a_lattice(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {

@@ -119,7 +119,7 @@ static void the_volume_far_from_the_origin_is_exact(void **state) {
 static void a_body_in_a_cavity_in_a_body_counts_thrice(void **state) {
     (void)state;
     gn_mesh m = new_mesh();
-    add_cube(&m, 4.0, 5.0, 0); /* in the cavity */
+    add_cube(&m, 4.0, 5.0, 0); /* a body in the cavity */
     add_cube(&m, 2.0, 7.0, 0); /* the cavity */
     add_cube(&m, 0.0, 9.0, 0);
     add_cube(&m, 10.0, 12.0, 0); /* a body aside */
@@ -140,7 +140,7 @@ static void bodies_may_touch_in_a_corner(void **state) {
     add_cube(&m, 1.0, 2.0, 0); /* a cavity whose corner is a corner of its body */
     for (size_t k = 0; k < 3 * m.triangles.count; k++) {
         int32_t *node = &m.triangles.node[k];
-        if (*node == 8 || *node == 16) *node = 7; /* all at (1 1 1) */
+        if (*node == 8 || *node == 16) *node = 7; /* all three nodes are at (1 1 1) */
     }
     for (int32_t k = 17; k < 24; k++)
         for (int d = 0; d < 3; d++)
@@ -325,9 +325,9 @@ static gn_mesh frame(double z) {
 static void the_boundary_around_a_hole_has_the_domain_on_its_left(void **state) {
     (void)state;
     gn_mesh m = frame(0.7);
-    add_element(&m.lines, (int32_t[]){0, 4}, 3);  /* on the outer side */
-    add_element(&m.lines, (int32_t[]){5, 6}, 4);  /* on the hole */
-    add_element(&m.lines, (int32_t[]){0, 5}, 99); /* inside */
+    add_element(&m.lines, (int32_t[]){0, 4}, 3);  /* an element on the outer side */
+    add_element(&m.lines, (int32_t[]){5, 6}, 4);  /* an element on the hole */
+    add_element(&m.lines, (int32_t[]){0, 5}, 99); /* an element inside */
     ok(gn_mesh_boundary(&m, 2, "frame", error));
     assert_int_equal(m.lines.count, 12 + 4);
     double area = 0.0;
@@ -367,7 +367,8 @@ static void a_plane_turned_in_space_is_a_plane(void **state) {
     gn_mesh m = frame(0.0);
     for (size_t k = 0; k < m.node_count; k++) {
         double *x = m.node + 3 * k, back[3] = {x[0], x[1], x[2]};
-        for (int turned = 0; turned < 7; turned++) { /* once around the x axis, rounded each time */
+        for (int turned = 0; turned < 7;
+             turned++) { /* seven rotations make a turn about the x axis, rounded each time */
             double y = x[1], angle = 2.0 * pi / 7.0;
             x[1] = y * cos(angle) - x[2] * sin(angle);
             x[2] = y * sin(angle) + x[2] * cos(angle);

@@ -85,7 +85,8 @@ static void same_run(gn_world *flat, gn_world *facets, gn_world *shaken, int64_t
     assert_near(a.rotational, b.rotational, allowed * work);
 }
 
-/* Bounces, slides and rolls over many facets of a plate that moves as well; gravity is slanted. */
+/* A particle bounces, slides and rolls over many facets of a plate that moves as well; gravity is
+ * inclined. */
 static void plane_of_triangles(uint64_t seed, const char *damping) {
     soup *s = calloc(1, sizeof *s);
     char path[32], support[512], wall[512], more[512];
@@ -103,7 +104,7 @@ static void plane_of_triangles(uint64_t seed, const char *damping) {
     gn_world *shaken = over(3, 1.05e-3 * (1.0 + 4e-16), wall, more);
     same_run(flat, facets, shaken, 60000);
     world_end(shaken);
-    /* It has moved from one end to the other. */
+    /* The sphere has moved from one end of the plate to the other. */
     assert_true(length3(pos_of(flat, 0)) > 0.01);
     world_end(flat);
     world_end(facets);
@@ -157,7 +158,8 @@ static void a_nearly_flat_fold_is_nearly_flat(void **state) {
     const char *law = "stiffness: 1e6, kratio: 2, friction: 0.3";
     char support[256];
     for (int k = 0; k < 6; k++) {
-        double h = radius - disc_mass(2500, radius) * 10.0 / kn; /* in balance */
+        double h = radius - disc_mass(2500, radius) * 10.0 /
+                                kn; /* overlap at which the disc is in balance */
         snprintf(support, sizeof support,
                  "bodies: [{name: w, polyline: [[-0.05, 0], [2e-3, 0], [0.05, %.17g]], %s}]",
                  0.048 * folds[k], law);
@@ -266,9 +268,9 @@ static void a_groove_is_two_walls(void **state) {
     groove_is_two_walls(1.2, 0.9);
 }
 
-/* Inside a box, and at the three walls of its corner. While it alternates between sliding and
- * sticking, each bounce in the corner amplifies rounding by about 30: the total is measured by a
- * sphere at the same walls that starts a few roundings higher. */
+/* A sphere is in a box, and at the three walls of its corner. While it alternates between sliding
+ * and sticking, each bounce in the corner amplifies rounding by about 30: the total is measured by
+ * a sphere at the same walls that starts a few roundings higher. */
 static void the_corner_of_a_box_is_three_walls(void **state) {
     (void)state;
     const char *more = "gravity: [-3, -4, -10]\ndamping: {contact: {restitution: 0.1}}\nsets: "
@@ -302,15 +304,15 @@ static void the_corner_of_a_box_is_three_walls(void **state) {
     }
     world_end(shaken);
     for (int d = 0; d < 3; d++)
-        assert_true(b->boundary.walls[d].force[d] < 0.0); /* it lies in the corner */
+        assert_true(b->boundary.walls[d].force[d] < 0.0); /* the sphere is in the corner */
     world_end(a);
     world_end(b);
 }
 
 /* --- no jumps, no energy from nowhere --- */
 
-/* Slides without friction over a profile; the force of a step never differs from the one before by
- * more than it may, and energy stays. */
+/* A disc slides without friction over a profile; the force changes in a step by at most its bound,
+ * and the energy is constant. */
 static void slide_over(const char *profile, double speed, double dt_allowed) {
     char more[256];
     snprintf(more, sizeof more,

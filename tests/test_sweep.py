@@ -14,7 +14,7 @@ def sweep_file(folder, name="sweep.yaml", **keys):
 
 
 def sweep(folder, keys, *arguments, code=0, name="out", quick=True, **options):
-    """A sweep of the small lattice into FOLDER/NAME; the rows of sweep.csv."""
+    """Runs a sweep of the small lattice into FOLDER/NAME; returns the rows of sweep.csv."""
     out = os.path.join(folder, name)
     expect(gneiss("sweep", sweep_file(folder, **keys), "--out", out, "--quiet", *(QUICK if quick else ()), *arguments, **options),
            code)
@@ -27,7 +27,7 @@ def rows(out, name="sweep.csv"):
 
 
 def kill(pid):
-    with contextlib.suppress(ProcessLookupError):  # it may have ended since it was listed
+    with contextlib.suppress(ProcessLookupError):  # the process may have ended since it was listed
         os.kill(pid, signal.SIGKILL)
 
 
@@ -533,7 +533,7 @@ def a_run_does_not_go_into_the_folder_of_a_sweep(folder):
     out, packing = os.path.join(folder, "out"), os.path.join(folder, "packing.yaml")
     with open(packing, "w") as file:
         file.write("specimen: {box: {size: [1, 1, 1]}, particles: 50}\n")
-    for name in ("", "sweep.h5", "sweep.csv", "sweep-means.csv"):  # without a summary: shards, or a sweep that was killed
+    for name in ("", "sweep.h5", "sweep.csv", "sweep-means.csv"):  # folders without a summary: shards, or a sweep that was killed
         if name:
             os.remove(os.path.join(out, name))
         expect(gneiss("run", LATTICE, "--out", out, *QUICK), 2, "expected a folder for one run, found several runs in it")

@@ -142,7 +142,8 @@ static void a_chain_with_fixed_ends_has_its_sine_frequency(void **state) {
 static void fixing_the_direction_of_a_spring_takes_it_away(void **state) {
     (void)state;
     specimen *s = chain(2, 0.0, 0.0, all_effects);
-    s->fixed[0] = s->fixed[1] = 1; /* both x velocities prescribed, all else free */
+    s->fixed[0] = s->fixed[1] =
+        1; /* both x velocities are prescribed, all other components are free */
     gn_step_limit limit = limits_of(s, 1e-8);
     assert_true(limit.sharp == INFINITY && limit.bound == INFINITY);
     assert_int_equal(limit.springs, 1);
@@ -159,7 +160,7 @@ static void a_tiny_particle_sets_the_step(void **state) {
     gn_step_limit limit = limits_of(s, 1e-10);
     assert_int_equal(limit.bound_id, 1); /* ids run backwards: place 1 of 3 */
     assert_int_equal(limit.sharp_id, 1);
-    s->bonds.soa.count = 1; /* only the big and the tiny one */
+    s->bonds.soa.count = 1; /* the only pair is that of the largest and the smallest particle */
     s->bonds.kt[0] = 0.0;
     double w2 = s->bonds.kn[0] * s->p.vel[3] * (1.0 + 1e6);
     assert_close(limits_of(s, 1e-10).sharp, 2.0 / sqrt(w2), 1e-12);
@@ -218,7 +219,7 @@ static void a_position_that_is_not_a_number_is_refused(void **state) {
 typedef struct lattice {
     const char *name;
     int dimension, atoms, cells, neighbours;
-    double cell[3];         /* of the rectangular cell, in radii */
+    double cell[3];         /* edges of the rectangular cell, in radii */
     double atom[4][3];      /* centres, in radii */
     double neighbour[6][3]; /* one of each opposite pair, in radii */
 } lattice;
@@ -428,7 +429,7 @@ static void few_particles_have_the_limit_of_all(void **state) {
     }
 }
 
-/* In a lattice this could be every particle. */
+/* In a lattice every particle could set the limit. */
 static void a_lattice_has_no_limit_by_few_particles(void **state) {
     (void)state;
     specimen *s = lattice_specimen(&lattices[3], 1e-3);
@@ -484,7 +485,8 @@ static void a_step_that_holds_is_below_the_limit_of_all_near_contacts(void **sta
             bool holds;
             assert_int_equal(gn_step_holds_by_sums(&s->spectrum, part * limit.sharp, &holds, NULL),
                              GNEISS_OK);
-            assert_true(holds ? held && part <= 1.0 : part > 0.3); /* neither always nor never */
+            assert_true(holds ? held && part <= 1.0
+                              : part > 0.3); /* the answer is neither always yes nor always no */
             held = holds;
         }
         assert_false(held);
@@ -522,7 +524,8 @@ static void a_new_contact_is_found_where_it_is(void **state) {
         uint8_t changed[20] = {0};
         gn_step_verdict v;
         changed[7] = changed[8] = 1;
-        s->bonds.kn[near ? 7 : 15] *= 4.0; /* seen only where something has changed */
+        s->bonds.kn[near ? 7 : 15] *=
+            4.0; /* the change is found only where something is marked as changed */
         assert_int_equal(gn_step_holds(&s->spectrum, 0.98 * sharp, 0.0, true, changed, &v, NULL),
                          GNEISS_OK);
         assert_int_equal(v.holds, !near);

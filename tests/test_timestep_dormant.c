@@ -18,7 +18,7 @@ static size_t lull(specimen *s, double low, double high) {
     return active;
 }
 
-/* With vectors that have entries for all particles. */
+/* Computes the limit with vectors that have entries for all particles. */
 static gn_step_limit full_limit(const specimen *s, double tolerance) {
     gn_springs all;
     gn_step_limit limit;
@@ -71,7 +71,7 @@ static void active_particles_have_the_limit_of_the_full_operator(void **state) {
     }
 }
 
-/* Their springs, and no others. */
+/* The operator of the active particles has their springs, and no others. */
 static void selected_particles_keep_all_springs(void **state) {
     (void)state;
     specimen *s = sleeping_rock(0);

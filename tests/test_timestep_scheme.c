@@ -74,7 +74,8 @@ static void assert_separates(const specimen *s, int steps) {
            above = growth(s, 1.001 * limit.sharp, steps);
     if (!(below < 1.5)) fail_msg("0.999 of the limit grows by %g", below);
     if (above < INFINITY) fail_msg("1.001 of the limit does not blow up: %g", above);
-    assert_true(growth(s, 0.999 * limit.bound, steps) < 1.5); /* it may be the limit itself */
+    assert_true(growth(s, 0.999 * limit.bound, steps) <
+                1.5); /* the bound may be the limit itself */
 }
 
 static const double alphas[] = {0.0, 0.1, 0.9};

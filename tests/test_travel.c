@@ -59,7 +59,8 @@ static void a_uniform_stream_keeps_its_lists(void **state) {
     const double way = 800 * 4e-6 * 5.0;
     print_message("# lists: %lld at rest, %lld in a stream that goes %g skins far\n",
                   (long long)few, (long long)more, way / 4e-4);
-    /* At most 8 skins between two lists, and the number of lists that they need at rest. */
+    /* Two lists are at most 8 skins apart; to this the number of lists is added that the stream
+     * needs at rest. */
     assert_true(more <= few + (int64_t)(way / (7.2 * 4e-4)) + 1);
     assert_true((double)more < 0.25 * 2.0 * way / 4e-4);
     world_end(still);
@@ -96,7 +97,7 @@ static void two_distant_particles_are_listed_before_they_touch(void **state) {
             "0}]\nlaw: {stiffness: uniform}\nneighbours: {skin: 4e-4}\ntime: {step: 4e-6, end: "
             "1}\nrun: {threads: 1}\n",
             at[axis], low, low, low);
-        w->ctx.scene.has_domain = false; /* whose sides would have lists made */
+        w->ctx.scene.has_domain = false; /* the sides of a domain would cause new lists */
         for (size_t p = 0; p < 4; p++) {
             const double *x = w->dem.particles.pos + 4 * p;
             const double speed = fabs(x[axis]) < 1e-4 ? 2.0 : 3e-3 - x[axis] < 1e-4 ? -2.0 : 0.0;

@@ -316,7 +316,7 @@ def reported(rows):
 
 
 def compute_again(folder, spoil, pattern):
-    """A sweep whose second run is spoilt: it is named, counted as not there, computed again."""
+    """The second run of a sweep is damaged: it is named, counted as missing, and computed again."""
     _, before, out = sweep(folder)
     first, second = (os.path.join(out, before[k]["folder"]) for k in (0, 1))
     spoil(first, second)

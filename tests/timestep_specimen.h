@@ -33,8 +33,8 @@ static inline specimen *make(int dimension, size_t count, const double *xyzr, gn
         memcpy(s->p.pos + 4 * i, xyzr + 4 * i, 4 * sizeof(double));
         s->p.vel[4 * i + 3] = 1.0 / m;
         if (s->p.spin) s->p.spin[4 * i + 3] = 1.0 / ((dimension == 3 ? 0.4 : 0.5) * m * r * r);
-        s->p.id[i] =
-            (int32_t)(count - 1 - i); /* not the index, so that a confusion of the two is found */
+        s->p.id[i] = (int32_t)(count - 1 - i); /* the id differs from the index, so that a confusion
+                                                  of the two is found */
     }
     s->fixed = calloc(count + 1, 1);
     s->assembly = (gn_assembly){.dimension = dimension, .particles = &s->p};

@@ -4,8 +4,8 @@
 
 #include "zones/zones.h"
 
-/* The share of particles that nodes carry is counted there; particles that are tied by springs have
- * their own. */
+/* The share of particles that nodes carry is counted with the nodes; particles that are tied by
+ * springs have a momentum of their own. */
 static void add_momentum(const gn_world *w, const gn_particles *q, bool particles, double sum[4]) {
     const gn_coupled *z = w->zones.coupled;
     for (size_t p = 0; p < q->soa.count; p++) {

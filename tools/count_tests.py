@@ -1,10 +1,9 @@
 #!/usr/bin/python3
 """count_tests.py TESTLOG.json: one line, `N passed, N failed, N skipped`, from meson's test log.
 
-A cmocka program counts by its subtests (TAP lines), any other test as one. A program that dies, times
-out or ends with an error without a failed subtest counts as one more failure. Which failed, and what they
-said, stands before it. Exit code 0 only if something passed and nothing failed.
-"""
+A cmocka program counts by its subtests (TAP lines), any other test as one. A program that dies, times out or ends with an error without a failed
+subtest counts as one more failure. Before it the failed ones are listed, with their messages. Exit code 0 only if something passed and nothing
+failed. """
 import json
 import re
 import sys

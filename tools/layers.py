@@ -5,7 +5,7 @@ A name with a slash is one header; `A to B` stands for all rows from A to B. No 
 A function is declared in a header of the folder that defines it, so that calls follow the includes. Fields of the parts (PARTS) are assigned
 in the folder of the part alone. A header that more than 15 files of other folders include is a door, <folder>/<folder>.h, or one of OPEN.
 Functions above 60 lines are refused as well.
-Prints file:line of whatever is not so.
+Prints file:line of every violation.
 """
 import re
 import sys

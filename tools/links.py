@@ -1,9 +1,9 @@
-"""Holds the pages against what they lead to: `./do check links`.
+"""Checks the links of the pages: `./do check links`.
 
 links.py [ROOT]: every relative link and picture of README.md, CONTRIBUTING.md and docs/ is there, with the heading that it
 names; every page and picture under docs/ that a source, a script or a page names is there, and every source that a page
 names, also by its folder in src and its name alone; every picture is shown on a page; no page outside docs/evidence is too long to be
-read at once. Prints file:line of whatever is not so.
+read at once. Prints file:line of every violation.
 """
 import re
 import sys

@@ -21,13 +21,13 @@ import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-LOOSE = 0.55        # area fraction to begin with
-NEARLY = 0.80       # at the end of the closing: below random close packing, about 0.84
+LOOSE = 0.55        # area fraction at the start
+NEARLY = 0.80       # area fraction at the end of the closing: below random close packing, about 0.84
 STIFFNESS = 1e8     # N/m of contacts and walls, per metre of thickness
 PRESSURE = 2e5      # Pa: overlaps of about pressure/STIFFNESS, 0.2 % of the diameter
 DENSITY = 2500.0    # kg/m3
 SPEED = 0.5         # m/s of the closing
-STEPS_MAX = 0.2     # s of pressing at most
+STEPS_MAX = 0.2     # longest duration of the pressing, s
 
 ARGUMENTS = [("--width", float, 0.05, "m"), ("--height", float, 0.10, "m, about"),
              ("--count", int, 4000, "number of discs"), ("--ratio", float, 2.5, "largest over smallest radius"),

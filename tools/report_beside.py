@@ -96,7 +96,7 @@ class Beside:
         for point, normal in self.walls:
             across = np.hypot(*normal[:2])
             if across < 1e-6 * np.linalg.norm(normal):
-                continue  # it is the plane of the picture
+                continue  # the wall is in the plane of the picture
             n = normal[:2] / across
             offset = (normal @ (point - [*middle, 0.0 if flat else depth])) / across
             foot, along = middle + offset * n, np.array([-n[1], n[0]])

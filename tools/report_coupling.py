@@ -14,7 +14,7 @@ from report_pictures import color_bar, draw_circles, scale_bar
 from report_results import scale_of
 
 EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
-MIDDLE = 0.4987  # of the extent across the section, so that it runs through no layer of nodes
+MIDDLE = 0.4987  # place of the section relative to the extent across it; it lies in no layer of nodes
 
 
 def largest_principal(stress, flat):
@@ -116,7 +116,7 @@ def draw_panel(figure, axes, section, what):
 
 
 def plot_together(results, path):
-    """None where particles and elements are not coupled."""
+    """Returns None if particles and elements are not coupled."""
     position, displacement = results.particle("position"), results.particle("displacement")
     coupled = results.column("returned_energy") is not None or results.column("elements") is not None
     if not coupled or position is None or displacement is None:

@@ -13,7 +13,7 @@ from report_results import scale_of
 
 INK = "#22303c"
 RED, BLUE, GREY = "#c8402f", "#2b6cb0", "#9aa5ad"
-SHADES = {  # of terms of the ledger, by kind and name
+SHADES = {  # colours of terms of the ledger, by kind and name
     "stored": ("#41b6c4", "#9ecae1", "#1d4f91", "#2c7fb8", "#7fcdbb", "#c7e9b4", "#6a51a3", "#bcbddc"),
     "lost": ("#fec44f", "#b2182b", "#fff1a8", "#c7a76c", "#ef8a62", "#d95f0e", "#8c510a", "#bdbdbd", "#d6604d"),
 }

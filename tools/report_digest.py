@@ -1,5 +1,4 @@
-"""Digests of an HDF5 file of gneiss (src/io/h5_digest.c says what they cover and how): which of its values are no
-longer those that were written."""
+"""Digests of an HDF5 file of gneiss (src/io/h5_digest.c defines them) show which of its values have changed since they were written."""
 import h5py
 import numpy as np
 

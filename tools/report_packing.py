@@ -33,7 +33,7 @@ PERCENT = ("porosity", "porosity_net", "floating", "radius_variation", "anisotro
 NEEDED = {"particles": ("position", "radius"), "contacts": ("pair", "gap"), "quality": ("fabric",),
           "histogram": ("radius_edge", "radius_count", "angle_count")}
 TRACE = ("iteration", "stage", "energy", "gap_rms", "overlap_max")
-TOUCHING = 1e-9   # of r_i + r_j: less is rounding and neither gap nor overlap
+TOUCHING = 1e-9   # tolerance relative to r_i + r_j: less is rounding and neither gap nor overlap
 CONTACT = 0.01    # tolerance of contacts in the pictures and directions
 WIDE = 5000       # Number of discs above which the picture of the whole packing has no outlines.
 DETAIL = 900      # discs in the picture of the contacts

@@ -14,7 +14,7 @@ from report_results import scale_of
 DAMAGE = LinearSegmentedColormap.from_list(
     "damage", ["#d8d3c8", "#e8c07d", "#dd7d3c", "#b3261e", "#4a0d12"])
 PICTURE_HEIGHT = 900  # pixels of the cast picture
-MARGIN = 0.05         # of the specimen's size, shown around it; fragments further out are cut off
+MARGIN = 0.05         # margin around the specimen relative to its size; fragments farther out are cut off
 
 
 def quantiles(values, unit):
@@ -53,7 +53,7 @@ class Specimen:
         up = 1 if self.flat else results.up_axis()
         right = 0 if self.flat else (up + 1) % 3
         if not self.flat and "indirect_tensile_strength" in results.readings and up < 2:
-            right = 1 - up  # a disc is seen from its face
+            right = 1 - up  # a disc is viewed from its face
         toward = 3 - up - right
         self.names = "xyz"[right], "xyz"[up], "xyz"[toward]
         order = [right, up, toward]
@@ -88,7 +88,7 @@ class Specimen:
         return bool(not self.flat and size[1] < 0.7 * max(size[0], size[2]))
 
     def plane_of_slice(self):
-        """Through the middle; of a tool that is smaller than the specimen through the tool, so that its groove is cut along."""
+        """The slice is through the middle; if a tool is smaller than the specimen it is through the tool, along its groove."""
         owner = self.beside.owner
         depths = [self.beside.vertex[np.unique(self.beside.facet[owner == body])][:, 2] for body in np.unique(owner)]
         small = [z for z in depths if np.ptp(z) < 0.6 * (self.upper[2] - self.lower[2])]
@@ -169,7 +169,7 @@ def cast(centre, radius, low, pixel, shape):
 
 
 def occlusion(depth, reach):
-    """1 in the open, less in cracks and between spheres: depth against its blurred surroundings."""
+    """Brightness: 1 at exposed points, less in cracks and between spheres. It follows from the depth relative to the blurred depth around it."""
     from_infinity = np.isfinite(depth)
     low = depth[from_infinity].min()
     filled = np.where(from_infinity, depth, low)
@@ -186,7 +186,7 @@ def occlusion(depth, reach):
 
 
 class Surface:
-    """The specimen cast once; coloured several times."""
+    """The specimen, cast once and coloured several times."""
 
     def __init__(self, specimen):
         self.turn = turn = oblique(specimen)

@@ -23,9 +23,9 @@ class Column:
         self.value = np.asarray(dataset[()])
         self.unit = _text(dataset.attrs.get("unit", ""))
         self.text = _text(dataset.attrs.get("description", dataset.attrs.get("text", "")))
-        self.kind = _text(dataset.attrs.get("kind", ""))  # of a term of the ledger: stored, input, lost
+        self.kind = _text(dataset.attrs.get("kind", ""))  # kind of a term of the ledger: stored, input, lost
         self.absent = _text(dataset.attrs.get("absent", ""))  # Reason why there is no number.
-        error = np.asarray(dataset.attrs.get("error", np.nan), float).reshape(-1)  # of a reading: its error budget
+        error = np.asarray(dataset.attrs.get("error", np.nan), float).reshape(-1)  # error budget of a reading
         self.error = float(error[0]) if error.size else float("nan")
         self.error_causes = _text(dataset.attrs.get("error_causes", ""))
 
@@ -89,7 +89,7 @@ class Results:
         self.events = _group(file, "events")
         self.bursts = _group(file, "bursts")
         self.fragments = _group(file, "fragments")
-        self.rim = _group(file, "rim")  # of a disc cutter
+        self.rim = _group(file, "rim")  # rim of a disc cutter
         self.nodes = _group(file, "nodes")
         self.elements = _group(file, "elements")
         self.bodies = _group(file, "bodies")

@@ -72,7 +72,7 @@ class Sweep:
         self.seconds, self.steps = np.asarray(runs["seconds"][()], float), np.asarray(runs["steps"][()], int)
         lines = {name: _text(runs[name][()]).split("\n") for name in ("state_hash", "folder", "message")}
         self.state_hash, self.folder, self.message = (lines[k] for k in ("state_hash", "folder", "message"))
-        # the first run of every combination has its parameters
+        # a combination has the parameters of its first run
         self.first = np.array([np.flatnonzero(self.combination == c)[0] for c in np.unique(self.combination)], int)
 
     @property

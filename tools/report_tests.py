@@ -155,11 +155,11 @@ def plot_rose(results, path):
         return None
     axis = results.test_axis()
     along = np.abs(normals[:, axis])
-    angle = np.degrees(np.arcsin(np.clip(along, 0, 1)))  # of the crack's plane with the axis
+    angle = np.degrees(np.arcsin(np.clip(along, 0, 1)))  # angle of the crack's plane with the axis
     edges = np.linspace(0, 90, 19)
     counts, _ = np.histogram(angle, edges)
     sines = np.sin(np.radians(edges))
-    share = np.diff(edges) / 90 if results.dimension == 2 else np.diff(sines)  # of directions alike
+    share = np.diff(edges) / 90 if results.dimension == 2 else np.diff(sines)  # share of uniformly distributed directions
     figure = plt.figure(figsize=(4.6, 4.0), constrained_layout=True)
     axes = figure.add_subplot(projection="polar")
     axes.set_theta_zero_location("N")
@@ -202,7 +202,7 @@ CURVES = {
     "fragments": plot_fragments,
     **CUTTING_CURVES,
 }
-STATES = ("rose", "fragments")  # of the end, whatever the history holds
+STATES = ("rose", "fragments")  # pictures of the state at the end, which need no rows of the history
 
 
 # --- before, at and after the peak ----------------------------------------------------------------------
@@ -290,7 +290,7 @@ def plot_moments(results, folder, path):
 
 # --- parameters and tables -------------------------------------------------------------------------------
 
-UNITS = {  # by the last word of a key, of what parameters are read from
+UNITS = {  # units by the last word of a key
     "density": "kg/m3", "contact_modulus": "Pa", "normal_stiffness": "N/m", "young": "Pa", "tensile_strength": "Pa", "shear_strength": "Pa",
     "bond_tension_limit": "N", "bond_shear_limit": "N", "fracture_energy": "J/m2", "shear_fracture_energy": "J/m2", "yield_stress_1": "Pa",
     "yield_stress_2": "Pa", "yield_stress_3": "Pa", "pressure": "Pa", "ramp": "s", "length": "m", "area": "m2", "diameter": "m",
@@ -334,7 +334,7 @@ ZEROS = ("friction", "rolling_friction", "twisting_friction", "bond_friction", "
 
 
 def scene_values(text, sections):
-    """{"law/stiffness": "harmonic", "materials/rock/density": "2650", ..}: what the resolved scene says in these sections."""
+    """{"law/stiffness": "harmonic", "materials/rock/density": "2650", ..}: values of the resolved scene in these sections."""
     found = {}
     for section in sections:
         block = re.search(rf"^{section}:\n(.*?)(?=^\S|\Z)", text, re.MULTILINE | re.DOTALL)
@@ -354,7 +354,7 @@ def scene_values(text, sections):
 
 
 def parameter_text(key, value):
-    """With few digits and its unit: 10 GPa, 0.7."""
+    """A value as text with few digits and its unit: 10 GPa, 0.7."""
     try:
         number = float(value)
     except ValueError:
@@ -363,7 +363,7 @@ def parameter_text(key, value):
 
 
 def parameters(results):
-    """(what, value) that a reader wants to know first, of what does something in this scene: test, materials, bonds, damping, membrane."""
+    """(name, value) of the most important settings that have an effect in this scene: test, materials, bonds, damping, membrane."""
     scene = scene_values(results.scene, ("test", "membrane", "materials", "law", "bonds", "damping"))
     several = len({path.split("/")[1] for path in scene if path.startswith("materials/")}) > 1
     rows = []
@@ -373,7 +373,7 @@ def parameters(results):
         if value in NOTHING or not NEEDS.get(place, lambda s: True)(scene) or (parts[-1] in ZEROS and float(value) == 0):
             continue
         shown = parts if several or parts[0] != "materials" else [parts[0], *parts[2:]]
-        name = parts[1] if several and parts[0] == "materials" else None  # as it stands
+        name = parts[1] if several and parts[0] == "materials" else None  # the name of a material, which is shown unchanged
         rows.append((" · ".join(part if part == name else part.replace("_", " ") for part in shown), parameter_text(parts[-1], value)))
     return rows
 

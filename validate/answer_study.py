@@ -1,11 +1,11 @@
-"""Seconds to the same answer: scenes/ucs-rock.yaml from start to failure as it is, with steps that begin at the first break, with added mass,
-with both, in mixed precision, and as `gneiss plan --error 4%` proposes it. Every round runs all of them one after the other on a specimen of its own, whose coordinates were changed
-by 1e-12 of themselves: what others do to the machine meets all alike, and the strengths of a row are scattered as rounding scatters
-them. CPU seconds of one thread, the whole of the program. Fills docs/evidence/performance.md; some five minutes of one core.
+"""Seconds to the same answer: scenes/ucs-rock.yaml from start to failure as it is, with steps that begin at the first break, with added mass, with
+both, in mixed precision, and as `gneiss plan --error 4%` proposes it. Every round runs all of them one after the other on a specimen of its own,
+whose coordinates were changed by 1e-12 of themselves: other load on the machine affects all of them equally, and the strengths of a row have the
+scatter due to rounding. CPU seconds of one thread, the whole of the program. Fills docs/evidence/performance.md; some five minutes of one core.
 
     /usr/bin/python3 validate/answer_study.py [--rounds 4] [--step 1.75] [--fresh]
 
-GNEISS_OLD names another program, whose plain run the ratios are then of.
+GNEISS_OLD names another program: ratios are then relative to its plain run.
 """
 import json
 import os

@@ -17,11 +17,11 @@ PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "coupling-beam-space.p
 LENGTH, HEIGHT, BREADTH, SPAN, NOTCH, SLOT, RADIUS = 0.22, 0.05, 0.008, 0.2, 0.015, 0.002, 0.75e-3  # m
 MID, FOOT = LENGTH / 2, (LENGTH - SPAN) / 2
 CHOSEN = ((1.0, 9), (1.5, 9), (2.0, 9), (3.0, 9), (1.5, 12))  # MPa at which elements convert, and mm of the zone: six particles, and eight
-MIDDLE, ZONE = 0.035, 0.01  # m: half of the part of particles between fixed zones, which are within it, and their width
+MIDDLE, ZONE = 0.035, 0.01  # m: half the length of the part with particles between fixed zones, including the zones, and their width
 MATERIAL = {"name": "concrete", "density": 2400, "contact_modulus": 19.1e9, "kratio": 3, "friction": 0.5, "tensile_strength": 4e6,
             "shear_strength": 12e6}
-SOFT = 5.0  # J/m2, of contacts that soften
-ONE = {"run.threads": 1}  # as costs are compared
+SOFT = 5.0  # fracture energy of contacts that soften, J/m2
+ONE = {"run.threads": 1}  # settings of runs whose costs are compared
 
 
 # --- shapes -------------------------------------------------------------------------------------------------------
@@ -221,7 +221,7 @@ def draw(kinds):
 
 
 SAFETIES = (0.9, 0.89, 0.88, 0.87, 0.86, 0.85)  # 0.9 is the default
-FINER = 0.5  # of the usual height of cells
+FINER = 0.5  # height of cells relative to the usual one
 
 
 def rounded(run, *chosen, note="", **more):

@@ -1,5 +1,6 @@
-"""A measured beam: Gregoire et al. 2013, depth 50 mm, notched to half of it. What is known of its concrete is put in before a beam is computed, from strips of
-the same packings that are pulled apart; nothing is fitted to the beam. Fills docs/evidence/beams.md; some half an hour of one core.
+"""A measured beam: Gregoire et al. 2013, depth 50 mm, notched to half of it. The measured properties of its concrete are reproduced before a beam is
+computed, by strips of the same packings that are pulled apart; nothing is fitted to the beam. Fills docs/evidence/beams.md; some half an hour of one
+core.
 
     /usr/bin/python3 validate/beam_study.py [--fresh] [linear] [bilinear]
 
@@ -63,8 +64,8 @@ STRIP = (0.025, 0.0375)  # m, the first as wide as the ligament
 
 
 def strip(radius, seed, contact, opened=None):
-    """Pulled apart: until its load has fallen by half, its grips free across, or until it has opened by `opened` m, its grips held across: else the middle
-    turns, and a second crack opens."""
+    """A strip that is pulled apart until its load has fallen by half, with grips that are free laterally; or until it has opened by `opened` m, with
+    grips that are held laterally, because otherwise the middle rotates and a second crack opens."""
     width, length = STRIP
     motion = {side: {**({"vx": 0} if opened else {}), "vy": [[0, 0], [5e-4, sign * 0.02]]} for side, sign in (("lower", -1), ("upper", 1))}
     scene = {**body({"rectangle": {"width": width, "height": length}}, radius, seed, contact),
@@ -85,8 +86,8 @@ def elastic(run):
 
 
 def crack_energy(run, contact):
-    """Energies relative to the fracture energy of the contacts times the section: all that was dissipated, and that
-    of bonds whose ends have separated."""
+    """Energies relative to the fracture energy of the contacts times the section: the whole dissipated energy, and that of bonds whose ends have
+    separated."""
     x, d = run.results("particles/position"), run.results("particles/displacement")
     i, j, area, state = (run.results(f"bonds/{name}") for name in ("i", "j", "area", "state"))
     damage = np.where((state == 1) | (state == 2), 1.0, run.results("bonds/shear_damage"))
@@ -223,12 +224,13 @@ def bilinear(energy):
 
 
 def turned(corners, height, young):
-    """Angles, heights of what is pressed (m) and moments (N m per m of breadth) of a section whose crack spreads its opening over a layer of half its height
-    (Olesen 2001): strains are linear over the height, what a fibre is longer by is stress over modulus times the layer and the opening that goes with that stress."""
+    """Angles, heights of the compressed part (m) and moments (N m per m of breadth) of a section whose crack distributes its opening over a layer of
+    half its height (Olesen 2001): strains are linear over the height; a fibre is longer by stress over modulus times the layer, plus the opening at
+    that stress."""
     count, tensile = 400, corners[0][1]
     layer, y = 0.5 * height, (np.arange(count) + 0.5) / count * height
     opened, stress = np.array(corners).T
-    longer = opened + layer * stress / young  # grows along the law, as the layer is stiff
+    longer = opened + layer * stress / young  # the angle grows along the law, as the layer is stiff
     found = []
     for curvature in np.geomspace(1e-3, 60, 300):
         low, high = 0.0, height

@@ -1,6 +1,6 @@
-"""Five rocks under pressure and Lac du Bonnet granite: files of targets from measured strengths, a `gneiss calibrate` command for each, and
-the same with every law: which law can do what. Fills the section `rocks` of docs/evidence/calibration.md and draws its picture. Runs are
-kept in runs/studies/rocks; a stopped study is taken up by the same command; some half an hour of two cores.
+"""Five rocks under pressure and Lac du Bonnet granite: files of targets from measured strengths, a `gneiss calibrate` command for each, and the same
+with every law, to compare what each law can reproduce. Fills the section `rocks` of docs/evidence/calibration.md and draws its picture. Runs are kept
+in runs/studies/rocks; a stopped study is taken up by the same command; some half an hour of two cores.
 
     /usr/bin/python3 validate/calibration_rocks.py [--targets] [--only ROCK] [--kept]
 

@@ -26,7 +26,7 @@ FOLDER = study.RUNS / "calibration"
 CALIBRATED, PACKINGS = 5, 20  # packings of a calibration; whose mean readings are the targets
 COVERED = (0, 2, 5)     # sets whose intervals are counted over fresh packings
 SUBSETS = 4000
-KINDS = ("space", "space", "plane", "space", "moments")  # of the sets, again and again
+KINDS = ("space", "space", "plane", "space", "moments")  # kinds of the sets, repeated cyclically
 SPECIMENS = {"space": {"specimen": {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 400}, "law": "linear"},
              "plane": {"dimension": 2, "specimen": {"rectangle": {"width": "30 mm", "height": "30 mm"}, "particles": 600,
                                                       "packing": {"size_ratio": 3, "overlap": "passive"}}, "law": "linear"},

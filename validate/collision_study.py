@@ -1,5 +1,5 @@
-"""Oblique collisions with friction, and rows of balls, beside the same law integrated finely: how far rebounds are off
-at so many steps per contact; the ledger of one dropped grain. Fills tables of docs/evidence/collisions.md; a few minutes of one core.
+"""Oblique collisions with friction, and rows of balls, beside the same law integrated finely: the errors of rebounds over the number of steps per
+contact; the ledger of one dropped grain. Fills tables of docs/evidence/collisions.md; a few minutes of one core.
 
     /usr/bin/python3 validate/collision_study.py [rows] [oblique] [drop]
 
@@ -19,8 +19,8 @@ MASS = DENSITY * 4 / 3 * np.pi * R**3
 FINE = 8000
 FRICTIONS, KRATIOS, RESTITUTIONS = [0.1, 0.3, 0.5, 1.0], [1.0, 2.0, 3.7, 10.0], [1.0, 0.8, 0.5]
 STEPS = [10, 20, 40, 100, 400]
-PAIRS = 60  # of every combination; two spheres each
-ROWS = 20  # of balls, of every number and restitution; the first of equal ones
+PAIRS = 60  # number of pairs of every combination; two spheres each
+ROWS = 20  # number of rows of balls, for every length and restitution; the first has equal ones
 SPEED = 1e-4 * R * np.sqrt(2 * KN / MASS)  # Speed of approach for overlaps of 1e-4 of the radius, with normals that hardly turn.
 
 
@@ -32,8 +32,8 @@ def damping_fraction(restitution):
 
 def rebounds(slip, mu, kratio, restitution):
     """Slip [n][2] and speed of parting over that of approach; all arguments are arrays over collisions. Linear
-    springs along and across the normal, a dashpot along it, radial return at mu times the force that presses."""
-    inverse_n, inverse_t = 2 / MASS, 7 / MASS  # 1/m + r^2/I = 3.5/m each
+    springs along and across the normal, a dashpot along it, radial return at mu times the compressive force."""
+    inverse_n, inverse_t = 2 / MASS, 7 / MASS  # inverse mass: 1/m + r^2/I = 3.5/m for each sphere
     omega = np.sqrt(KN * inverse_n)
     dt = np.pi / omega / FINE
     dashpot = 2 * np.array([damping_fraction(c) for c in restitution]) * np.sqrt(KN / inverse_n)
@@ -54,7 +54,7 @@ def rebounds(slip, mu, kratio, restitution):
 
 
 def oblique_scene(random, mu, kratio, restitution, slips):
-    """Pairs far from each other, with the slip of each from velocities and spins, meeting at any moment of a step."""
+    """Pairs far from each other, with the slip of each from velocities and spins, that collide at any phase of a step."""
     contact = np.pi / np.sqrt(2 * KN / MASS)
     rows, sets = [], []
     for k, slip in enumerate(slips):

@@ -1,4 +1,4 @@
-"""Concrete calibrated on the strengths at low pressure (Santasusana 2013, ch. 5, after Sfer et al. 2002), and what that predicts at 30 and 60 MPa.
+"""Concrete calibrated on the strengths at low pressure (Santasusana 2013, ch. 5, after Sfer et al. 2002), and its predictions at 30 and 60 MPa.
 Writes docs/evidence/concrete.md and its picture. The same concrete with the published parameters: concrete_study.py.
 
     /usr/bin/python3 validate/concrete_calibration.py [--kept]
@@ -26,7 +26,7 @@ FOLDER = study.RUNS / "concrete-calibration"
 PAGE = study.ROOT / "docs" / "evidence" / "concrete.md"
 PARTICLES, SEEDS = 1000, (1, 2, 3)
 FITTED, PREDICTED = (0, 1.5, 4.5, 9), (30, 60)  # MPa
-STRAINS = {0: 0.004, 1.5: 0.006, 4.5: 0.010, 9: 0.015, 30: 0.03, 60: 0.04}  # to which tests of the picture go
+STRAINS = {0: 0.004, 1.5: 0.006, 4.5: 0.010, 9: 0.015, 30: 0.03, 60: 0.04}  # strain up to which the tests of the picture go
 RANGES = {"tensile_strength": ["1 MPa", "15 MPa"], "shear_strength": ["5 MPa", "80 MPa"], "bond_friction": [0, 3], "friction": [0.05, 1.5],
           "yield_ratio_1": [1, 10]}
 UNITS = {"tensile_strength": ("MPa", 1e6), "shear_strength": ("MPa", 1e6)}
@@ -102,7 +102,7 @@ class Bench:
         self.modulus = concrete.YOUNG
 
     def curve(self, pressure, seed, label, strain):
-        """[strains, deviators in MPa] up to a strain with one of CHANGES; None where the run went bad."""
+        """[strains, deviators in MPa] up to a strain with one of CHANGES; None if the run failed."""
         change = CHANGES[label]
         scene = json.loads(json.dumps(self.scene))
         material = scene["materials"][0]

@@ -30,11 +30,11 @@ WAVES = np.sqrt(concrete.YOUNG / 2500)  # m/s
 SPEEDS = {0: (0.4, 0.2, 0.1, 0.05, 0.02, 0.01), 9: (0.8, 0.4, 0.2, 0.1, 0.05)}
 MANY = 13500
 MANY_SPEEDS = {0: (0.2, 0.1, 0.05, 0.02), 9: (0.4, 0.2, 0.1)}
-BRITTLE_SPEEDS = (1.0, 0.2, 0.1, 0.02, 0.002)  # of the source
+BRITTLE_SPEEDS = (1.0, 0.2, 0.1, 0.02, 0.002)  # speeds of the source
 SAFETIES = {0: (0.9, 0.45, 0.2, 0.05), 9: (0.9, 0.45, 0.2)}
 NEARBY = (0.9, 0.89, 0.88, 0.87)  # Steps whose difference has no physical effect.
 COPIES, SHAKEN = 4, 1e-12
-USED = []  # runs that tables were made of
+USED = []  # runs that tables contain
 
 
 def taken(run):

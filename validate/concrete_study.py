@@ -1,6 +1,6 @@
-"""Concrete under compression with pressure around it (Santasusana 2013, ch. 5 and 7, after Sfer et al. 2002): bonds by area that
-soften and yield, cylinders of 1 500 and 13 500 spheres. Fills the parts on concrete of docs/evidence/laboratory.md and its pictures. What number of
-particles, speed and step do: concrete_effects.py.
+"""Concrete under compression with pressure around it (Santasusana 2013, ch. 5 and 7, after Sfer et al. 2002): bonds by area that soften and yield,
+cylinders of 1 500 and 13 500 spheres. Fills the parts on concrete of docs/evidence/laboratory.md and its pictures. For the effects of number of
+particles, speed and step see concrete_effects.py.
 
     /usr/bin/python3 validate/concrete_study.py [--fresh] [--kept] [--quick] [curves] [large] [choices] [hydrostatic] [oedometer]
 
@@ -25,7 +25,7 @@ PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
 PAGE = "laboratory.md"
 DIAMETER, HEIGHT = 0.15, 0.3  # m
 SECTION = np.pi * DIAMETER**2 / 4  # m2
-CYLINDER_STRENGTH = 32.8  # MPa, of the laboratory after 28 days
+CYLINDER_STRENGTH = 32.8  # strength in the laboratory after 28 days, MPa
 YOUNG, POISSON, TENSILE, SHEAR = 27e9, 0.2, 3.2e6, 15e6
 YIELD = ((15e6, 3.0), (25e6, 7.0), (30e6, 15.0))  # Stress of a bond in Pa, ratio of slopes beyond it.
 CONCRETE = {"name": "concrete", "density": 2500, "young": YOUNG, "poisson": POISSON, "friction": 0.2, "bond_friction": 0.9,
@@ -37,7 +37,7 @@ OVERLAP = 0.025  # brings 13 500 spheres to the porosity of the source, 25.7 %, 
 RAMP = 1e-3  # s, duration of the pressure ramp: eleven wave transits of the cylinder.
 # Pressure in MPa: strain to which it is loaded, closing speed in m/s.
 TESTS = {0: (0.006, 0.05), 1.5: (0.006, 0.1), 4.5: (0.009, 0.1), 9: (0.012, 0.2), 30: (0.02, 0.2), 60: (0.025, 0.2)}
-MANY = {9: (0.006, 0.2), 30: (0.0105, 0.4), 60: (0.0105, 0.4)}  # the same of many spheres, for their cost
+MANY = {9: (0.006, 0.2), 30: (0.0105, 0.4), 60: (0.0105, 0.4)}  # strains and speeds for many spheres, chosen by their cost
 LARGE = 1500 if QUICK else 13500
 LARGE_TESTS = tuple(TESTS)
 MOST = 71852
@@ -218,7 +218,7 @@ def draw_curves(axes, curves, title):
 
 def envelope_picture(groups):
     figure, axes = plt.subplots(figsize=(7, 5))
-    pressure = np.linspace(0, CYLINDER_STRENGTH, 10)  # it is of pressures below f_c
+    pressure = np.linspace(0, CYLINDER_STRENGTH, 10)  # the line is valid for pressures below f_c
     axes.plot(pressure, richart(pressure), color="#9aa5ad", ls="--", label="Richart: 32.8 MPa + 4.1 P, less P")
     axes.plot(0, CYLINDER_STRENGTH, "*", color="#22303c", ms=13, label="measured f_c (Sfer et al. 2002)")
     for (count, seeds), marker in zip(groups.items(), "so^"):

@@ -1,5 +1,5 @@
 """Boxes of five tetrahedra a cell and of six round one diagonal (elements.box.diagonals): bending and torsion of a square bar beside closed forms,
-what a preferred direction does, the step, and a notched beam with finer cells. Fills the tables of docs/evidence/fem.md; some minutes.
+the effect of a preferred direction, the step, and a notched beam with finer cells. Fills the tables of docs/evidence/fem.md; some minutes.
 
     /usr/bin/python3 validate/diagonals_study.py [--fresh]
 
@@ -16,8 +16,8 @@ import beam_space_study as beam
 import meshes
 import study
 
-LENGTH = 2.0  # of a bar of side 1
-YOUNG, POISSON = 29.13e9, 0.166  # of the beam
+LENGTH = 2.0  # length of a bar of side 1
+YOUNG, POISSON = 29.13e9, 0.166  # E and nu of the beam
 SPLITS = {"alternating": "five", "parallel": "six"}
 SCENE = """dimension: 3
 elements:

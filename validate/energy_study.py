@@ -1,5 +1,5 @@
-"""Energy that the ledger of uniaxial compression does not explain, where it comes from, and what the speed of
-the platens does to the strength. Fills tables of docs/evidence/models.md; about fifteen minutes of one core.
+"""Residual of the energy ledger of uniaxial compression, its causes, and the effect of the platens' speed on the strength. Fills tables of
+docs/evidence/models.md; about fifteen minutes of one core.
 
     /usr/bin/python3 validate/energy_study.py [--fresh]
 """
@@ -38,7 +38,7 @@ def residual_table():
 
 
 def source_table():
-    """One thing switched off at a time, rock-b, closing at 0.2 m/s."""
+    """Each run switches off one feature; rock-b, closing at 0.2 m/s."""
     cases = [("as it is, to half the peak", None), ("no friction, to half the peak", None),
              ("as it is, to 1 % strain", {}), ("bonds never break", UNBREAKABLE),
              ("bonds never break, no spin", {**UNBREAKABLE, "law.rotation": "off"}),

@@ -1,6 +1,5 @@
-"""Cook's membrane, nearly incompressible (nu = 0.4999), by both forms of the finite elements: what the meshes' cuts and
-refinement do to the deflection, and the pressures. Prints the table of docs/evidence/fem.md and draws its pictures; some
-minutes of one core.
+"""Cook's membrane, nearly incompressible (nu = 0.4999), by both forms of the finite elements: effects of the diagonals and of refinement on the
+deflection, and the pressures. Prints the table of docs/evidence/fem.md and draws its pictures; some minutes of one core.
 
     /usr/bin/python3 validate/fem_study.py [--build BUILD_FOLDER]
 """

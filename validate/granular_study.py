@@ -157,7 +157,7 @@ def saturated(friction):
     """Rows of bins with walls of this friction, the fitted saturation in N, and the K that it is."""
     found = [bin_of(count, friction) for count in (500, 1000, 2000, 4000)]
     weight, force = np.array([f[1] for f in found]), np.array([f[2] for f in found])
-    # F = F_s (1 - exp(-W/F_s)), fitted by one number.
+    # F = F_s (1 - exp(-W/F_s)) is fitted with one parameter.
     tried = np.linspace(0.05, 2, 4000) * weight[-1]
     missed = [(((s * (1 - np.exp(-weight / s))) / force - 1)**2).sum() for s in tried]
     most = tried[int(np.argmin(missed))]

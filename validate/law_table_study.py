@@ -90,7 +90,7 @@ def made(name, scene):
 
 def mean_text(values, digits=3):
     values = np.asarray(values, float)
-    spread = 2.776 * values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else float("nan")  # 95 % of five
+    spread = 2.776 * values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else float("nan")  # 95 % interval of the mean of five values
     return f"{values.mean():.{digits}g} ± {spread:.2g}"
 
 
@@ -141,8 +141,8 @@ def finer_table():
 # --- fracture energy of bodies --------------------------------------------------------------------------------
 
 YOUNG, TENSILE, FRACTURE = 20e9, 3e6, 15.0  # Pa, Pa, J/m2: E G/sigma^2 is 33 mm
-WIDTH, LENGTH = 0.02, 0.03  # m, of the largest strips
-OPENED = FRACTURE / TENSILE  # m, half of the opening at which a contact has softened
+WIDTH, LENGTH = 0.02, 0.03  # m, sizes of the largest strips
+OPENED = FRACTURE / TENSILE  # half of the opening at which a contact has softened, m
 
 
 def strip(dimension, count, seed, scale):
@@ -167,9 +167,9 @@ def strip(dimension, count, seed, scale):
 
 
 def parts_of_energy(run, axis, section, length):
-    """Over G_f and the section: all that is dissipated; that of bonds across the crack, whose ends have come apart by half of what
-    they soften over (one or many planes, and what hangs loose between); of the rest. And the bond area that planes cut. A bond that
-    was damaged by kappa has lost kappa G_f A if it was pulled, up to twice that if it slipped: all differ by what that leaves."""
+    """Energies relative to G_f and the section: the whole dissipated energy; that of bonds across the crack, whose ends have separated by half of
+    their softening displacement (one or many planes, and loose pieces between them); that of the rest. Further the bond area that planes cut. A bond
+    with damage kappa has dissipated kappa G_f A in tension, up to twice that in slip: this is why the parts do not add up to the whole."""
     x, d = run.results("particles/position"), run.results("particles/displacement")
     i, j, area, state = (run.results(f"bonds/{name}") for name in ("i", "j", "area", "state"))
     damage = np.where((state == 1) | (state == 2), 1.0, run.results("bonds/shear_damage"))

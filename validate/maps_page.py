@@ -206,7 +206,7 @@ def draw_laws(table):
 # --- other settings and other packings ------------------------------------------------------------------------------
 
 def raw(row, name):
-    """A measure before the packing is taken out: E r/k_n, strength r^2/R_n (2D: E t/k_n, strength r t/R_n)."""
+    """A measure without the normalisation by the packing: E r/k_n, strength r^2/R_n (2D: E t/k_n, strength r t/R_n)."""
     disc = "disc_" if name == "brazilian" else ""
     return row[name] * row[f"{disc}n_c"] * (1 - row[f"{disc}porosity"]) / row[f"{disc}{'rt' if name == 'young' else 'area'}"]
 
@@ -229,7 +229,7 @@ def check_table(found, points):
 
 
 def spread_table(found, points, names):
-    """Scatter over the kinds of packings (means over the seeds) before and after the packing is taken out, as a mean over the points."""
+    """Scatter over the kinds of packings (means over the seeds) before and after normalisation by the packing, as a mean over the points."""
     rows = []
     for dimension, kinds in found.items():
         there = [kinds[name] for name in names if name in kinds]

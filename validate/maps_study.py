@@ -29,8 +29,8 @@ NORMAL = {2: 10e9, 3: 35e6}  # k_n, N/m
 WIDTH, DENSITY, COUNT = 0.05, 2580.0, 1500  # m, kg/m3 of the assembly, particles
 PACKING_KEYS = {2: {"size_ratio": 6}, 3: {"size_ratio": 3, "overlap": "passive", "overlap_size": 0.03}}
 FLAT = np.cos(np.radians(5))  # platens of a Brazilian disc stand this far from its centre, over its radius: flats of 10 degrees
-INSET = {2: 0.6, 3: 0.0}  # of platens in compression, over the mean radius. Laid on, they touch 2 to 26 of the some 25 discs at an end
-WAVE = 2000.0  # m/s, of the order of the speed of waves along the specimen
+INSET = {2: 0.6, 3: 0.0}  # inset of platens in compression, over the mean radius; without it they would touch 2 to 26 of the some 25 discs at an end
+WAVE = 2000.0  # m/s, approximate speed of waves along the specimen
 # Strain of the test at the peak that R_n is chosen for, and the time to reach it over that of a wave through the specimen.
 PEAK = {"compression": 4e-3, "tension": 1e-3, "brazilian": 4e-3}
 TRANSITS = {"compression": 75, "tension": 30, "brazilian": 100}
@@ -212,7 +212,7 @@ def measures(folder, dimension, test, keys):
         row[f"{test}_broken{name}"], row[f"{test}_shear_share{name}"] = broken / bonds, shear[at] / broken if broken else 0.0
     if test == "compression":
         nu, modulus = readings["poisson_ratio"], readings["young_modulus_average"]
-        if dimension == 2:  # of plane strain to the material's
+        if dimension == 2:  # converts values of plane strain to those of the material
             nu = nu / (1 + nu)
             modulus *= 1 - nu**2
         row["young"], row["poisson"] = modulus * packing.rt * unit / (NORMAL[dimension] * part), nu
@@ -260,7 +260,7 @@ CROSS_FRICTION = [{**BASE, "rho_k": 0.6, "mu": mu} for mu in (0.0, 1.0)]
 
 
 def check_part(page, rows):
-    """rows: of the maps."""
+    """`rows`: rows of the maps."""
     found = {}
     for dimension, variants in VARIANTS.items():
         of_maps = [row for point in CHECK_POINTS for row in rows if {**row, **point, "dimension": dimension} == row]

@@ -256,7 +256,7 @@ def several_table():
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if share_needed(steps, mass, middle) <= share else (low, middle)
             wanted.append(low)
-        # Masses first, then several steps: what is left.
+        # First masses are raised, then several steps are used for the remaining particles.
         raised = np.maximum(steps, wanted[1] * least)
         left = np.floor(np.log2(np.minimum(raised[i], raised[j]) / raised.min()))
         rows.append([name, len(steps), f"{np.median(steps)/least:.2f}", *cells, f"{gain:.2f}", f"{wanted[0]:.2f}", f"{wanted[1]:.2f}",

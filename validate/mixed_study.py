@@ -1,5 +1,5 @@
-"""Notched beams in mixed mode, of elements that turn into particles where they crack: the measured one of Garcia-Alvarez et al. 2012 and, with distances that are
-taken, types 1 and 2 of Galvez et al. 1998. What is known of their concretes is put in beforehand. Fills docs/evidence/beams.md.
+"""Notched beams in mixed mode, of elements that turn into particles where they crack: the measured one of Garcia-Alvarez et al. 2012 and, with
+assumed distances, types 1 and 2 of Galvez et al. 1998. Measured properties of their concretes are input. Fills docs/evidence/beams.md.
 
     /usr/bin/python3 validate/mixed_study.py [--fresh] [--kept]
 """
@@ -18,7 +18,7 @@ PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
 SCENE_MESH = study.ROOT / "scenes" / "specimens" / "beam-mixed.msh"
 FOLDER = study.RUNS / "beams"
 # Contact parameters relative to those of the concrete: modulus, strength, fracture energy, from the strips of the
-# beam of Gregoire et al. (table of contacts, last round).
+# beam of Gregoire et al. (last round of the table of contacts).
 OVER = (39.95 / 37.0, 3.274 / 3.9, 105.3 / 143.2)
 SEEDS = (1, 2)
 SPEED = 0.01  # m/s of the load
@@ -42,17 +42,17 @@ class Beam:
     concrete: Concrete
     depth: float
     ends: tuple           # left, right
-    notch: float          # its depth
+    notch: float          # depth of the notch
     supports: tuple       # left, right
     load: float
-    packed: tuple         # where particles may come to be, over the whole depth
-    cell: float           # largest of the mesh there
-    width: float          # of the zone
-    hold: float | None = None   # where the upper side is held down
+    packed: tuple         # range over the whole depth where particles may appear
+    cell: float           # largest size of the mesh in that range
+    width: float          # width of the zone
+    hold: float | None = None   # place where the upper side is held
     slot: float = 0.002
     breadth: float = 0.05
     gauge: float = 0.02
-    drop: float = 0.8     # part of the largest load by which it falls before the end
+    drop: float = 0.8     # part of the largest load by which the load falls before the end
 
     @property
     def ligament(self):
@@ -64,7 +64,7 @@ GETTU = Beam("gettu", Concrete(33.8e9, 3.5e6, 125.2), depth=0.08, ends=(-0.075, 
 GALVEZ = Beam("galvez-1-near", Concrete(38e9, 3.0e6, 69.0), depth=0.15, ends=(-0.3375, 0.3375), notch=0.075, supports=(-0.075, 0.3), load=0.075,
               packed=(-0.3375, 0.3375), cell=0.005, width=0.025, drop=0.7)
 HELD = dataclasses.replace(GALVEZ, name="galvez-2-near", hold=-0.3)
-LIMIT = 0.6  # of the strength: the stress where elements convert
+LIMIT = 0.6  # stress at which elements convert, relative to the strength
 
 
 # --- scenes -------------------------------------------------------------------------------------------------------
@@ -146,7 +146,7 @@ def never(beam, radius):
 # --- readings -----------------------------------------------------------------------------------------------------
 
 def curve(found):
-    """Opening in mm, load in N on the beam's breadth (what a hold-down bears is taken off), what holds down over the load."""
+    """Opening in mm, load in N on the beam's breadth (minus the force of a hold-down), force of the hold-down over the load."""
     force, hold = found.results("history/force"), 0.0
     try:
         hold = np.abs(found.results("history/motion_hold_reaction_y"))
@@ -157,7 +157,7 @@ def curve(found):
 
 
 def opened(found, beam):
-    """Places (m, from the notch) of the middles of bonds that are damaged by four fifths at least, and by how much their ends have come apart, m."""
+    """Places (m, from the notch) of the middles of bonds that are damaged by four fifths at least, and the separations of their ends, m."""
     x, d = found.results("particles/position"), found.results("particles/displacement")
     i, j, state = (found.results(f"bonds/{name}") for name in ("i", "j", "state"))
     damage = np.maximum(found.results("bonds/tension_damage"), found.results("bonds/shear_damage"))
@@ -167,8 +167,8 @@ def opened(found, beam):
 
 
 def path(found, beam):
-    """Where the crack is, in layers of the ligament: heights over the notch and distances from it along the beam, m. What opened farther from the layer
-    below than 45 degrees and 5 mm allow is another crack."""
+    """Where the crack is, in layers of the ligament: heights over the notch and distances from it along the beam, m. An opening farther from the
+    layer below than 45 degrees and 5 mm allow belongs to another crack."""
     at, by = opened(found, beam)
     count = 15
     layer, last, found_at = beam.ligament / count, 0.0, []
@@ -183,7 +183,8 @@ def path(found, beam):
 
 
 def leaning(found, beam):
-    """Angles (degrees) from the upright of the chord from the notch to what is open at a third and at two thirds of the ligament; how far it is open."""
+    """Angles (degrees) between the vertical and the chord from the notch to the crack at a third and at two thirds of the ligament; the height up to
+    which the crack is open."""
     crack = path(found, beam)
     angles = []
     for part in (1 / 3, 2 / 3):
@@ -244,7 +245,7 @@ OPENINGS = (0.005, 0.01, 0.015, 0.02, 0.03, 0.05, 0.075, 0.1)  # mm
 
 
 def measured_table(found):
-    """Loads at some openings, and by how much they miss the measured ones."""
+    """Loads at some openings, and their deviations from the measured ones."""
     measured = np.loadtxt(BAND, delimiter=",", comments="#", skiprows=3)
     most = measured[:, 1].max(), measured[:, 2].max()
     low, high = (np.interp(OPENINGS, measured[:, 0], measured[:, k]) for k in (1, 2))
@@ -272,7 +273,7 @@ def crack_table(found):
 
 
 def ending(run_of_it):
-    """Why a run ended, in a few words; how much of its largest load was left."""
+    """The reason why a run ended, in a few words, and the share of its largest load at the end."""
     _, load, _ = curve(run_of_it)
     why = run_of_it.summary.get("stop_reason", "")
     left = f"{100 * load[-1] / load.max():.0f} % of the peak"
@@ -304,7 +305,8 @@ def estimate_table():
 
 
 def notch_moment(beam):
-    """Moment over the notch for a unit load, m; tension below is positive. With a hold-down by the shares of the load that elements alone bear at the end."""
+    """Moment over the notch for a unit load, m; tension below is positive. With a hold-down it follows from the shares of the load that elements
+    alone carry at the end."""
     left, right = beam.supports
     if not beam.hold:
         return -left * (right - beam.load) / (right - left)
@@ -402,7 +404,7 @@ def draw_damage(axis, found, beam, figure):
 
 
 def variants(coarse):
-    """Name, beam and run of what was looked at; a run that is not there (with --kept) is None."""
+    """Name, beam and run of every case; a missing run (with --kept) is None."""
     first = dataclasses.replace(GETTU, name="gettu-first",
                                 concrete=dataclasses.replace(GETTU.concrete, fracture=GETTU.concrete.fracture / beam_study.INITIAL))
     measured = [("r 1 mm, packing 1", GETTU, coarse, 1), ("r 1 mm, packing 2", GETTU, coarse, 2), ("r 0.5 mm, packing 1", GETTU, 0.5 * coarse, 1),

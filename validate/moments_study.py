@@ -21,7 +21,7 @@ KB, KW = KN * (TIMES * RADIUS) ** 2 / 4, KT * (TIMES * RADIUS) ** 2 / 2
 
 
 def closed_form(gravity):
-    """Bond k carries the weight of what is behind it, at its contact, half a length before each sphere."""
+    """Bond k carries the weight of the spheres behind it, at its contact, half a length before each sphere."""
     weight, length, turn, down = DENSITY * 4 / 3 * pi * RADIUS ** 3 * gravity, 2 * RADIUS, 0.0, 0.0
     for k in range(1, BONDS + 1):
         moment = weight * length * sum(j - k + 0.5 for j in range(k, BONDS + 1))
@@ -57,7 +57,7 @@ def by_gneiss(build, gravity):
 
 
 def by_esys(gravity, bending):
-    """None where it is not installed."""
+    """Returns None if the program is not installed."""
     if not shutil.which("esysparticle"):
         return None
     chain = {"bonds": BONDS, "radius": RADIUS, "density": DENSITY, "gravity": gravity, "kn": KN, "kt": KT, "kb": bending, "kw": KW,

@@ -54,7 +54,7 @@ def peak_memory(pid):
 
 
 class Runner:
-    """Runs programs one at a time; what they used goes into FOLDER/runs/<name>/record.json."""
+    """Runs programs one at a time; time and memory of each are stored in FOLDER/runs/<name>/record.json."""
 
     def __init__(self, options):
         self.options, self.out = options, Path(options.out).resolve()
@@ -63,7 +63,7 @@ class Runner:
         self.environment = dict(os.environ, GNEISS_CACHE="off", QT_QPA_PLATFORM="offscreen")
 
     def spend(self, folder, command, limit, extra):
-        """Runs a command in a folder; code, output and what it used. code None: the limit was reached."""
+        """Runs a command in a folder; returns exit code, output, time and memory. code None: the limit was reached."""
         begun, load = time.monotonic(), os.getloadavg()[0]
         with open(folder / "stdout", "w+") as out, open(folder / "stderr", "w+") as err:
             child = subprocess.Popen(command, cwd=folder, env=dict(self.environment, **extra), stdout=out, stderr=err)
@@ -173,7 +173,7 @@ class Document:
         self.text.append(text)
 
     def table(self, name, head, rows, raw=None):
-        """As Markdown, and as FOLDER/<name>.csv: `raw` (dictionaries with full digits) where it is given."""
+        """Writes the table as Markdown, and as FOLDER/<name>.csv: `raw` (dictionaries with full digits) where it is given."""
         self.text.append(study.table(head, rows))
         with open(self.out / f"{name}.csv", "w", newline="", encoding="utf-8") as out:
             if raw:
@@ -247,7 +247,7 @@ def above(key, reach, aim, text):
 
 
 def cases(quick, size, beam):
-    """(name, title, dimension, specimen, what is asked: (text, figure, sense, reach, aim, scale))."""
+    """(name, title, dimension, specimen, questions: (text, figure, sense, reach, aim, scale))."""
     n = (lambda k: max(1000, k // 10)) if quick else (lambda k: k)
     size = SMALL_OVERLAP if size is None else size
     seconds = ("seconds as printed", "seconds", "<=", None)

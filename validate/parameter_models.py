@@ -15,7 +15,7 @@ KRATIO, MODULUS, STRENGTH, AREA = 3.7, 10e9, 40e6, np.pi / 4 * 0.023**2
 
 
 class Packing:
-    """Bond geometry of a finished run: what the laws see."""
+    """Bond geometry of a finished run, as the laws use it."""
 
     def __init__(self, result):
         i, j = result.results("bonds/i"), result.results("bonds/j")
@@ -82,7 +82,7 @@ def main_table(specimen):
 
 
 def ratio_table(all_runs):
-    """Everything over the arithmetic model, beside what the averages of the packing say."""
+    """All results relative to the arithmetic model, beside the values predicted from averages of the packing."""
     rows = []
     for specimen, runs in all_runs.items():
         packing, base = Packing(runs["arithmetic"]), runs["arithmetic"]

@@ -3,8 +3,8 @@ finer run. Fills docs/evidence/planner.md; ten minutes of one core.
 
     /usr/bin/python3 validate/planner_study.py [--fresh] [--again] [--only SCENE] [--seeds 12]
 
---again plans anew and runs what is proposed anew, for seconds on an otherwise idle machine; finer runs stay. Seconds are CPU seconds of one thread. The scenes were written before any of them was run, and are left as they were.
-"""
+--again repeats the plans and the runs that they propose, for times on an otherwise idle machine; finer runs are kept. Seconds are CPU seconds of one
+thread. The scenes were written before any of them was run, and are left as they were. """
 import json
 import os
 import shutil
@@ -18,9 +18,9 @@ import study
 FOLDER = study.RUNS / "planner"
 PAGE = study.ROOT / "docs" / "evidence" / "planner.md"
 PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "planner.png"
-SLOWER, SAFETY, FIRST = 4, 0.6, 101  # of the finer runs: loading, step, the first of their seeds
-SEEDS = int(sys.argv[sys.argv.index("--seeds") + 1]) if "--seeds" in sys.argv else 12  # and packings
-ROWS = 20000  # of the history of a finer run
+SLOWER, SAFETY, FIRST = 4, 0.6, 101  # settings of the finer runs: loading, step, the first of their seeds
+SEEDS = int(sys.argv[sys.argv.index("--seeds") + 1]) if "--seeds" in sys.argv else 12  # number of seeds and packings
+ROWS = 20000  # rows of the history of a finer run
 FINER = 4  # cells of the finer runs of elements
 
 SPACE = {"background": {"model": "nonviscous_vector", "coefficient": 0.7}}
@@ -116,7 +116,8 @@ def scenes():
 
 
 def others():
-    """A second dozen, by other laws, shapes, sizes and stiffnesses: written when the first had been looked at, and before any of it was run."""
+    """A second dozen, by other laws, shapes, sizes and stiffnesses: written when the results of the first were known, and before any of the second
+    was run."""
     yield "tower", "compression of a tower, mean arithmetic stiffness", 0.10, "strength", scene(
         "compression", {"box": {"size": [0.1, 0.1, 0.25]}, "particles": 900},
         rock(contact_modulus=30e9, kratio=2, tensile_strength=20e6, shear_strength=40e6), "mean_arithmetic", {"length": 0.25, "area": 0.01}, 40e-3,
@@ -196,7 +197,7 @@ def call(arguments):
 
 
 def planned(name, wanted, reading, keys):
-    """The plan, and the file of the scene with what it proposes."""
+    """The plan, and the file of the scene with the proposed settings."""
     folder = FOLDER / name.replace(" ", "-")
     if study.FRESH:
         shutil.rmtree(folder, ignore_errors=True)
@@ -224,7 +225,7 @@ def one(folder, scene_file, settings, reading):
             call([*arguments, "--set", "time.start=rest"])
             (out / "from-rest").touch()
     summary = json.loads((out / "summary.json").read_text())
-    if "elements" in summary["counts"]:  # the stress of the way that the ends were moved, at rest
+    if "elements" in summary["counts"]:  # the stress, at rest, of the displacement of the ends
         value = study.Run(out, {"code": 0, "message": ""}).results("history/stress")[-1]
     else:
         value = summary["readings"][READINGS[reading]]
@@ -249,7 +250,8 @@ def finer_settings(name, keys, plan):
             return {"elements.beam.cell": e["beam"]["cell"] * p["cell"] / FINER, "elements.beam.notch_cells": 4}
         layers = round(e["rectangle"]["cells"][1] / p["cell"]) * FINER
         return {"elements.rectangle.cells": f"[{layers * 10}, {layers}]"}
-    # Rows enough for a peak at a small part of the way: at 400 over all of it a peak in tension was read some percent too low.
+    # The rows suffice for a peak early in the run: with 400 rows over the whole run a peak in tension would be read some
+    # percent too low.
     return {**motions(keys, SLOWER / p["pace"]), "time.safety": SAFETY, "output.history_rows": ROWS}
 
 

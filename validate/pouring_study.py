@@ -1,5 +1,5 @@
-"""Many small pourings at default settings: does every one close its ledger, give back the restitution that was asked for, and lose
-nothing? A section of docs/evidence/granular.md; two to three seconds of one core each.
+"""Many small pourings at default settings: the study checks that each closes its ledger, reproduces the requested restitution, and loses no grain. It
+writes a section of docs/evidence/granular.md; two to three seconds of one core each.
 
     /usr/bin/python3 validate/pouring_study.py [--count 500] [--quick] [--finished]
 
@@ -32,7 +32,7 @@ def drawn(number):
     speed, across = dice.uniform(0, 2), dice.uniform(5, 9) * d
     high = 3 * count * d**3 / across**2 + 6 * d
     fall = np.sqrt(speed**2 + 2 * 9.81 * (high + 4 * d))
-    top = high + 30 * d + 1.5 * fall**2 / (2 * 9.81)  # small grains that come fast bounce high
+    top = high + 30 * d + 1.5 * fall**2 / (2 * 9.81)  # small fast grains rebound high
     grain = {"name": "m", "density": density, "friction": dice.choice([0, dice.uniform(0.05, 1)])}
     e = dice.choice([dice.uniform(0.2, 0.95), 0.5, 0.8])
     if dice.random() < 0.4:
@@ -40,7 +40,8 @@ def drawn(number):
     scene = {"dimension": 3, "materials": [grain], "gravity": [0, 0, -9.81], "run": {"seed": number, "threads": 1}}
     side = {"friction": grain["friction"]}
     if hertz:
-        # From soft, where a fall of its height presses 3 % of the radius, to a thousand times that.
+        # The range is from a soft grain, which a fall of that height compresses by 3 % of the radius, to a
+        # thousand times its stiffness.
         soft = 1.25 * density * fall**2 * 0.03**-2.5
         grain.update(young=soft * log(dice, 1, 1000), poisson=dice.uniform(0, 0.45), restitution=e)
         scene["law"] = {"stiffness": "hertz", "pull": dice.random() < 0.7}
@@ -72,7 +73,7 @@ def drawn(number):
 
 
 def rebound(scene, fall):
-    """Restitution of two grains of the scene that meet in flight, at its own step and half the speed of the fall."""
+    """Restitution of two grains of the scene that collide in flight, at its own step and half the speed of the fall."""
     r = scene["sources"][0]["mean_radius"]
     lines = {key: scene[key] for key in ("dimension", "materials", "law", "damping") if key in scene}
     lines.update(specimen={"particles": [[0, 0, 0, r], [0, 0, 2.2 * r, r]], "group": 0}, run={"threads": 1},
@@ -82,7 +83,7 @@ def rebound(scene, fall):
             world.step(1)
             state = world.particles("pos", "vel")
             approach = state[1, 5] - state[0, 5]
-            if approach > 0 and state[1, 2] - state[0, 2] > 2.05 * r:  # what opened in a step is made good in the next one
+            if approach > 0 and state[1, 2] - state[0, 2] > 2.05 * r:  # the error of an opening within a step is corrected in the next one
                 return approach / (fall / 2)
     return float("nan")
 
@@ -97,7 +98,7 @@ def pour(number):
     done = study.call(["run", str(path), "--quiet", "--out", str(folder), "--set", "output.checkpoint=off"])
     if done.returncode not in (0, 5):
         sys.exit(f"pouring {number}: {done.returncode}\n{done.stderr}")
-    if not (folder / "summary.json").exists():  # the run went bad
+    if not (folder / "summary.json").exists():  # the run failed
         return {"number": number, "code": done.returncode, "residual": 1.0, "came": 0, "lost": 0, "late": 0, "e": e, "found": rebound(scene, fall),
                 "warnings": ["went bad"], "cpu": 0.0, "steps": 0}
     said = json.loads((folder / "summary.json").read_text())
@@ -129,7 +130,7 @@ def main():
     if not rows:
         sys.exit("none is finished")
     residual = np.array([r["residual"] for r in rows])
-    # From 0.5 on by its part, below by as much as that would be of 1 (docs/physics.md).
+    # From 0.5 on the error is relative, below it is absolute (docs/physics.md).
     off = np.array([abs(r["found"] - r["e"]) / (r["e"] if r["e"] >= 0.5 else 1) for r in rows])
     named = sorted({w for r in rows for w in r["warnings"]})
     bad = [r for r, miss in zip(rows, off) if r["code"] or r["residual"] > 0.01 or r["lost"] or not miss < 0.01]

@@ -1,4 +1,4 @@
-"""Random small scenes over the whole range of what gneiss runs: how many end well, and which do not."""
+"""Random small scenes over the whole range of what gneiss runs: how many end as they should, and which do not."""
 import collections
 import functools
 import os
@@ -29,7 +29,7 @@ def number(value):
 
 
 def worst(outcomes):
-    """The ones that went bad, then the largest residuals of those that warned of energy."""
+    """The scenes that failed, then the largest residuals of those that warned of energy."""
     bad = [o for o in outcomes if o.how == random_scenes.BAD]
     warned = sorted((o for o in outcomes if of_energy(o) and o.residual), key=lambda o: -abs(o.residual))
     rows = [[o.seed, o.kind, o.how, number(o.residual), random_scenes.OPEN.get(o.seed) or o.text[:120].replace("|", " ")]

@@ -1,4 +1,4 @@
-"""A page that is written section by section: what was measured is kept, and a page made elsewhere keeps what is not here."""
+"""A page that is written section by section: measured sections are kept, and sections of a page made elsewhere stay if they are not measured here."""
 import re
 
 from study import prose
@@ -9,7 +9,7 @@ def mark(name):
 
 
 class Page:
-    """`path`: of the page; `folder`: where sections are kept; `command`: what measures one of them."""
+    """`path`: of the page; `folder`: where sections are kept; `command`: the command that measures one of them."""
 
     def __init__(self, path, folder, head, command):
         self.path, self.folder, self.head, self.command = path, folder, head, command

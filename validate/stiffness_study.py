@@ -37,7 +37,7 @@ bonds: {{interaction_range: 0.05}}
 time: {{end: 1}}
 """
 KN = {2: 10e9, 3: 10e6}
-# Shipped scenes, settings of both, options of the command, what is expected of the pair.
+# Shipped scenes, settings of both, options of the command, expected result of the pair.
 RUNS = [("tension.yaml", {}, [], "grips: the same to 1e-3"),
         ("elastic-discs.yaml", {}, ["--strain", "1e-3"], "platens: loading speed"),
         ("elastic-discs.yaml", {"walls.bottom.motion.vy": "[[0, 0], [40 ms, 0.5 mm/s]]",
@@ -156,7 +156,7 @@ def put_published(sweeps):
         run = [scaled(dimension, f, tested(dimension, f)[0]) for f in x], [tested(dimension, f)[1] for f in x]
         return [np.interp(ratio, RATIOS, values) for values in (*net, *run)]
 
-    labra = 18.630e9 / (14.392e9 * 5.9841 * (1 - 0.092121))  # times rt, which is not published: .96 by its nu and uniform strain
+    labra = 18.630e9 / (14.392e9 * 5.9841 * (1 - 0.092121))  # the value includes rt, which is not published: 0.96 follows from its nu and uniform strain
     rows = []
     for dimension, ratio, psi, nu, source in [
             (2, 2.868 / 14.392, f"{0.96 * labra:.3f} with rt .96", ".2009", "Labra 2012, table 4.9: 30 480 discs"),

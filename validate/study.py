@@ -1,9 +1,7 @@
 """Shared by the studies: runs of the program, kept and reused, and tables between markers of a document.
 
-A run goes to runs/studies/<name>. It is done again when its settings changed, when it is not there, or with
---fresh. The program is build/gneiss, or what the environment variable GNEISS names. With --kept nothing is run: tables have the rows
-whose runs are there, and name the others.
-"""
+A run goes to runs/studies/<name>. It is repeated if its settings have changed, if it is missing, or with --fresh. The program is build/gneiss, or the
+one that the environment variable GNEISS names. With --kept nothing is run: tables have the rows whose runs exist, and name the others. """
 import json
 import os
 import re
@@ -50,11 +48,11 @@ def set_arguments(settings):
 
 
 class Missing(Exception):
-    """With --kept: a run that is not there."""
+    """A run is missing, with --kept."""
 
 
 def if_there(make, *arguments, **named):
-    """The result of make(...); None where a run that it needs is not there (with --kept)."""
+    """The result of make(...); None if a run that it needs is missing (with --kept)."""
     try:
         return make(*arguments, **named)
     except Missing as gone:
@@ -159,7 +157,7 @@ def table(head, rows):
 
 
 def put(document, name, text):
-    """Replaces what stands between <!-- name --> and <!-- /name --> in a page of docs/evidence."""
+    """Replaces the text between <!-- name --> and <!-- /name --> in a page of docs/evidence."""
     path = ROOT / "docs" / "evidence" / document
     whole = path.read_text() if path.exists() else ""
     pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.S)
@@ -188,7 +186,7 @@ def save(figure, folder, name):
 
 
 def section(document, title, text):
-    """Replaces what stands under `## title` in a page of docs/evidence, or puts it at its end."""
+    """Replaces the text under `## title` in a page of docs/evidence, or puts it at its end."""
     path = ROOT / "docs" / "evidence" / document
     whole = path.read_text()
     head, found, rest = whole.partition(f"## {title}\n\n")

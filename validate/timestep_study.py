@@ -12,7 +12,7 @@ import study
 
 STEPS = 4000
 SPEED = 1e-6  # m/s: far from any change of geometry
-FACTOR = {2: 0.3, 3: 0.17}  # of the literature
+FACTOR = {2: 0.3, 3: 0.17}  # factor of the literature, by dimension
 COEFFICIENTS = [0.0, 0.2, 0.5, 0.7, 0.9]
 FORMS = {"vector": "nonviscous_vector", "component": "nonviscous_component"}
 
@@ -67,8 +67,8 @@ def shake(name, scene, step, form=None, coefficient=0.0, steps=STEPS):
 
 
 def grows(result):
-    """A mode just below its limit swings to some hundred times its elastic energy and back, because the velocities of the
-    scheme lie between the positions; a lost run grows without end."""
+    """The elastic energy of a mode just below its limit rises to some hundred times its value and falls again, because the velocities of the scheme
+    lie between the positions; in an unstable run it grows without bound."""
     if result.code == 5:
         return True
     if result.code != 0:
@@ -149,7 +149,7 @@ def picture(curves):
     colours = {"hexagonal": "C0", "fcc": "C1", "rock-b": "C2"}
     for k, ((name, form), points) in enumerate(curves.items()):
         x, y = (np.array(v) for v in zip(*points))
-        x = x + 0.009 * (k - 2.5)  # side by side, or they would hide each other
+        x = x + 0.009 * (k - 2.5)  # the two lines are drawn side by side, because one would hide the other
         style = {"color": colours[name], "markersize": 5, "linestyle": "none", "marker": "o" if form == "vector" else "s",
                  "markerfacecolor": "white" if form == "vector" else colours[name]}
         upper.plot(x, y, label=f"{name}, {form} form", **style)

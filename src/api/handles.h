@@ -9,7 +9,7 @@ struct gneiss_scene {
     gn_scene scene;
     char *text; /* the resolved scene */
     gneiss_prepare *prepare;
-    void *context; /* of prepare */
+    void *context; /* context of prepare */
 };
 
 /* A hook of a program: a call between steps, or a field of force. */

@@ -17,7 +17,7 @@
 typedef struct points {
     const gn_particles *list;
     gn_hold *hold;
-    int width;    /* of a row of loads */
+    int width;    /* width of a row of loads */
     size_t first; /* place in gn_api_hooks.load */
 } points;
 

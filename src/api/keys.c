@@ -45,7 +45,7 @@ static const char *kind_of(const gn_key *key) {
 
 /* The key at a place in the list of all. */
 typedef struct sought {
-    size_t left; /* keys before it */
+    size_t left; /* number of keys that precede it */
     bool found;
     gneiss_key *out;
 } sought;

@@ -7,7 +7,7 @@
 
 typedef struct gn_resident {
     double peak, now; /* bytes */
-    int threads;      /* that exist now */
+    int threads;      /* number of existing threads */
 } gn_resident;
 
 /* Returns false and changes nothing if the system has no /proc or /proc does not state the sizes.

@@ -312,10 +312,10 @@ typedef struct step {
     gn_rigid *a, *b;
     double lever[2][3], middle[2][3]; /* now, and in the middle of the step */
     double turn[3];                   /* rad/s, of the second relative to the first */
-    double size;                      /* of the gradient */
+    double size;                      /* size of the gradient of h */
     gn_touch touch;
     gn_touch_side side;
-    double damping; /* of critical */
+    double damping; /* fraction of the critical damping */
     bool pressed;
 } step;
 
@@ -420,9 +420,9 @@ static void rock(const gn_step_context *ctx, gn_body_pair *p, const step *s, con
 
 /* Friction against twisting about the normal. */
 typedef struct twist {
-    double spring, radius; /* N m/rad; m: of a ring with as much friction */
+    double spring, radius; /* N m/rad; m: radius of a ring with as much friction */
     double turn, trial;    /* rad, in this step; N m, if nothing slid */
-    double share;          /* of the limit, where slip and twist act together */
+    double share;          /* share of the limit of friction, where slip and twist act together */
 } twist;
 
 /* The spring of twisting is that of friction distributed over the faces; uniformly loaded faces

@@ -20,7 +20,7 @@
 typedef struct gn_body_pair {
     double first, second;             /* bodies, the first with the smaller number */
     double depth;                     /* m: h; 0: apart */
-    double along[3], about[3];        /* of h, see gn_convex_overlap */
+    double along[3], about[3];        /* gradients of h, see gn_convex_overlap */
     double point[3];                  /* m, from the first body's reference point */
     double viscous;                   /* N, of the dashpot, along h */
     double shear[3];                  /* N */

@@ -42,10 +42,10 @@ void gn_body_walls_work(const gn_step_context *ctx, gn_boundary *boundary);
 /* A listed contact. */
 typedef struct gn_body_wall {
     size_t body, wall;
-    double part;        /* of the stiffness */
+    double part;        /* fraction of the stiffness */
     double lever[3];    /* m, of the vertex from the body's reference point */
-    gn_touch_side side; /* of this part */
-    double damping;     /* of critical */
+    gn_touch_side side; /* parameters of this fraction */
+    double damping;     /* fraction of the critical damping */
 } gn_body_wall;
 gn_body_wall gn_body_wall_at(const gn_step_context *ctx, const gn_boundary *boundary, size_t row);
 

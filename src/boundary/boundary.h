@@ -48,7 +48,7 @@ typedef struct gn_holder {
 } gn_holder;
 
 struct gn_boundary {
-    gn_wall_contacts contacts; /* of particles with walls and facets */
+    gn_wall_contacts contacts; /* contacts of particles with walls and facets */
     int32_t *first;            /* [particles + 1] their first row */
     gn_contact_sums *sums;     /* per block of particles */
 
@@ -57,15 +57,15 @@ struct gn_boundary {
     gn_rigid *bodies;     /* [scene.body_count] */
     size_t surface_count;
     gn_surface *surfaces;           /* first those of bodies, in their order */
-    size_t body_vertex_count;       /* of all bodies */
-    size_t body_corner_count;       /* of facets of all bodies */
+    size_t body_vertex_count;       /* number of vertices of all bodies */
+    size_t body_corner_count;       /* number of facet corners of all bodies */
     int64_t (*body_shape)[3];       /* [bodies]: vertices, facets, facets dropped */
     double *body_vertex;            /* [body_vertex_count][4], m, in the frames */
     int32_t *body_corner;           /* [body_corner_count], within a body */
     double *vertex_part;            /* [body_vertex_count], of the stiffness against walls */
-    gn_wall_contacts body_contacts; /* of vertices of free bodies (column i) with walls */
+    gn_wall_contacts body_contacts; /* contacts of vertices of free bodies (column i) with walls */
     gn_contact_sums body_sums;      /* of these */
-    gn_body_pairs pairs;            /* of bodies with each other */
+    gn_body_pairs pairs;            /* contacts of bodies with each other */
 
     gn_holder holder;
 };

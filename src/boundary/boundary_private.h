@@ -100,8 +100,8 @@ void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, doub
 typedef struct gn_touch_memory {
     size_t row;
     double n[3], fd, closeness;
-    double part;              /* its part of the stiffness */
-    double shear[3], roll[3]; /* if the contacts have them */
+    double part;              /* the contact's fraction of the stiffness */
+    double shear[3], roll[3]; /* valid if the contacts have these columns */
     bool taken, still;        /* still: shear and roll are 0 in every contact */
 } gn_touch_memory;
 

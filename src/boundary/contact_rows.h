@@ -127,7 +127,8 @@ static inline gn_law_spring gn_touch_spring(const gn_step_context *ctx, const gn
 
 /* The wall or surface of a row, as its contact force needs it (contact_rows.c). */
 typedef struct gn_row_side {
-    double n[3], v[3]; /* from the particle into it, 0: no contact; its velocity, m/s */
+    double n[3], v[3]; /* normal from the particle into the object, 0: no contact; velocity of the
+                          object, m/s */
     gn_touch_side law;
 } gn_row_side;
 gn_row_side gn_row_side_of(const gn_step_context *ctx, const gn_dem *dem,

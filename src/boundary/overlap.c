@@ -139,7 +139,7 @@ static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const
 
 gneiss_status gn_body_holds(const gn_dem *dem, const gn_boundary *boundary, size_t body,
                             size_t *count, size_t *first, gneiss_error *error) {
-    const gn_surface *s = &boundary->surfaces[body]; /* those of bodies come first */
+    const gn_surface *s = &boundary->surfaces[body]; /* the surfaces of bodies are the first ones */
     bool closed = false;
     *count = 0;
     GN_TRY(is_closed(&s->facets, &closed, error));

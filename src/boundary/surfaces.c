@@ -329,7 +329,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
     gn_touch_side law = gn_surface_side(g->ctx, g->dem, g->s, g->particle, m->part);
     s.closeness = &m->closeness;
     double couple[3];
-    if (q->roll) take_roll(g, m->roll, couple, &s); /* its moment ends */
+    if (q->roll) take_roll(g, m->roll, couple, &s); /* the rolling moment ends */
     s.inverse_mass /= m->part;
     s.body_inverse_mass /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
     double total = gn_touch_force(g->ctx, g->dem, g->boundary, &law, m->row, &s,

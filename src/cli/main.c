@@ -599,7 +599,8 @@ static void give_back_large_blocks(void) {
 #endif
 }
 
-/* Known before the options are read, so that a mistake in them is an object as well. */
+/* Begins the log before the options are read, so that a mistake in them is reported as an object as
+ * well. */
 static gn_log *begin_log(int argc, char **argv) {
     const gn_command *command = NULL;
     bool wanted = false;

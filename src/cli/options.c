@@ -47,7 +47,7 @@ gneiss_status gn_no_command(const char *name, gneiss_error *error) {
 static gneiss_status check_sweep_options(const gn_options *options, const gn_command *command,
                                          gneiss_error *error) {
     bool sweep = strcmp(command->name, "sweep") == 0, run = strcmp(command->name, "run") == 0;
-    bool several = sweep || run; /* for a run the scene decides: gn_command_several */
+    bool several = sweep || run; /* for a run the scene decides this: gn_command_several */
     const char *only_sweep = options->array     ? "--array"
                              : options->collect ? "--collect"
                                                 : NULL,

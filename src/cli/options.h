@@ -32,8 +32,8 @@ typedef struct gn_options {
     bool one_json;               /* stiffness: --json */
     const char *strain;          /* stiffness: --strain; NULL: not given */
     gn_override overrides[GN_MAX_OVERRIDES];
-    const char
-        *option[GN_MAX_OVERRIDES]; /* that gave the override, such as --threads; NULL: --set */
+    const char *option[GN_MAX_OVERRIDES]; /* option that gave the override, such as --threads; NULL:
+                                             --set */
     size_t override_count;
     char *held[GN_MAX_OVERRIDES]; /* copies of the keys of --set key=value */
     size_t held_count;

@@ -452,7 +452,9 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
         if (shape[2]) printf("; %lld facets without area dropped", (long long)shape[2]);
         if (world->ctx.scene.bodies[k].free) {
             printf("; free: ");
-            if (b->volume > 0.0) printf("%.6g m3, ", b->volume); /* not computed if mass is given */
+            if (b->volume > 0.0)
+                printf("%.6g m3, ",
+                       b->volume); /* the volume is not computed if the mass is given */
             printf("%.6g kg, centre of mass %s m", b->mass,
                    gn_point_text(world->ctx.scene.origin, b->position, at));
         }

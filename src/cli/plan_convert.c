@@ -16,16 +16,16 @@
 
 /* Result of a trial run up to the first conversion, and of conversions around it. */
 typedef struct trial {
-    gn_step_limit all;        /* of all particles without elements */
+    gn_step_limit all;        /* limits of all particles without elements */
     double collision;         /* s, a step that resolves collisions of all particles */
     double alone;             /* s, step of elements alone at the start */
     double end;               /* s, the latest end of the run */
     double time;              /* s, at which the trial ended */
-    double steps;             /* until then */
+    double steps;             /* number of steps of the trial */
     double seconds[2];        /* s per step, with elements alone and after conversions */
     bool begun;               /* elements were converted, or conversion would have ended the run */
     gn_most_loaded most, now; /* during the trial, and at its end */
-    const char *stage;        /* in which the trial ended; NULL: no stages */
+    const char *stage;        /* stage in which the trial ended; NULL: no stages */
     bool guessed;        /* a stage that waits for equilibrium was left after an assumed time */
     const char *open;    /* the first stage whose only end cannot be predicted; NULL: none */
     double first, later; /* s, the step after the first conversion, and after further ones */
@@ -33,7 +33,7 @@ typedef struct trial {
     double least;        /* s, the shortest later step, with any particles active */
     size_t elements;     /* left after further conversions */
     int fronts;          /* behind the first conversion */
-    double part;         /* of the load, of the last front */
+    double part;         /* fraction of the load at the last front */
     char halt[512];      /* why the first conversion ends the run; "": it does not */
     char stop[512];      /* why a further one does */
 } trial;

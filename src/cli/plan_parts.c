@@ -509,7 +509,8 @@ static const char *idle_orientation(const gn_world *world) {
 static const struct {
     gn_effect effect;
     gn_effect_index index;
-    const char *(*idle)(const gn_world *world); /* the reason; NULL: it may change something */
+    const char *(*idle)(const gn_world *world); /* returns the reason why the effect is idle; NULL:
+                                                   it may change something */
 } idle_effects[] = {
 #define IDLE(NAME, find)                                                                           \
     { GN_FX_##NAME, GN_FX_INDEX_##NAME, find }

@@ -48,7 +48,7 @@ static bool has_constant(const gn_scene *scene, gn_reading which) {
 
 typedef struct outcome {
     gn_network network;
-    double strain;               /* of the test */
+    double strain;               /* strain of the test */
     bool unseated;               /* walls load the specimen and no strain at the peak is known */
     const gn_readings *readings; /* the run owns them; NULL: no test */
     char absent[GNEISS_MESSAGE_SIZE];
@@ -91,8 +91,8 @@ static void drop_stages(gn_scene *scene) {
     scene->stage_count = scene->bonds_stage = scene->membrane_stage = 0;
 }
 
-/* Makes the scene one without stages, as its last stage loads the specimen, with the specimen that
- * it has at the start. */
+/* Removes the stages of the scene: the loads become those of its last stage, and the specimen stays
+ * that of the start. */
 static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *whole = NULL;
     GN_TRY(gn_new(&whole, 1, "a scene", error));
@@ -373,7 +373,8 @@ static void print_tensor(const char *name, const gn_elastic *tensor) {
 
 static void print_matrix(const gn_elastic *tensor) {
     const int n = gn_voigt_size(tensor->dimension);
-    const double round_off = 1e-6; /* of the largest entry: the tolerance of the solutions */
+    const double round_off =
+        1e-6; /* relative to the largest entry: the tolerance of the solutions */
     double most = 0.0;
     for (int a = 0; a < n; a++) most = fmax(most, tensor->c[(n + 1) * a]);
     const double unit = most >= 1e8 ? 1e9 : most >= 1e5 ? 1e6 : 1.0;

@@ -249,7 +249,7 @@ static gneiss_status sweep_into(const gn_options *options, const gn_sweep *sweep
     GN_TRY(way.shards ? gn_folder_share(folder, &lock, error)
                       : gn_folder_lock(folder, &lock, error));
     gneiss_status status = carry_out(options, sweep, &way, error);
-    if (status != GNEISS_OK && !there) (void)rmdir(folder); /* if it is empty */
+    if (status != GNEISS_OK && !there) (void)rmdir(folder); /* removes the folder if it is empty */
     if (lock > 0) close(lock);
     return status;
 }

@@ -93,8 +93,8 @@ typedef struct gn_conversion_figures {
     double element, diameter;         /* m, means */
     double smallest;                  /* m, smallest size of an element (`element` is the mean) */
     double side;                      /* m, the shortest side of the body of elements */
-    double mass;                      /* of the particles over that of the elements */
-    size_t materials;                 /* of the elements, with the packing in each */
+    double mass;                      /* mass of the particles over that of the elements */
+    size_t materials; /* number of materials of the elements, with the packing in each */
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_conversion_figures;
 gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *dem,

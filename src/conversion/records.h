@@ -42,7 +42,7 @@ typedef struct gn_conversion_parts {
     double uneven;   /* the strain differs between the two ends, or the bond broke or slid before */
     double balance;  /* removed by relaxation */
     double motion;   /* kinetic */
-    double step;     /* half a step of the power of springs, without walls */
+    double step;     /* power of springs, without walls, times half a step */
     double alike[2]; /* energy that elements and springs would hold at the same strain of the
                         converted part: their difference is `stiffness` */
 } gn_conversion_parts;

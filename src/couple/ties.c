@@ -230,7 +230,7 @@ gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *partic
         if (element[p] >= 0 && (size_t)particles->id[p] >= ids) ids = (size_t)particles->id[p] + 1;
     }
     ties->tie = gn_alloc_array(tied + 1, sizeof *ties->tie);
-    int32_t *after = gn_alloc_array(ids + 1, sizeof *after); /* by id: 1 + the particle */
+    int32_t *after = gn_alloc_array(ids + 1, sizeof *after); /* [id] 1 + the particle */
     if (!ties->tie || !after) {
         gn_free(after);
         gn_ties_free(ties);

@@ -7,7 +7,7 @@
 
 /* A particle in an element, with the shape functions at its initial position. */
 typedef struct gn_tie {
-    int32_t id;      /* of the particle */
+    int32_t id;      /* id of the particle */
     int32_t element; /* index in the solid */
     int32_t node[4]; /* indices in the solid */
     int32_t own[4];  /* index of each node among the nodes of ties */

@@ -13,7 +13,7 @@
 #include "sched/hold.h"
 
 typedef struct gn_fem_material {
-    const char *group;              /* of elements, by name or tag; NULL: all elements */
+    const char *group;              /* group of elements, by name or tag; NULL: all elements */
     double young, poisson, density; /* Pa, -, kg/m3 */
 } gn_fem_material;
 
@@ -23,7 +23,7 @@ typedef struct gn_fem_material {
 typedef enum gn_fem_form { GN_FEM_DISPLACEMENT, GN_FEM_PRESSURE } gn_fem_form;
 
 typedef struct gn_fem_spec {
-    const char *name; /* of the mesh, for messages */
+    const char *name; /* name of the mesh, for messages */
     double origin[3]; /* m: origin to which node positions are relative */
     int dimension;    /* 2: the mesh's triangles, all z equal; 3: its tetrahedra */
     gn_fem_form form;
@@ -46,7 +46,7 @@ typedef struct gn_fem_spec {
 /* Energies, J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. In the
  * pressure form `elastic` includes the energy and the inertia of the stabilising pressure. */
 typedef struct gn_fem_energy {
-    double kinetic, elastic;                            /* of the last measured instant */
+    double kinetic, elastic;                            /* energies of the last measured instant */
     double work_prescribed, work_applied, work_gravity; /* done on the solid so far */
     double damping;                                     /* dissipated so far */
     double stored_at_start;
@@ -108,9 +108,10 @@ typedef struct gn_fem_solid {
 
     int64_t step;
     double time, dt_past;
-    gn_fem_energy energy;    /* running */
-    gn_fem_energy reading;   /* at the last measured instant */
-    gn_element_sums elastic; /* of the last measured instant, all elements; `element` by place */
+    gn_fem_energy energy;  /* running */
+    gn_fem_energy reading; /* at the last measured instant */
+    gn_element_sums
+        elastic; /* sums of the last measured instant over all elements; `element` by place */
 } gn_fem_solid;
 
 /* Creates a solid and takes ownership of the contents of `mesh` (freed on failure). Errors are

@@ -77,7 +77,7 @@ static bool may_exceed(int n, const double *a, double known) {
     if (!(known > 0.0)) return true;
     for (int k = 0; k < n * n; k++) power[0][k] = a[k] / known;
     for (int k = 0; k < n * n; k++) norm2 += power[0][k] * power[0][k];
-    if (norm2 < 1.0 - 1e-12) return false; /* so is the norm of the 4th power */
+    if (norm2 < 1.0 - 1e-12) return false; /* then the norm of the 4th power is below 1 too */
     norm2 = 0.0;
     for (int p = 1; p < 3; p++)
         for (int r = 0; r < n; r++)
@@ -187,7 +187,8 @@ static gneiss_status find_bound(const linear_system *system, gn_fem_limit *limit
  * the same number as if all were evaluated. */
 
 struct gn_fem_bound_cache {
-    double floor[2];    /* 1/s2, by distribution: eigenvalues that are not stored are not above */
+    double
+        floor[2]; /* 1/s2, by distribution: the eigenvalues that are not stored do not exceed it */
     double (*value)[2]; /* [elements of the mesh] 0: not above the floor */
     double *volume;     /* [elements of the mesh] m3 at the last evaluation; 0: removed */
     double *inverse;    /* [nodes] 1/kg at the last evaluation */

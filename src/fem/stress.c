@@ -77,7 +77,7 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*elem
             volume[n] += q->volume[e];
             for (int c = 0; c < 6; c++) nodal[n][c] += q->volume[e] * element[e][c];
         }
-    for (size_t n = 0; n < nodes; n++) /* without elements: zero */
+    for (size_t n = 0; n < nodes; n++) /* nodes without elements have zero stress */
         for (int c = 0; c < 6 && volume[n] > 0.0; c++) nodal[n][c] /= volume[n];
     return GNEISS_OK;
 }

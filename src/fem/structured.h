@@ -13,7 +13,7 @@ typedef struct gn_structured {
     /* 0: none; random displacement of nodes as a fraction of a cell's sides, along the boundary for
      * those on it; < 1/4 in 2D, < 1/6 in 3D, so that no element inverts */
     double distortion;
-    uint64_t seed; /* of the distortion */
+    uint64_t seed; /* seed of the distortion */
     bool parallel; /* the diagonals of all cells have one direction */
 } gn_structured;
 

@@ -46,7 +46,8 @@ typedef gneiss_status gn_hook(void *context, gn_world *world, gneiss_error *erro
 typedef struct gn_feature {
     const char *name;
     /* Tells whether the scene, as the present stage has it, uses the feature: asked whenever lists
-     * are made and when a stage begins. NULL: always, as of those that are added to a world. */
+     * are made and when a stage begins. NULL: the feature is always used, as those that a program
+     * adds to a world. */
     bool (*used)(const gn_world *world);
     gn_hook *hook[GN_HOOK_PLACES]; /* NULL: no hook at this place */
     void *context;                 /* passed to the hooks */

@@ -18,15 +18,15 @@
 
 /* Control of the ends of a test (laboratory/ends.h). */
 typedef struct gn_machine {
-    double wanted; /* of the reading: m or 1 */
-    double factor; /* of the prescribed motion of the ends along the axis */
+    double wanted; /* target of the reading: m or 1 */
+    double factor; /* factor of the prescribed motion of the ends along the axis */
     double looked; /* s: time of the last reading */
 } gn_machine;
 
 struct gn_step_context {
     gn_scene scene; /* of the stage; its points relative to scene.origin, as all points of the
                        world */
-    gn_scene given; /* the same in the user's coordinates, for files */
+    gn_scene given; /* the scene in the user's coordinates, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;
     int threads;

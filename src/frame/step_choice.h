@@ -24,7 +24,7 @@ typedef struct gn_mass_scaling {
 } gn_mass_scaling;
 
 typedef struct gn_step_choice {
-    gn_step_limit limit; /* of the particles, last full estimate */
+    gn_step_limit limit; /* limit of the particles, last full estimate */
     double stable;       /* s: the limit of the particles alone, without damping */
     double listed;       /* s: the limit with all listed contacts in touch, where it was found
                           * to be within a hundredth of the step or below it; else INFINITY */

@@ -24,7 +24,7 @@ typedef struct reader {
     int dimension;
     double scale;
     size_t line;    /* base 1 */
-    size_t columns; /* of the first particle, 0: none yet */
+    size_t columns; /* number of columns of the first particle, 0: none yet */
     double plane;   /* 2D with z: z of the first particle */
     size_t capacity;
     size_t length;

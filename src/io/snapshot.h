@@ -17,7 +17,7 @@ typedef struct gn_snapshot_array {
 } gn_snapshot_array;
 
 typedef struct gn_snapshot {
-    bool bad;    /* of an unstable run: numbers need not be finite, otherwise they must be */
+    bool bad;    /* the run is unstable: only then may numbers be infinite or NaN */
     double time; /* s */
     int64_t step;
     size_t point_count;

@@ -19,8 +19,8 @@ typedef struct gn_uniform {
 } gn_uniform;
 
 /* An overlap within this fraction of the distance (at a wall: of the radius) is rounding of
- * positions and counts as none. Whether contacts that begin at 0 have begun then has the same
- * answer in the next step, from the previous stretch. */
+ * positions and counts as none. Whether a contact that begins at 0 has begun is then decided
+ * equally in this step and in the next one, which uses the previous stretch. */
 #define GN_OVERLAP_ROUNDING 0x1p-48
 
 typedef struct gn_contact_args {
@@ -31,10 +31,11 @@ typedef struct gn_contact_args {
      * forces */
     const gn_contacts *contacts;
     gn_uniform uniform;
-    const gn_partials *partials; /* of `contacts`: where forces are summed; NULL: none */
-    double dt;                   /* s, the interval that led to these positions; 0 at the start */
-    double speed_most;           /* m/s, largest speed of a particle in that interval; 0: unknown */
-    double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
+    const gn_partials
+        *partials;     /* partial sums of `contacts`, in which forces are summed; NULL: none */
+    double dt;         /* s, the interval that led to these positions; 0 at the start */
+    double speed_most; /* m/s, largest speed of a particle in that interval; 0: unknown */
+    double arm_factor; /* 0.5: contact point at r + gap/2; 0: at r */
     double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
     /* 1/s: relative growth of branches with the box in the interval dt, see flows */
     double flow[3];

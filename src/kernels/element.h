@@ -31,7 +31,7 @@ typedef struct gn_dilation_args {
     const double *place;  /* node rows [n][4]: x y z and the stabilising pressure q */
     const double *smooth; /* node rows [n][4]: projected gradient of q xyz */
     const gn_elements *elements;
-    const gn_partials *partials; /* of `elements`: numbers of the rows */
+    const gn_partials *partials; /* partial sums of `elements`, with the numbers of the rows */
     /* rows [2] as those of `partials`, written: shares of the growth in volume (m3) and of the
      * stabilising term (m3) */
     double *row;

@@ -22,7 +22,7 @@ typedef struct gn_derived {
 typedef struct gn_law_model {
     const gn_scene *scene;
     gn_derived derived;
-    double damping_fraction; /* of critical, for contacts in compression */
+    double damping_fraction; /* fraction of the critical damping, for contacts in compression */
     double dt;               /* s, the coming step; 0: none yet */
 } gn_law_model;
 
@@ -104,7 +104,7 @@ typedef struct gn_touch {
 /* The step that led to the contact's instant. */
 typedef struct gn_touch_step {
     double dt;               /* s */
-    double damping_fraction; /* of critical */
+    double damping_fraction; /* fraction of the critical damping */
     bool damping, space, spins;
     bool pulls; /* Hertz: the dashpot may cause tension */
 } gn_touch_step;

@@ -41,8 +41,9 @@
 /* Input and output of the rare branch, lane by lane. */
 typedef struct soft_lanes {
     gn_real stretch[GN_W], normal[GN_W], shear[3][GN_W], broken[GN_W];
-    gn_real was[GN_W], before[3][GN_W]; /* at the start of the step, if both share one damage */
-    unsigned tension, sheared;          /* lanes that break */
+    gn_real was[GN_W],
+        before[3][GN_W];       /* values at the start of the step, if both share one damage */
+    unsigned tension, sheared; /* lanes that break */
 } soft_lanes;
 
 static inline void write_softened(const gn_contacts *list, size_t c,
@@ -122,7 +123,7 @@ static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *args, si
 
 /* The state of a vector in addition to its contact_state. */
 typedef struct soft_state {
-    gn_v soft, shift; /* at the start of the step */
+    gn_v soft, shift; /* values at the start of the step */
     gn_v line;        /* force at which it would then yield in compression, if it can */
     gn_v3 slipped;    /* tangential force of bonds that softened */
     gn_v stored;      /* twice the normal energy, where `crossing` */

@@ -49,7 +49,7 @@ typedef struct gn_motion_args {
     bool measure;         /* also sum kinetic energies and resultants */
     bool changes;         /* also find the largest change of velocity */
     const gn_hold *hold;  /* NULL: all blocks move at once */
-    gn_motion_pass pass;  /* of held blocks */
+    gn_motion_pass pass;  /* pass of the held blocks */
     const double *origin; /* rows [n][4] relative to which travel_f is computed; NULL: `ref` */
 } gn_motion_args;
 

@@ -13,11 +13,11 @@ typedef struct gn_damped {
     /* out = (stiffness A + viscosity B) x. */
     void (*apply)(const void *context, double stiffness, double viscosity, const double *x,
                   double *out);
-    gn_operator *metric; /* as gn_eigen_largest */
+    gn_operator *metric; /* metric as in gn_eigen_largest */
     const void *context;
     const double *moves; /* [count] above 0 for free components; the mode is 0 in the rest */
     bool damped;         /* B is not 0 */
-    const size_t *place; /* as gn_eigen_largest; NULL: none */
+    const size_t *place; /* place as in gn_eigen_largest; NULL: none */
     size_t whole;        /* with `place`: length of the longer vector */
     int threads;
 } gn_damped;

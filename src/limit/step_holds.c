@@ -393,7 +393,9 @@ static gneiss_status search(local_search *local, size_t first, gn_step_limit *li
     local->high = local->low * (1.0 + 0.5 * local->tolerance);
     GN_TRY(leave_unsettled(local, &count, error));
     const double others = local->high;
-    *found = count == 0; /* as for loose grains in single contacts: none may be faster */
+    *found =
+        count ==
+        0; /* no core remains, as for loose grains in single contacts: no other motion is faster */
     for (int round = 0; !*found && count <= local->whole->particles / SHARE && round < LOCAL_ROUNDS;
          round++) {
         gn_step_limit around = *limit;

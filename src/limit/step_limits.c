@@ -346,7 +346,7 @@ static inline __attribute__((always_inline)) void pull(const gn_spring *spring,
     }
 }
 
-/* Adds the moments of one spring likewise. */
+/* Adds the moments of one spring in the same way. */
 static inline __attribute__((always_inline)) void bend(const gn_spring *spring,
                                                        const scaled_operator *matrix,
                                                        const gn_spring_part *part, double *sums,

@@ -31,7 +31,7 @@ typedef struct gn_strain_gauge {
     size_t count;
     int32_t *id;    /* [count] particle ids with a non-zero weight */
     double *weight; /* [count][3], 1/m */
-    double volume;  /* of the triangulation, m3 (m2 in 2D, per unit thickness) */
+    double volume;  /* volume of the triangulation, m3 (m2 in 2D, per unit thickness) */
 } gn_strain_gauge;
 
 /* Selects the particles that count initially: counts[p] 1 or 0, [particles]. */

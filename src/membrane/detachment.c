@@ -63,8 +63,8 @@ static void mean_way(const gn_particles *q, double mean[3]) {
     for (int a = 0; a < 3 && count > 0.0; a++) mean[a] /= count;
 }
 
-/* Permanent: a detached particle is never loaded again. Returns whether there are newly detached
- * ones. */
+/* Marks detached particles, permanently: none of them is loaded again. Returns whether there are
+ * newly detached ones. */
 static bool mark_detached(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
     const int32_t *members = gn_dem_body_sizes(ctx, dem);

@@ -25,7 +25,7 @@ typedef struct roll {
     const gn_rolled *rolled;
     size_t *start; /* [particles + 1] into neighbour */
     int32_t *neighbour;
-    hidden *hidden; /* of the present circle */
+    hidden *hidden; /* hidden arcs of the present circle */
     size_t hidden_count;
     bool *bounded; /* [particles] neighbours hide parts of its sphere */
     bool *touched; /* [particles] the ball touches it */
@@ -69,7 +69,7 @@ static int by_begin(const void *a, const void *b) {
 /* A free arc from `from` to `to` > from. */
 typedef struct arc {
     double from, to;
-    bool whole; /* without ends */
+    bool whole; /* the arc is the whole circle */
 } arc;
 
 /* Finds the next free arc after the k-th hidden part; all hidden parts before it end at or before
@@ -98,7 +98,7 @@ static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc
     qsort(v->hidden, n, sizeof *v->hidden, by_begin);
     size_t k = 0;
     double end = v->hidden[0].begin + v->hidden[0].width;
-    for (size_t i = 0; i < n; i++) /* that reach over 2 pi */
+    for (size_t i = 0; i < n; i++) /* arcs that reach over 2 pi */
         end = fmax(end, v->hidden[i].begin + v->hidden[i].width - turn);
     while (next_arc(v, &k, &end, &free)) see(v, circle, &free);
 }

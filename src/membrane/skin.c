@@ -194,7 +194,7 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
     double c[9];
     gn_cofactor3(k, c);
     double det = gn_dot3(k, c);
-    if (!(det > 1e-12 * size * size * size)) det = 0.0; /* all in a line: no moment */
+    if (!(det > 1e-12 * size * size * size)) det = 0.0; /* all points are in a line: no moment */
     for (int a = 0; a < 3; a++) {
         x[a] = 0.0;
         for (int d = 0; d < 3; d++) x[a] += c[3 * d + a] * b[d];

@@ -11,7 +11,7 @@ enum { GN_MESH_NAME_SIZE = 64 };
 
 /* A physical group: `tag` > 0 as in the file, `name` "" if it has none. */
 typedef struct gn_mesh_group {
-    int dimension; /* of its elements: 0, 1, 2, 3 */
+    int dimension; /* dimension of its elements: 0, 1, 2, 3 */
     int32_t tag;
     char name[GN_MESH_NAME_SIZE];
 } gn_mesh_group;
@@ -38,7 +38,7 @@ typedef struct gn_mesh {
     gn_mesh_elements points; /* only points that belong to groups */
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
-    gn_mesh_group *groups; /* by dimension, then tag; gn_alloc'ed */
+    gn_mesh_group *groups; /* groups by dimension, then tag; gn_alloc'ed */
     size_t cavities;       /* found by gn_mesh_close_surface */
 } gn_mesh;
 

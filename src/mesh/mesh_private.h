@@ -103,7 +103,7 @@ typedef struct gn_msh {
     gn_mesh *mesh;
     bool version_4;
     gn_mesh_table node_index; /* tag -> index */
-    gn_mesh_list list[4];     /* by dimension */
+    gn_mesh_list list[4];     /* lists by dimension */
     gn_mesh_table entity;     /* (dimension, tag) -> 2 * row of entity_first + reversed */
     size_t *entity_first;     /* [entities + 1] into entity_group */
     int32_t *entity_group;    /* > 0 */

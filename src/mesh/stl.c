@@ -28,7 +28,7 @@ static gneiss_status read_binary(gn_mesh_source *in, soup *out) {
     out->corner = gn_alloc_array(triangles, FACET_CORNERS * sizeof *out->corner);
     if (!out->corner) return gn_mesh_no_memory(in);
     for (size_t t = 0; t < triangles; t++) {
-        size_t at = HEADER_BYTES + t * FACET_BYTES + 12; /* after the normal */
+        size_t at = HEADER_BYTES + t * FACET_BYTES + 12; /* position after the normal */
         for (size_t k = 0; k < FACET_CORNERS; k++) {
             uint32_t bits = little_endian(in->bytes + at + 4 * k);
             float value;

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double weld_distance = 1e-6; /* of the longest side of the box */
-/* in weld distances: the reach of a corner covers one or two cells */
+static const double weld_distance = 1e-6; /* relative to the longest side of the box */
+/* in weld distances; a corner then reaches one or two cells */
 static const double cell_size = 8.0;
 
 typedef struct weld {

@@ -9,7 +9,7 @@ typedef struct partial_items {
     size_t count;
     int members;
     const int32_t *member[4]; /* [members][count] */
-    int width;                /* of a row, see gn_partials */
+    int width;                /* width of a row, see gn_partials */
     bool single;              /* rows in single precision */
 } partial_items;
 

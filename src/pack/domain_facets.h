@@ -24,7 +24,7 @@ typedef struct gn_facet {
     double normal[3]; /* unit, out of the body */
     int32_t node[3];
     int32_t neighbour[3]; /* across edge k: 4 * facet + its edge */
-    int32_t id;           /* in the caller's order, base 0 */
+    int32_t id;           /* number in the caller's order, base 0 */
     uint32_t flags;
 } gn_facet;
 _Static_assert(sizeof(gn_facet) == 128, "a facet fills two cache lines");
@@ -39,7 +39,7 @@ typedef struct gn_tree_node {
 typedef struct gn_facets {
     int corners; /* per facet: 2 or 3, also the dimension of the body */
     size_t count, node_count, tree_count;
-    gn_facet *facet; /* in the order of the tree */
+    gn_facet *facet; /* facets in the order of the tree */
     gn_tree_node *tree;
     double *node_normal; /* [node_count][3], weighted by angle, not unit */
     int32_t *star_first; /* [node_count + 1]: facets around a node ... */

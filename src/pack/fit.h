@@ -26,7 +26,7 @@ typedef struct gn_fit_law {
     double overlap;   /* wanted overlap over r_i + r_j */
     double gap;       /* relative gap up to which pairs are pulled together; 0: only held ones */
     double pull;      /* weight of a gap over that of an overlap */
-    double stiffness; /* of the springs on the radii, relative */
+    double stiffness; /* relative stiffness of the springs on the radii */
     /* overlap over r_i + r_j beyond which further overlap has 20 times the weight; 0: none */
     double most;
     bool fixed_radii;
@@ -48,7 +48,7 @@ typedef struct gn_fit_state {
     /* the sum of squares over that of a packing in which every sphere overlaps by its size;
      * dimensionless */
     double energy;
-    double gap_rms; /* of active pairs, over r_i + r_j */
+    double gap_rms; /* root mean square gap of active pairs over r_i + r_j */
     double overlap_max;
     size_t pairs; /* active pairs */
 } gn_fit_state;

@@ -20,17 +20,17 @@ typedef gn_f4 gn_fit_term;
 
 struct gn_fit {
     int dimension, threads;
-    gn_pace pace; /* of iterations */
+    gn_pace pace; /* pace of the iterations */
     size_t count, blocks;
     const gn_domain *domain;
     const double *wanted, *least, *most;
 
     gn_d4 *x, *trial;       /* [count] x y z r */
-    gn_particles particles; /* for the search */
+    gn_particles particles; /* particles as the search takes them */
 
     /* Neighbours of particle i: [first[i], first[i + 1]). */
     size_t *first;      /* [count + 1] */
-    size_t capacity;    /* of the arrays below */
+    size_t capacity;    /* capacity of the arrays below */
     int32_t *neighbour; /* [first[count]] */
     uint8_t *held;      /* [first[count]] */
     gn_pair_list hold;  /* held pairs, sorted */
@@ -52,7 +52,7 @@ struct gn_fit {
     gn_d4 *r, *z, *p, *ap; /* [count + 1] of conjugate gradients; p[count] is zero */
 
     double *partial; /* [blocks][GN_FIT_SUMS] */
-    double damping;  /* of Levenberg-Marquardt, relative to the diagonal block */
+    double damping;  /* damping of Levenberg-Marquardt, relative to the diagonal block */
     gn_fit_state state;
 };
 

@@ -24,7 +24,7 @@ const char *gn_pack_stage_name(gn_pack_stage stage) {
  * which the springs would be free of force (both measured: docs/packing.md). */
 typedef struct schedule {
     double loose, wanted;
-    double stiffness; /* of the springs while compressing */
+    double stiffness; /* stiffness of the springs while compressing */
     double release;   /* factor of the stiffness per decompression */
     int releases;
     double last;                     /* factor of the stiffness for the last stages */

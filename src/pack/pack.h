@@ -35,9 +35,9 @@ typedef struct gn_pack_progress {
 typedef bool gn_pack_watch(void *context, const gn_pack_progress *progress);
 
 typedef struct gn_pack_result {
-    gn_packing packing; /* in Morton order */
+    gn_packing packing; /* particles in Morton order */
     gn_domain *domain;  /* the body, for measurements; NULL if the packing came from the cache */
-    double volume;      /* of the body, m3; 2D: m2 */
+    double volume;      /* volume of the body, m3; 2D: m2 */
     double seconds;
     /* false: the time limit ended the fit, so that the result depends on the machine */
     bool in_time;

@@ -22,7 +22,7 @@ typedef struct source {
     double spread;  /* sigma of the logarithm of the radius */
     double widest;  /* bound of that logarithm */
     double lower[3], upper[3];
-    const gn_mesh_elements *elements; /* of a mesh shape; NULL: none */
+    const gn_mesh_elements *elements; /* elements of a mesh shape; NULL: none */
     double *weight;                   /* [elements->count] running sum of wanted particles */
 } source;
 

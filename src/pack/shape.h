@@ -7,7 +7,7 @@
 
 typedef struct gn_pack_shape {
     gn_domain *domain;
-    gn_mesh mesh;                     /* with its elements for a mesh shape; otherwise empty */
+    gn_mesh mesh;                     /* mesh with its elements for a mesh shape; otherwise empty */
     double *node_size;                /* [mesh.node_count] mean length of the edges at a node, m */
     const gn_refinement *refinements; /* borrowed from the scene */
     size_t refinement_count;

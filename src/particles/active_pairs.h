@@ -20,10 +20,10 @@
 
 /* A packed column. */
 typedef struct gn_near_column {
-    size_t offset; /* of its pointer within gn_contacts */
+    size_t offset; /* offset of its pointer within gn_contacts */
     int components;
     bool written;  /* written by the kernel; zero for pairs that never touched */
-    size_t stream; /* of its first component, in gn_near.data */
+    size_t stream; /* offset of its first component in gn_near.data */
 } gn_near_column;
 
 enum { GN_NEAR_COLUMNS = 48 };
@@ -39,7 +39,7 @@ typedef struct gn_near_span {
     double ahead;   /* s, duration for which the search holds, see gn_near_args */
     double elapsed; /* s, time since the search */
     bool over;      /* some particle may have moved beyond its margin */
-    int steps;      /* number of sweeps that used it */
+    int steps;      /* number of sweeps that used the active pairs */
 } gn_near_span;
 
 /* The part of the state in checkpoints apart from `act`, in doubles. The pairs that are packed
@@ -52,16 +52,16 @@ typedef struct gn_near_kept {
 } gn_near_kept;
 
 typedef struct gn_near {
-    bool on;        /* for the present lists */
+    bool on;        /* active for the present lists */
     bool disabled;  /* forced off, for reference comparisons */
-    bool fresh;     /* no sweep yet over these lists */
+    bool fresh;     /* no sweep has used these lists yet */
     bool packed;    /* the columns of active pairs are packed */
     bool unsettled; /* columns of the list that the kernel writes are outdated */
-    bool whole;     /* in this sweep: all pairs are worked on */
-    bool look;      /* in this sweep: the active pairs are found again, */
+    bool whole;     /* in this sweep all pairs are processed */
+    bool look;      /* in this sweep the active pairs are found again, */
     bool move;      /* and columns that stay packed move to their new positions */
-    bool again;     /* in the next sweep: the pairs of `act` are packed from the list, */
-    bool take;      /* in this one */
+    bool again;     /* in the next sweep the pairs of `act` are packed from the list, */
+    bool take;      /* in this sweep the pairs of `act` are packed */
     gn_near_past past;
     gn_near_span span;
     int steps, towards;  /* steps for which a search is to hold; 1 or -1: direction in which their
@@ -86,7 +86,7 @@ typedef struct gn_near {
     uint8_t *act;    /* [room/GN_NEAR_GROUP] bits: active pairs of a block */
     int32_t *count;  /* [blocks] */
 
-    gn_uniform uniform; /* for which `column` was made */
+    gn_uniform uniform; /* uniform columns for which `column` was made */
     gn_near_column column[GN_NEAR_COLUMNS];
     int columns;
 } gn_near;

@@ -13,7 +13,7 @@
 /* Walls and bodies are numbered consecutively, as in gn_scene_surface_at. */
 typedef struct gn_body_spring {
     gn_touch_side side; /* stiffness 0: they have no contact; kratio 0: no tangential spring */
-    double damping;     /* of critical, of dashpots */
+    double damping;     /* fraction of the critical damping, of dashpots */
 } gn_body_spring;
 gn_body_spring gn_body_spring_of(const gn_scene *scene, size_t place, size_t other);
 

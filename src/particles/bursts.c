@@ -69,7 +69,8 @@ static void look_into(const grid *g, const int64_t cell[3], int32_t k) {
     for (int32_t m = g->latest[bucket_of(g, cell)]; m >= 0; m = g->before[m]) {
         const gn_event *of = &g->events[m];
         double d[3];
-        if (e->time - of->time > g->bursts->window) return; /* and so are all earlier ones */
+        if (e->time - of->time > g->bursts->window)
+            return; /* all earlier ones are outside of the window too */
         if (gn_branch(g->ctx, of->place, e->place, d) <= g->bursts->reach * g->bursts->reach)
             gn_set_unite(g->parent, m, k);
     }

@@ -18,7 +18,7 @@ typedef struct gn_burst {
 } gn_burst;
 
 typedef struct gn_bursts {
-    gn_burst *row; /* in the order of their first breaks */
+    gn_burst *row; /* bursts in the order of their first breaks */
     size_t count;
     int32_t *of;          /* [events] burst of a break, -1: no break */
     double reach, window; /* m, s */

@@ -13,7 +13,7 @@
 enum { GN_EVENT_SOFTENING = 4, GN_EVENT_YIELD = 5 };
 
 typedef struct gn_event {
-    int64_t step;    /* whose forces did it */
+    int64_t step;    /* step whose forces caused it */
     double time;     /* s */
     double place[3]; /* m, position of the contact in the user's coordinates */
     double energy;   /* J, energy released by the break; 0 for other events */
@@ -23,7 +23,7 @@ typedef struct gn_event {
 } gn_event;
 
 typedef struct gn_events {
-    gn_event *rows; /* by step, then by i and j */
+    gn_event *rows; /* events by step, then by i and j */
     size_t count, capacity;
 } gn_events;
 

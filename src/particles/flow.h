@@ -26,7 +26,7 @@ typedef struct gn_sink_state {
     double number, mass;       /* number of particles that left; kg */
     double momentum[3];        /* N s */
     double energy;             /* J, kinetic */
-    double row_mass, row_time; /* at the last row of the history: no state */
+    double row_mass, row_time; /* values at the last row of the history: no state */
 } gn_sink_state;
 
 /* A particle that left the domain. */

@@ -38,7 +38,7 @@ static gn_fragments measure(const gn_step_context *ctx, const gn_dem *dem, int32
     gn_fragments found = {0, 0};
     double all = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (gn_is_dormant(dem, p)) continue; /* not a part of the body yet */
+        if (gn_is_dormant(dem, p)) continue; /* the particle is not a part of the body yet */
         size_t root = (size_t)gn_set_root(parent, (int32_t)p);
         double own = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         volume[root] += own;
@@ -144,7 +144,7 @@ double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem) {
         else if (is_anchor(dem, p)) {
             const size_t root = (size_t)gn_set_root(pieces->parent, (int32_t)p);
             sum += pieces->volume[root];
-            pieces->volume[root] = 0.0; /* once only */
+            pieces->volume[root] = 0.0; /* the volume of a piece is added only once */
             anchored = true;
         }
     }

@@ -39,9 +39,9 @@ typedef struct gn_verlet {
 
 /* Sums of a step over all blocks. */
 typedef struct gn_dem_sums {
-    gn_contact_sums list[GN_LIST_COUNT]; /* of each contact list */
-    gn_contact_sums contacts;            /* of all lists */
-    gn_contact_sums walls;               /* of contacts with walls and facets */
+    gn_contact_sums list[GN_LIST_COUNT]; /* sums of each contact list */
+    gn_contact_sums contacts;            /* sums of all lists */
+    gn_contact_sums walls;               /* sums of contacts with walls and facets */
     gn_motion_sums motion;
     double step_change[2]; /* J, halves */
 } gn_dem_sums;
@@ -114,12 +114,12 @@ struct gn_dem {
     double *driven;
 
     gn_motion_kernel *motion_kernel;
-    gn_deal deal; /* of steps among the threads */
+    gn_deal deal; /* distribution of the work of a step among the threads */
     gn_hold hold; /* particles that wait for an exchange */
     gn_near near; /* active pairs */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
-    gn_dem_sums done; /* in the last step */
+    gn_dem_sums done; /* sums of the last step */
     /* [particles][4] velocities and spins before the step, if its length differs from the last one;
      * else NULL */
     double *vel_past, *spin_past;
@@ -139,7 +139,7 @@ struct gn_dem {
     int64_t contact_steps; /* number of contacts processed, summed over steps */
 };
 
-/* Kernels and threads, from the effects of the world: also of one that is resumed. */
+/* Sets the kernels and threads that follow from the effects of the world, also of a resumed one. */
 gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Creates the particles of a packing, in its order, without mass. */

@@ -56,8 +56,9 @@ bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, 
 
 static bool starts_in(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
-    if (!gn_particle_is_active(q, p)) return false; /* it was removed */
-    if (q->id[p] >= dem->made) return false; /* of a source: sets are parts of the specimen */
+    if (!gn_particle_is_active(q, p)) return false; /* the particle was removed */
+    if (q->id[p] >= dem->made)
+        return false; /* the particle is from a source: sets are parts of the specimen */
     return gn_set_selected(ctx, dem, set, p);
 }
 
@@ -253,7 +254,8 @@ gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
     for (size_t k = 0; q->applied && k < ctx->scene.set_count; k++)
         if (ctx->scene.sets[k].has_force) share_force(ctx, dem, k);
     if (q->load)
-        memcpy(q->load, q->applied, q->soa.count * 4 * sizeof *q->load); /* beside pressure */
+        memcpy(q->load, q->applied,
+               q->soa.count * 4 * sizeof *q->load); /* loads are added to the pressure */
     if (!(ctx->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
     free_slots(dem);
     /* A velocity that jumps takes an impulse, which the kernel books as work. */

@@ -152,7 +152,7 @@ static double closed_in(const gn_step_context *ctx, gn_dem *dem, double most) {
     const ways room = extent(&dem->particles, &radius);
     lay(ctx, dem, 1.001 * (2.0 * radius + dem->verlet.skin + 2.0 * most), &room, &g);
     g.cell = room_for(dem, g.count[0] * g.count[1] * g.count[2]);
-    if (!g.cell) return 2.0 * most; /* which is as true */
+    if (!g.cell) return 2.0 * most; /* this bound holds without cells too */
     find_layers(&room, &g);
     fill(&dem->particles, &g);
     spread(&g);

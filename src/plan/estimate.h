@@ -16,9 +16,10 @@ typedef struct gn_estimate {
     double wave_speed;      /* m/s: root of E over bulk density */
     double
         breaking_strain; /* uniform strain at which a twentieth of the bonds reaches its strength */
-    double body_strain;  /* at the peak, without the ends; INFINITY: there are no breakable bonds */
+    double body_strain;  /* strain at the peak, without the ends; INFINITY: there are no breakable
+                            bonds */
     double strength;     /* Pa */
-    double strain;       /* between the ends at the peak, or INFINITY */
+    double strain;       /* strain between the ends at the peak, or INFINITY */
     double compliance;   /* 1/Pa: strain of the walls with the particles initially near them */
     double predicted_compliance; /* 1/Pa: predicted strain of the walls */
     double first_break;          /* strain */

@@ -135,7 +135,7 @@ static const double added_most = 0.5;
 static const double numbers[] = {250, 500, 1000, 2000, 4000, 8000, 16000};
 static const int packings[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 40};
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-enum { PACES = 25 }; /* from 1/64 to 64, by factors of the root of 2 */
+enum { PACES = 25 }; /* from 1/64 to 64, by factors of the square root of 2 */
 
 /* The cheapest proposal within the error; until there is one, the proposal with the least error. */
 typedef struct setting_search {

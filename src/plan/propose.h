@@ -34,10 +34,10 @@ enum { GN_PLAN_FACTORS = 5 };
 
 typedef struct gn_plan {
     gn_wanted wanted;
-    const char *reading; /* as named in the study */
+    const char *reading; /* name of the reading in the study */
     gn_test_groups groups;
     gn_estimate estimate;
-    gn_cost cost[2]; /* in double and mixed precision */
+    gn_cost cost[2]; /* cost in double and in mixed precision */
     bool mixed_known;
     double unscaled_step; /* s: the step without added mass */
     double bound_step_ratio[GN_PLAN_FACTORS], added_mass[GN_PLAN_FACTORS]; /* see gn_proposal */

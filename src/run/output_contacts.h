@@ -18,7 +18,7 @@ typedef struct gn_output_contact {
 
 typedef struct gn_output_contacts {
     gn_output_contact *row;
-    size_t count, surfaces; /* the last `surfaces` of them are with walls and surfaces */
+    size_t count, surfaces; /* the last `surfaces` of them are contacts with walls and surfaces */
 } gn_output_contacts;
 
 /* Writes DIR/NAME_<step>.hdf: lines between the centres, or to the points of the forces of walls

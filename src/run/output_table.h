@@ -17,7 +17,7 @@ enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2, GN_ASKED_SHIFT = 2 };
 typedef struct gn_output_field {
     const char *name, *unit, *text;
     unsigned where;  /* GN_IN_RESULTS, GN_IN_SNAPSHOT, GN_ON_REQUEST(name) */
-    gn_type type;    /* of results.h5; snapshots hold doubles */
+    gn_type type;    /* type in results.h5; snapshots hold doubles */
     bool may_be_nan; /* NaN: the item has no value */
     size_t components;
     void (*read)(const void *view, size_t item, double *value);

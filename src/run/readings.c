@@ -24,7 +24,7 @@ struct gn_run_read {
     bool known;
     state of;
     gn_readings readings;
-    gn_budget *budget; /* of these readings; NULL: not computed yet */
+    gn_budget *budget; /* budget of these readings; NULL: not computed yet */
 };
 
 gneiss_status gn_run_begin_history(gn_run *run, gneiss_error *error) {
@@ -118,7 +118,7 @@ static gneiss_status compute(const gn_world *world, const gn_history *rows, span
         tested.bursts = world->ctx.effects & GN_FX_EVENTS ? size : NULL;
         tested.burst_count = sizes_of(&bursts, when, size);
         gn_readings_compute(rows, &tested, readings);
-        /* A quotient by zero is not a reading either. */
+        /* A quotient by zero is not a reading. */
 #define X(name, unit, text)                                                                        \
     if (!isfinite(readings->name)) readings->name = NAN;
         GN_READINGS(X)

@@ -64,7 +64,7 @@ typedef struct gn_run {
     bool finished;
     double expected_end; /* s, end of the test predicted from its specimen; 0: unknown */
     char stop_reason[256];
-    gn_snapshot_times snapshot_times; /* of the output folder */
+    gn_snapshot_times snapshot_times; /* times of snapshots of the output folder */
     size_t series_length;             /* number of snapshots that the series files list */
     int folder_lock;            /* descriptor that excludes other runs from the folder; 0: none */
     gn_first_break first_break; /* the initial equilibrium; steps 0: the run began at rest */
@@ -76,7 +76,7 @@ typedef struct gn_progress {
     int64_t step;
     double time, end;                                           /* s */
     double seconds;                                             /* wall time, all sessions */
-    double cpu_seconds;                                         /* of all threads, all sessions */
+    double cpu_seconds;                                         /* of all threads in all sessions */
     double particle_steps_per_second, contact_steps_per_second; /* of all sessions */
     double element_steps_per_second;                            /* of all sessions */
     double eta;       /* s, to the expected end, or at most to `end` */

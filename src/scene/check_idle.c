@@ -58,7 +58,7 @@ typedef struct material_row {
     const char *key;
     bool (*read_by_law)(const gn_scene *s); /* NULL: every law reads it */
     bool of_bonds;
-    int64_t softening; /* that reads the key, a gn_softening; -1: any */
+    int64_t softening; /* kind of softening that reads the key, a gn_softening; -1: any */
 } material_row;
 
 static bool uniform(const gn_scene *scene) {

@@ -43,7 +43,7 @@ typedef enum gn_convert_by { GN_CONVERT_ELEMENTS, GN_CONVERT_NODES } gn_convert_
 
 /* Conversion of elements into particles during the run. */
 typedef struct gn_convert_def {
-    bool has_box;                  /* else specimen.packing.region holds */
+    bool has_box;                  /* otherwise specimen.packing.region applies */
     double box_min[3], box_max[3]; /* m: elements whose nodes all start in the box can convert */
     double width;                  /* m, width of the coupling zone */
     double stress;                 /* Pa, largest principal stress; 0: no such limit */

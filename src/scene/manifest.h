@@ -58,10 +58,10 @@ typedef struct gn_section gn_section;
 typedef struct gn_key {
     const char *name;
     gn_key_type type;
-    size_t offset, size; /* in the struct of the section */
+    size_t offset, size; /* offset and size in the struct of the section */
     size_t second;       /* see gn_key_type */
     size_t number;       /* see GN_KEY_PARTICLES, GN_KEY_POINTS */
-    bool required;       /* its section is an error without it */
+    bool required;       /* a section without the key is an error */
     const char
         *fallback;     /* default as written in a file (each component of a vector); NULL: none */
     const char *unit;  /* SI unit of numbers, "1" for none; "1/s|1": one of two; GN_SLOPE,

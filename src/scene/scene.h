@@ -387,7 +387,7 @@ typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSU
 typedef struct gn_element_contact_def {
     char group[GN_NAME_SIZE]; /* group of facets; "": the whole boundary */
     gn_scene_place group_where;
-    char material[GN_NAME_SIZE]; /* as of walls */
+    char material[GN_NAME_SIZE]; /* material of the surface, as for walls */
     double stiffness;            /* penalty k_n, N/m */
     double kratio;               /* k_n/k_t; used when friction > 0 */
     double friction;
@@ -408,7 +408,7 @@ typedef struct gn_element_def {
     gn_beam_def beam;
     gn_formulation formulation;
     size_t material_count;
-    gn_element_material *materials; /* the last entry that names an element holds for it */
+    gn_element_material *materials; /* for an element the last entry that names it applies */
     size_t motion_count;
     gn_element_motion *motions; /* a later motion overrides an earlier one */
     size_t load_count;
@@ -542,7 +542,7 @@ typedef struct gn_scene {
     double burst_reach; /* mean diameters of bonded particles */
     size_t field_count;
     char (*fields)[GN_NAME_SIZE]; /* fields requested besides the default ones */
-    unsigned asked;               /* the same fields as bits, GN_ASKED(name) each (base/asked.h) */
+    unsigned asked;               /* the same fields as bits GN_ASKED(name) (base/asked.h) */
 
     double skin; /* m; 0: automatic */
 

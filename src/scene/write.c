@@ -177,7 +177,7 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
     case GN_KEY_POINTS:
         write_points(out, array, *(const size_t *)(base + key->second));
         break;
-    case GN_KEY_TREE: /* no scene has one */
+    case GN_KEY_TREE: /* no key of a scene has this type */
     case GN_KEY_CHANGES:
     case GN_KEY_SECTION:
     case GN_KEY_LIST:

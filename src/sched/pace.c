@@ -20,9 +20,9 @@ static bool is_lost(const gn_pace *pace) {
            pace->seconds > 2.0 * pace->cost * pace->work / pace->rounds * pace->trial_rounds;
 }
 
-/* Tells whether one thread is to be tried again: while threads wait much, sixteen such trials must
- * fit into the time since the last, which may have been disturbed; all threads can be a hundred
- * times as slow. */
+/* Tells whether one thread is to be tried again. While threads wait for long, the time since the
+ * last trial, which may have been disturbed, must be that of sixteen trials; all threads together
+ * can be a hundred times as slow as one. */
 static bool is_long(const gn_pace *pace) {
     return !pace->single && pace->single_seconds > 0.0 && pace->rounds >= pace->shortest &&
            pace->waiting > waiting_enough * pace->rounds &&

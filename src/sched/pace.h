@@ -13,7 +13,7 @@ typedef struct gn_pace {
     int shortest, longest; /* rounds between two trials; doubled while trials change nothing */
     bool single;           /* one thread is used outside of trials */
     bool trying;
-    int rounds, interval;          /* of the present period: rounds done, and its length */
+    int rounds, interval;          /* number of rounds done in the present period, and its length */
     double seconds, work, waiting; /* sums over the rounds of the period */
     double cost;                   /* s per unit of work in the last period that was no trial */
     double single_seconds;         /* s of the last trial of one thread; 0: none yet */

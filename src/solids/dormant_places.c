@@ -42,7 +42,7 @@ void gn_particle_travel(const gn_dem *dem, const gn_solids *solids, const int32_
     gn_ties one;
     for (size_t a = 0; a < 3; a++) u[a] = q->pos[4 * p + a] - q->start[4 * p + a];
     if (!gn_is_dormant(dem, p)) return;
-    u[0] = u[1] = u[2] = NAN; /* no memory */
+    u[0] = u[1] = u[2] = NAN; /* memory is lacking */
     if (find_dormant(dem, solids, places, p, &tie, &one))
         gn_tie_travel(&one, 0, &gn_coupled_solid(solids)->nodes, u);
 }

@@ -21,7 +21,7 @@
 
 /* Contacts of particles with the surface (element_contact.c). */
 typedef struct gn_element_contact {
-    int32_t *corner;       /* of facets, by indices of nodes */
+    int32_t *corner;       /* corners of facets, by indices of nodes */
     const double *force;   /* [nodes][4], N, forces of the surface; NULL: nothing touches it */
     gn_wall_contacts rows; /* slots of the nodes of facets, for the motion kernel */
     int32_t *first;        /* [nodes + 1] */
@@ -52,7 +52,7 @@ typedef struct gn_element_model {
                           else NULL */
     double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
     double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
-    bool carries, falls; /* as of gn_balance */
+    bool carries, falls; /* see gn_balance */
 } gn_element_model;
 
 /* The solids of finite elements of a world. */

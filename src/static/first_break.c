@@ -36,7 +36,7 @@ enum {
     INCREMENTS_MOST = 200,
     SOLUTIONS_MOST = 12, /* limit for one increment */
     SOLUTIONS_LOADING = 60,
-    HALVES_MOST = 6, /* of a correction */
+    HALVES_MOST = 6, /* largest number of halvings of a correction */
     HALVINGS_MOST = 30
 };
 

@@ -10,16 +10,16 @@
 typedef struct gn_network {
     double volume;         /* m3, 2D: m2 x 1 m: that of the specimen's mean stress */
     double solid;          /* m3: volume of the bonded particles */
-    size_t particles;      /* with bonds */
-    size_t boundary;       /* of these, those that follow the strain; 0: a periodic box */
+    size_t particles;      /* number of particles with bonds */
+    size_t boundary;       /* number of these that follow the strain; 0: a periodic box */
     double depth;          /* m: they are within this distance of the hull of the centres */
     double radius_square;  /* m2: mean of r^2, of r^3 below */
     double radius_cube;    /* m3 */
-    gn_bond_fabric fabric; /* of the bonds */
+    gn_bond_fabric fabric; /* fabric of the bonds */
     gn_elastic strained,
-        stressed; /* by uniform strain and by uniform stress (measure/stiffness.h) */
+        stressed; /* results by uniform strain and by uniform stress (measure/stiffness.h) */
     bool has_stressed;
-    gn_elastic network; /* in equilibrium */
+    gn_elastic network; /* results in equilibrium */
     int64_t solutions, iterations;
     double residual; /* unbalanced loads over the forces of bonds in uniform strain, the largest
                         root mean square of any strain */

@@ -28,7 +28,7 @@ typedef struct gn_trial {
     double *supplied;        /* [prescribed][6] N, N m: loads that the prescription supplies */
     double stored;           /* J, at the start of the world */
 
-    gn_preconditioner made; /* of the tangent, while the lists are kept */
+    gn_preconditioner made; /* preconditioner of the tangent, kept with the lists */
 
     /* State of the last increment. */
     double *load;                     /* [count][6] N, N m; 0 in prescribed components */

@@ -19,7 +19,7 @@ typedef struct gn_convex {
     size_t planes;   /* 0: not convex, or not closed */
     double *plane;   /* [planes][4]: outward unit normal n, and n.x on the plane, m */
     size_t polygons; /* the facets; for rounded vertices those of the body that the planes bound */
-    int corners;     /* of each polygon: 3, in 2D 4 */
+    int corners;     /* number of corners of each polygon: 3, in 2D 4 */
     double *corner;  /* [polygons][corners][3], m */
     int32_t *on;     /* [polygons] the plane of each */
 } gn_convex;

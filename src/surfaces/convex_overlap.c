@@ -18,7 +18,7 @@ typedef struct face {
 /* One of the bodies in its pose, and the part of its surface that lies in the other. */
 typedef struct side {
     const gn_convex *shape;
-    double *plane, *corner; /* as in the shape */
+    double *plane, *corner; /* planes and corners as in the shape */
     face *faces;
     size_t count;
     int32_t *near; /* planes that are the nearest for some point of the overlap */
@@ -211,7 +211,7 @@ typedef struct sums {
 
 /* Midpoints of the sides of a triangle, which integrate quadratic functions exactly. */
 typedef struct spot {
-    double x[3], area; /* from the origin; m2 */
+    double x[3], area; /* position relative to the origin; m2 */
 } spot;
 
 static void spots_of(const work *task, const double *point, size_t k, spot spots[3]) {

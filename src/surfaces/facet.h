@@ -87,7 +87,7 @@ typedef struct gn_facet_tree {
 
 /* The facets of a tree (borrowed). */
 typedef struct gn_facet_set {
-    int corners; /* of a facet: 2 segments in the plane, 3 triangles */
+    int corners; /* number of corners of a facet: 2 for segments in the plane, 3 for triangles */
     size_t count;
     const int32_t *corner; /* [count][corners] */
     const double *pos;     /* [vertices][4] */

@@ -267,7 +267,7 @@ double gn_patch_share(double cosine) {
  * shape of the particle, V exceeds D. */
 void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
                        bool hertz, gn_facet_contact *contacts) {
-    const double least = 1e-9; /* of the radius: below it U is rounding of coordinates */
+    const double least = 1e-9; /* relative to the radius: a smaller U is rounding of coordinates */
     for (size_t i = 0; i < count; i++) {
         gn_facet_contact *out = &contacts[i];
         *out = (gn_facet_contact){.member = (int)i};

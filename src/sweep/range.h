@@ -6,7 +6,7 @@
 
 /* A range or distribution as written, read by gn_range_section. */
 typedef struct gn_range_def {
-    double from, to, mean, deviation; /* in the unit of the key */
+    double from, to, mean, deviation; /* values in the unit of the key */
     int64_t count;
     gn_spacing spacing;
     const gn_node *of;

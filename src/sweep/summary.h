@@ -17,7 +17,7 @@ const char *gn_run_state_name(gn_run_state state);
 enum { GN_OUTCOME_MESSAGE = 600 };
 typedef struct gn_outcome {
     gn_run_state state;
-    bool lost;     /* its results are damaged or of another run */
+    bool lost;     /* the results are damaged or those of another run */
     bool replaced; /* its results are intact, but not those with which it ended: they and the
                       checkpoints in its folder come from other computations */
     int code;      /* exit code of the run; 128 + n: ended by signal n */

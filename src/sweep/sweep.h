@@ -14,7 +14,7 @@ enum { GN_SWEEP_PARAMETERS_MAX = 32, GN_SWEEP_RUNS_MAX = 100000 };
 /* The file as written, read by gn_sweep_section (keys.c). */
 typedef struct gn_sweep_file {
     char title[256];
-    char scene[GN_PATH_SIZE], scene_path[GN_PATH_SIZE]; /* as written; absolute */
+    char scene[GN_PATH_SIZE], scene_path[GN_PATH_SIZE]; /* scene as written; its absolute path */
     const gn_node *parameters, *seeds;                  /* NULL: not given */
     gn_combine combine;
     gn_sampling sampling;
@@ -33,11 +33,11 @@ extern const gn_section gn_range_section;
 typedef struct gn_sweep_value {
     char *text;           /* gn_alloc'ed */
     double number;        /* SI; NaN: not a number */
-    gn_scene_place where; /* in the sweep file */
+    gn_scene_place where; /* place in the sweep file */
 } gn_sweep_value;
 
 typedef struct gn_sweep_parameter {
-    char key[GN_KEY_PATH_SIZE]; /* in the form of an override */
+    char key[GN_KEY_PATH_SIZE]; /* key in the form of an override */
     const gn_key *meant;
     const char *unit;     /* SI; "": none, or not numbers */
     bool numeric;         /* every value is a number */
@@ -77,7 +77,7 @@ typedef struct gn_sweep {
     gn_sweep_run *runs;
     uint32_t *chosen; /* [run_count][parameter_count]: indices of the values */
     gn_units *units;
-    bool draws;           /* some scene draws random numbers */
+    bool draws;           /* some scene uses random numbers */
     gn_scene_notes notes; /* notes on all scenes */
 } gn_sweep;
 

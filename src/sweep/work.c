@@ -200,8 +200,8 @@ typedef struct run_task {
     gn_outcome outcome;
     bool over; /* the calling process has no more work */
     bool running;
-    bool afresh;   /* its checkpoints are unusable */
-    int kills;     /* without progress in between */
+    bool afresh;   /* the checkpoints are unusable */
+    int kills;     /* kills without progress in between */
     double wanted; /* gn_now() before which it is not started again: its folder was in use */
 } run_task;
 

@@ -15,7 +15,7 @@ typedef struct gn_sweep_progress {
     size_t last;      /* run of this event */
     const char *what; /* "started", "resumed", "done", "failed", "killed", "lost" (to be computed
                          again); NULL: an update of the time */
-    const gn_outcome *outcome; /* for "done", "failed", "killed" and "lost" */
+    const gn_outcome *outcome; /* outcome for "done", "failed", "killed" and "lost" */
 } gn_sweep_progress;
 
 typedef void gn_sweep_watch(void *context, const gn_sweep_progress *progress);

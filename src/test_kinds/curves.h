@@ -51,8 +51,8 @@ typedef struct gn_curves {
     size_t begin;             /* row with which the test begins (beginning.h) */
     bool never_strained;      /* the strain never grew in the sense of the test */
     size_t largest;           /* row of the largest stress since */
-    gn_row_span loading;      /* from 1 to 50 % of it */
-    gn_row_span elastic;      /* of these, those before bonds break, yield or soften */
+    gn_row_span loading;      /* rows from 1 to 50 % of the largest stress */
+    gn_row_span elastic;      /* those of `loading` before bonds break, yield or soften */
     const char *cut_reason;   /* why they end before 50 %, as "bonds break"; NULL: they do not */
     const double *time;       /* s */
     double interval;          /* s between rows of time steps; 0: unknown */

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* At the peak, if there is one. */
+/* Reads the column at the peak, if there is one. */
 void gn_read_at_peak(const gn_curves *curves, gn_reading which, const double *column, double factor,
                      double *value, gn_readings *readings) {
     const char *reason = gn_no_peak(curves);

@@ -158,7 +158,7 @@ static void need_ways_or_stress(const gn_curves *curves, gn_row_span span, gn_re
 
 void gn_need_axial(const gn_curves *curves, gn_row_span span, gn_reading which,
                    gn_readings *readings) {
-    if (curves->tested->axis < 0) return; /* as in a hydrostatic test, which loads along all */
+    if (curves->tested->axis < 0) return; /* a hydrostatic test loads along all axes */
     need_one_axis(curves, span, which, beside_modulus, readings);
     need_ways(curves, span, which, readings);
 }

@@ -166,12 +166,12 @@ const char *gn_reading_name(gn_reading which);
  * summaries hold only those that do. */
 bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones);
 
-/* The test that readings are taken of. */
+/* The test whose readings are taken. */
 typedef struct gn_tested {
     gn_test_kind kind;
     int dimension, axis;                /* axis 0 1 2 */
     int sign;                           /* -1 compression, +1 tension */
-    bool elastic;                       /* no part of it can fail */
+    bool elastic;                       /* no part of the specimen can fail */
     bool one_sided;                     /* one end has the force of the other by definition */
     bool notched;                       /* a beam */
     bool under_gravity;                 /* under gravity */
@@ -184,7 +184,7 @@ typedef struct gn_tested {
     /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
      * as the section varies; 0: as 1; NaN: none follows from it. */
     double by_ends, by_mean;
-    gn_cut cut;             /* of cutting tests */
+    gn_cut cut;             /* properties of the cut, for cutting tests */
     bool zones;             /* particles and elements share some */
     double returned_energy; /* determined elsewhere at the end; NaN: there is no value */
 } gn_tested;

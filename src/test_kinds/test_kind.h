@@ -32,13 +32,13 @@ typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_KIND_LIST(X) GN_TEST_KINDS } g
 #define GN_TEST_SIZES(X)                                                                           \
     X(length)                                                                                      \
     X(area)                                                                                        \
-    X(diameter)  /* of a cylinder or a disc */                                                     \
-    X(thickness) /* of a disc or a beam */                                                         \
-    X(span)      /* between the supports of a beam */                                              \
-    X(load_span) /* between its two loads; 0: one load at mid-span */                              \
-    X(height)    /* of a beam */                                                                   \
-    X(notch)     /* its depth */                                                                   \
-    X(depth)     /* of a cut, as those that follow */                                              \
+    X(diameter)  /* diameter of a cylinder or a disc */                                            \
+    X(thickness) /* thickness of a disc or a beam */                                               \
+    X(span)      /* distance of the supports of a beam */                                          \
+    X(load_span) /* distance of its two loads; 0: one load at mid-span */                          \
+    X(height)    /* height of a beam */                                                            \
+    X(notch)     /* depth of its notch */                                                          \
+    X(depth)     /* depth of a cut; the following keys are those of a cut too */                   \
     X(spacing)                                                                                     \
     X(run_in)                                                                                      \
     X(peak_window)                                                                                 \
@@ -103,13 +103,14 @@ typedef struct gn_test_descriptor {
     bool prism;     /* stress is the force of the ends over its section, strain their closing over
                        its length */
     bool disc;      /* loaded across its diameter, with its faces across z */
-    bool beam;      /* on two supports */
+    bool beam;      /* the specimen is a beam on two supports */
     bool tool;      /* without ends: a body moves along the surface of the specimen; strain is its
                        path over the length, stress its force against the motion over the area */
     bool sheared;   /* the ends move along a plane, whose normal is a key; strain is their
                        displacement over their distance along the normal */
-    bool periodic_sides; /* in a box that is open along the normal, whose section is the area */
-    bool sides_stand;    /* beside the specimen along all other directions */
+    bool periodic_sides; /* the sides are periodic: the box is open along the normal, and its
+                            section is the area */
+    bool sides_stand;    /* the sides stand beside the specimen along all other directions */
     bool confined;       /* under a membrane: stress is the deviator */
     bool general; /* scenes use it for other bodies as well, as beams clamped at one end or pulled
                      out of a block: the positions of its ends and its sizes are checked less
@@ -119,7 +120,7 @@ typedef struct gn_test_descriptor {
 
     /* The scene. */
     unsigned takes;           /* a set of GN_TAKES */
-    unsigned needs;           /* those of them that it requires */
+    unsigned needs;           /* keys that it requires, a part of these */
     int dimension;            /* 2, 3; 0: either */
     const char *counterpart;  /* name of the kind that is this one in the other dimension */
     double peak_drop, strain; /* at which a run ends unless the scene says otherwise: share of the

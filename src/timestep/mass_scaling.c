@@ -120,7 +120,7 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                    bool listed, const uint8_t *changed, double *held,
                                    gneiss_error *error) {
-    enum { ROUNDS = 8 }; /* of dashpots */
+    enum { ROUNDS = 8 }; /* number of rounds, needed because of dashpots */
     const gn_mass_scaling *s = &ctx->choice.scaling;
     *held = 0.0;
     if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0)) return GNEISS_OK;
@@ -156,7 +156,8 @@ static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boun
         double beyond = ctx->scene.safety * ctx->stable / q->step;
         bool reached = ctx->dt >= (1.0 - 1e-9) * q->step;
         if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;
-        if (reached && dem->raised.added == added) return GNEISS_OK; /* for collisions */
+        if (reached && dem->raised.added == added)
+            return GNEISS_OK; /* the reached step holds for collisions too */
         added = reached ? dem->raised.added : added;
         *(reached ? &high : &low) = part;
         bool close = high - low < 0.004 || k >= TRIES;

@@ -59,7 +59,7 @@ static void settle(gn_scene *scene, const gn_extent *extent) {
     for (int64_t a = 0; a < scene->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
         scene->origin[a] =
-            fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* as the key is bounded */
+            fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* the key has this bound */
     }
 }
 

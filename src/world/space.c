@@ -17,7 +17,7 @@
 
 /* Distances of two walls, or of the sides of a periodic box, along an axis, m. */
 typedef struct span {
-    double lower, upper; /* where they are now */
+    double lower, upper; /* present positions of the sides */
     double now, start;   /* 0: not applicable */
 } span;
 

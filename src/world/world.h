@@ -28,9 +28,9 @@
 /* State of a stage of the scene. */
 typedef struct gn_stage_state {
     double time;   /* s: when it began */
-    double strain; /* of the test in its first row */
+    double strain; /* strain of the test in its first row */
     double peak;   /* Pa, largest stress of the test during the stage */
-    int64_t step;  /* when it began */
+    int64_t step;  /* step at which it began */
     int64_t row;   /* rows of the history before it */
     int64_t ended; /* gn_stage_cause; 0: not yet */
 } gn_stage_state;
@@ -41,9 +41,9 @@ struct gn_stages {
     gn_stage_state *state; /* [given.stage_count] */
 };
 
-/* The scene, the clock and the ledger, and the parts, which own their state and show the same face:
- * create, refresh, forces, move, book, measure, limit, check, hash, bytes, save, load, free, as far
- * as they apply (docs/design.md). The world calls them in turn. */
+/* The scene, the clock and the ledger, and the parts, which own their state and have the same
+ * functions: create, refresh, forces, move, book, measure, limit, check, hash, bytes, save, load,
+ * free, as far as they apply (docs/design.md). The world calls them in turn. */
 struct gn_world {
     gn_step_context ctx;
     gn_dem dem;               /* particles and their contacts */
@@ -56,9 +56,9 @@ struct gn_world {
 
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */
-    gn_approach approach;       /* of the ends of the test to the specimen */
-    gn_cutting cutting;         /* of the tool of the test */
-    gn_bar_section section;     /* of the specimen of the test */
+    gn_approach approach;       /* approach of the ends of the test to the specimen */
+    gn_cutting cutting;         /* state of the tool of the test */
+    gn_bar_section section;     /* section of the specimen of the test */
     gn_most_loaded most_loaded; /* element nearest to a limit of couple.convert since the run began
                                    or was resumed */
     gn_stages stages;

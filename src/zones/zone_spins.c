@@ -74,7 +74,7 @@ enum { CORNERS = 4 };
 
 /* An element and its particles. */
 typedef struct turned {
-    size_t tie;                    /* of one of the particles */
+    size_t tie;                    /* tie of one of the particles */
     double inertia;                /* kg m2, sum of the particles */
     double mass[CORNERS][CORNERS]; /* kg, N^T m N, where masses are consistent */
 } turned;

@@ -243,7 +243,8 @@ static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_cou
         for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
             const gn_tie_share *share = &q->ties.share[s];
             const int32_t p = dem->index_of_id[q->ties.tie[share->tie].id];
-            if (q->place[share->tie] < 0 || p < 0) continue; /* it is removed, or about to be */
+            if (q->place[share->tie] < 0 || p < 0)
+                continue; /* the particle has been removed, or is about to be */
             double mass = 1.0 / dem->particles.vel[4 * (size_t)p + 3];
             *carried += mass * q->ties.tie[share->tie].shape[share->corner];
         }
@@ -542,7 +543,7 @@ void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids 
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
-    ctx->choice.whole = -fabs(ctx->choice.whole); /* is outdated */
+    ctx->choice.whole = -fabs(ctx->choice.whole); /* the limit of the whole is outdated */
     const bool lumped = !q->before && !q->stiffness;
     double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {

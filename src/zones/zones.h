@@ -18,15 +18,16 @@ typedef enum gn_side { GN_SIDE_PARTICLES, GN_SIDE_ELEMENTS, GN_SIDE_ZONE, GN_SID
 /* Stability limit of particles and elements as one system (coupled_limit.c). */
 typedef struct gn_whole_limit {
     double sharp, low; /* s: 1/tau by Lanczos, contact damping included; with its residual */
-    int iterations;    /* Lanczos vectors; 0: not looked for */
+    int iterations;    /* number of Lanczos vectors; 0: the limit was not computed */
     gn_side side; /* location of the fastest mode; zones include the nodes that carry particles and
                      the particles' own motion */
-    double share[GN_SIDES]; /* of its kinetic energy */
-    int32_t particle, node; /* the one with the largest share, -1: it is one of the others */
+    double share[GN_SIDES]; /* shares of the kinetic energy of the mode */
+    int32_t particle,
+        node; /* the particle or node with the largest share, -1: it is of the other kind */
 } gn_whole_limit;
 
 typedef struct gn_coupled {
-    gn_ties ties;             /* of the first solid */
+    gn_ties ties;             /* ties to the first solid */
     int32_t *place;           /* [ties] of the particle in its record, -1: removed */
     double (*load)[3];        /* [ties] N, of the contacts of a particle in the last step */
     gn_consistent consistent; /* without ties: masses are lumped */
@@ -46,7 +47,7 @@ void gn_coupled_free(gn_coupled *coupled); /* NULL is allowed */
  * masses and before they have bonds. */
 gneiss_status gn_coupled_create(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 const gn_solids *solids, gn_zones *zones, gneiss_error *error);
-/* Does so for a world whose records were read. */
+/* Makes the zones' state for a world whose records were read from a file. */
 gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 const gn_solids *solids, gn_zones *zones, gneiss_error *error);
 /* Refuses contact laws that do not support contacts of a weight below 1. */
@@ -69,13 +70,13 @@ void gn_zones_add_to_reading(const gn_zones *zones, gn_ledger *ledger);
 /* Finds the particles that follow nodes after a conversion, and their masses. */
 gneiss_status gn_coupled_recreate(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                                   gn_zones *zones, gneiss_error *error);
-/* Their masses alone. */
+/* Finds only the masses of the particles that follow nodes. */
 gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zones *zones,
                                gneiss_error *error);
 /* Puts the particles of zones where the nodes are now, with their velocities; not for springs. */
 void gn_coupled_follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones);
-/* Does so at the start for the particles that moving nodes lead, with springs as well. */
+/* Places, at the start, the particles that moving nodes drive, also those with springs. */
 void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                       gn_zones *zones);
 
@@ -132,7 +133,7 @@ size_t gn_coupled_broken(const gn_dem *dem);
  * (for conversion the mean over the axes): Pa in an affine strain, kg/m3, and the share of the
  * energy of a wave that their difference returns. */
 typedef struct gn_zone_material {
-    int32_t material; /* of the elements */
+    int32_t material; /* material of the elements */
     size_t particles;
     double modulus[2], density[2], returned;
     double tension[4]; /* Pa, moduli of particles and of elements in tension along each axis of
@@ -149,10 +150,11 @@ enum {
 typedef struct gn_zone_figures {
     double width, element, diameter; /* m; means over its elements and particles */
     double least;                    /* weight of an element's node that has the least: 0 */
-    double edge;                     /* the same of its particles */
-    size_t particles;                /* in elements */
-    size_t beyond;                   /* of them where they have no weight, beyond its edge */
-    size_t shared, other;            /* that are in another zone as well, and which: the first */
+    double edge;                     /* weight of its particle that has the least: 0 */
+    size_t particles;                /* number of particles in elements */
+    size_t beyond;                   /* number of these without weight, beyond the zone's edge */
+    size_t shared,
+        other;   /* number of particles that are in another zone as well; the first such zone */
     double mass; /* mass of their share of the body over that which elements leave to them */
     size_t materials;
     gn_zone_material material[GN_ZONE_MATERIALS];

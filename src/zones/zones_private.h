@@ -12,8 +12,8 @@
 
 #include <stddef.h>
 
-/* That each zone has elements and particles, and these are in elements and start at rest
- * (zone_check.c). */
+/* Checks that each zone has elements and particles, and that the particles are in elements and
+ * start at rest (zone_check.c). */
 gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              const gn_ties *ties, gneiss_error *error);
 

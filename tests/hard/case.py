@@ -16,7 +16,7 @@ EPS = 2.0**-52
 @dataclasses.dataclass(frozen=True)
 class Case:
     """A row of the table."""
-    name: str        # name of the test as well
+    name: str        # name of the case and of its test
     hard: str        # the difficulty
     should: str      # the expected result
     scene: Callable  # folder -> scene; may write files into the folder
@@ -35,7 +35,7 @@ def sphere_mass(radius, density=DENSITY):
 
 
 def material(**changes):
-    friction = 0.3 if changes.get("kratio", 2) else 0  # without a tangential spring there is no friction
+    friction = 0.3 if changes.get("kratio", 2) else 0  # without a tangential spring no friction is possible
     return {"name": "ball", "density": DENSITY, "normal_stiffness": 1e6, "kratio": 2, "friction": friction, **changes}
 
 
@@ -112,7 +112,7 @@ class Seen:
             return file[name][()]
 
     def again(self, scene, name, *arguments):
-        """Another scene beside this one."""
+        """Runs another scene, to compare it with this one."""
         return start(self.folder, scene, name, *arguments)
 
     def state(self):
@@ -208,7 +208,7 @@ def keeps_energy(limit):
 
 
 def says(*patterns):
-    """Ends with these words, and without numbers that are not finite."""
+    """Checks that the run ends with a message that has these words and no "nan"."""
     def check(one):
         for pattern in patterns:
             assert re.search(pattern, one.message), f"expected /{pattern}/ in: {one.message[:600]}"

@@ -117,8 +117,7 @@ def relaxing(folder):
 
 
 def relaxed_on_both_sides(one):
-    """Conversions in both halves of the run, the second of which another program continues; the ledger closes in
-    both."""
+    """Conversions occur in both halves of the run, the second of which another program continues; the ledger closes in both."""
     rows, relaxation = one.history, one.summary["relaxation"]
     active, half = rows["particles"], int((rows["time"] < 0.5 * one.summary["time"]).sum())
     assert 0 < active[half] < active[-1], (active[half], active[-1])

@@ -50,7 +50,7 @@ def flat(size=1e-3, n=12):
 
 
 def needles():
-    """Strips of a plate: triangles 12 mm long and 1e-3 to 1e-9 mm wide, some without any area, and the rest of it."""
+    """Strips of a plate: triangles 12 mm long and 1e-3 to 1e-9 mm wide, some without any area, and the remainder of the plate."""
     edge, cuts = 12e-3, [0, 3e-3, 3e-3 + 1e-6, 3e-3 + 1.1e-6, 3e-3 + 1.1e-6 + 1e-9, 6e-3, 6e-3 + 1e-12, 9e-3, 12e-3]
     made = list(plate_of(lambda i, j: (cuts[i], edge * j, 0), len(cuts) - 1, 1))
     return [*made, ((3e-3, 0, 0), (3e-3, 6e-3, 0), (3e-3, 12e-3, 0)), ((6e-3, 1e-3, 0), (6e-3, 1e-3, 0), (6e-3, 2e-3, 0))]
@@ -85,7 +85,7 @@ def falls_off(one):
     v, d = one.field("particles/velocity")[0], one.field("particles/displacement")[0]
     v = v + np.array([0, -WEIGHT, 0]) * 0.5 * one.summary["time"] / one.summary["steps"]
     rows, weight = one.history, math.pi * 1e-6 * DENSITY * WEIGHT
-    on = (rows["time"] > 0) & (rows["time"] < 2e-3 / 0.3)  # before its centre is beyond the corner
+    on = (rows["time"] > 0) & (rows["time"] < 2e-3 / 0.3)  # rows before its centre is beyond the corner
     jump = np.abs(rows["body_table_force_y"][on] / -weight - 1).max()
     assert jump < 1e-3, f"on the table the force departs from the weight by {jump:.2g}"
     off = abs(0.5 * (v @ v) - 0.045 + WEIGHT * d[1]) / 0.045
@@ -138,7 +138,7 @@ TILT = 0.3
 
 
 def rolling(folder):
-    """A ball rolls down a plate of triangles, which gravity is tilted for; it never slides."""
+    """A ball rolls, without sliding, down a plate of triangles in tilted gravity."""
     stl(folder, "plate.stl", flat())
     return spheres([[1.3e-3, 2.2e-3, 1e-3 - SINK, 1e-3]], 0.05, {"normal_stiffness": K},
                    gravity=[WEIGHT * math.tan(TILT), 0.3 * WEIGHT * math.tan(TILT), -WEIGHT],

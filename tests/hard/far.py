@@ -77,7 +77,7 @@ def quiet(folder):
 
 
 def hangs(one):
-    """Each of 3 layers hangs on its bond: m g/k, 2 m g/k, 3 m g/k of stretch. Forces are good to 1e-7 of the largest."""
+    """Each of 3 layers hangs on its bond: m g/k, 2 m g/k, 3 m g/k of stretch. Forces have errors of at most 1e-7 of the largest."""
     sink = sphere_mass(1e-3) * 10 / 1e6
     wanted = -sink * np.array([6, 5, 3, 0])
     layer = np.rint((one.field("particles/position")[:, 2] - 1e-3) / 2e-3).astype(int)

@@ -30,7 +30,7 @@ def bonded_nearly_coincident(folder):
 
 
 def through_each_other(folder):
-    """Half as fast again as the springs could stop, a hundredth of a radius off centre, with dashpots."""
+    """The sphere is half as fast again as the springs could stop, and hits a hundredth of a radius off centre; with dashpots."""
     speed = 1.5 * 2e-3 * math.sqrt(1e6 / (2 * sphere_mass(1e-3)))
     return spheres([[0, 0, 0, 1e-3], [1e-5, 0, 2.1e-3, 1e-3]], 2e-5, {"kratio": 0}, damping={"contact": {"restitution": 0.9}},
                    sets=[launched("a", [0], [0, 0, speed]), launched("b", [1], [0, 0, -speed])])
@@ -71,14 +71,14 @@ def does_not_stir(one):
 
 
 def bouncing(folder):
-    """Falls by a radius and rebounds, 4 times; one contact every 150 steps."""
+    """The sphere falls by a radius and rebounds, 4 times; one contact every 150 steps."""
     scene = spheres([[0, 0, 2e-3, 1e-3]], 0.1, gravity=[0, 0, -10], walls=[wall("floor", [0, 0, 0], [0, 0, 1], 1e5)])
     scene["output"]["history_rows"] = 2000
     return scene
 
 
 def comes_back(one):
-    """At its top every term of the ledger is nearly zero; ten steps a contact."""
+    """At the sphere's highest point every term of the ledger is nearly zero; a contact takes ten steps."""
     rows = one.history
     tops = int(np.sum(np.diff(np.sign(rows["energy_work_gravity"] - 5e-8)) > 0))
     worst = np.abs(rows["energy_residual"]).max()
@@ -87,7 +87,7 @@ def comes_back(one):
 
 
 def dropped(restitution):
-    """Each sphere touches the floor at another phase of a step."""
+    """The spheres touch the floor at different phases of a step."""
     def scene(folder):
         rows = [[5e-3 * k, 0, 1e-3 + 1e-5 * (1 + 0.618 * k % 1), 1e-3] for k in range(40)]
         return spheres(rows, 1e-4, {"kratio": 0}, sets=[launched("all", None, [0, 0, -1])],
@@ -106,14 +106,14 @@ def restitution_is(wanted):
 
 
 def gas(folder):
-    """216 spheres in a periodic box; each collides some fifty times."""
+    """A periodic box contains 216 spheres; each collides some fifty times."""
     return spheres(lattice("cubic", [6, 6, 6], spacing=1.1, jitter=0.05), 5e-3,
                    {"normal_stiffness": 1e5}, periodic={"min": [0] * 3, "max": [13.2e-3] * 3},
                    initial={"random_velocity": 5}, damping={"contact": {"restitution": 1.0}})
 
 
 def crowd(folder):
-    """Gaps of 1e-4 diameters: after the first motion all twelve neighbours are in contact."""
+    """The gaps are 1e-4 diameters: after the first motion all twelve neighbours are in contact."""
     edge = 3 * 2e-3 * 1.0001 * math.sqrt(2)
     return spheres(lattice("fcc", [3, 3, 3], spacing=1.0001), 6e-3,
                    {"normal_stiffness": 1e5, "kratio": 1, "friction": 0}, periodic={"min": [0] * 3, "max": [edge] * 3},
@@ -170,7 +170,7 @@ def bullet(speed):
 
 
 def hits(one):
-    """Momentum to rounding; the row is hit, and no sphere has passed another one."""
+    """Momentum is conserved to rounding; the row is hit, and no sphere has passed another one."""
     v, x = one.field("particles/velocity")[:, 0], one.field("particles/position")[:, 0]
     assert abs(v.sum() / BULLET - 1) < 1e-9 and v[:5].max() > 0.5 * BULLET, v
     assert x[5] < x[0] and np.all(np.diff(x[:5]) > 0), x

@@ -27,7 +27,7 @@ def rebounds(light, ratio, allowed):
 
 
 def small_and_large(folder):
-    """The small one does not set any scale that both share."""
+    """The small particle does not set any scale that both share."""
     small, large = 1e-6, 1e-2
     return spheres([[0, 0, 0, small], [large + 1.1 * small, 0, 0, large]], 1e-6,
                    {"contact_modulus": 1e8, "normal_stiffness": "none", "kratio": 0}, law={"stiffness": "harmonic"},
@@ -35,7 +35,7 @@ def small_and_large(folder):
 
 
 def settles_on_a_large_one(folder):
-    """A large one on a floor, two of a hundredth of its radius fall on it."""
+    """A large particle on a floor, on which two of a hundredth of its radius fall."""
     return spheres([[0, 0, 0, 0.1], [0, 0, 0.1012, 1e-3], [2e-3, 0, 0.1013, 1e-3]], 0.02, gravity=[0, 0, -9.81],
                    walls=[wall("floor", [0, 0, -0.1], [0, 0, 1])], damping={"contact": {"restitution": 0.5}})
 

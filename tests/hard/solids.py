@@ -72,7 +72,7 @@ def sliver():
 
 
 def inside_out():
-    """Every other triangle with its corners in the wrong sense."""
+    """Every other triangle has its corners in the wrong sense."""
     nodes, triangles = grid(6, 3, lambda i, j: (0.01 * i, 0.01 * j))
     return nodes, [(a, c, b) if k % 2 else (a, b, c) for k, (a, b, c) in enumerate(triangles)]
 
@@ -85,7 +85,7 @@ def pulls(one):
 
 
 def as_turned(one):
-    """The mesh with all of its corners in order gives the same, to rounding."""
+    """A mesh with all corners in order has the same result, to rounding."""
     folder = os.path.join(one.folder, "turned")
     os.makedirs(folder, exist_ok=True)
     nodes, triangles = grid(6, 3, lambda i, j: (0.01 * i, 0.01 * j))
@@ -116,7 +116,7 @@ def distorted(folder):
 
 
 def fast_node(folder):
-    """A lid throws the surface of the elements against a sphere of a micrometre."""
+    """A lid sets the surface of the elements in motion towards a sphere of a micrometre, which it hits."""
     made = spheres([[0.01, 0.0201, 1e-6]], 1e-4, {"normal_stiffness": 1e-3, "kratio": 0})
     made["elements"] = {"rectangle": {"size": [0.02, 0.02], "cells": [4, 4]}, "materials": [RUBBER],
                         "motions": [{"name": "all", "group": "y_upper", "motion": {"vy": 1000.0}}], "contact": {"stiffness": 1e3}}

@@ -109,7 +109,7 @@ def light_plate(folder):
 
 
 def lies_on(one):
-    """It comes to rest on the bed, loaded by its weight alone."""
+    """The plate comes to rest on the bed, loaded by its weight alone."""
     rows = one.history
     z, v = rows["body_plate_displacement_z"], rows["body_plate_velocity_z"]
     assert abs(v[-1]) < 1e-3 and -1e-4 < z[-1] < 0, (z[-1], v[-1])
@@ -151,7 +151,7 @@ CROWD = [[2.1e-3 * a, 2.1e-3 * b, 1e-3, 1e-3] for a in range(10) for b in range(
 
 
 def pressed_rows(folder):
-    """Rows of 3, bonded, touch from the start; a row of 12 is closed up by two platens that close slowly."""
+    """Rows of 3 bonded particles touch from the start; a row of 12 is closed by two platens that move slowly."""
     return spheres([[2.0001e-3 * k, 0, 0, 1e-3] for k in range(12)], 6e-3, {"normal_stiffness": 1e5, "kratio": 0},
                    walls=[wall("left", [-1.0001e-3, 0, 0], [1, 0, 0], 1e5, motion={"vx": 0.01}),
                           wall("right", [23.0012e-3, 0, 0], [-1, 0, 0], 1e5, motion={"vx": -0.01})])

@@ -27,7 +27,7 @@ def holds(one):
 
 
 def beyond_strength(folder):
-    """Stretched by a tenth of a radius where it forms, it breaks in the first step."""
+    """The bond is stretched by a tenth of a radius where it forms, and breaks in the first step."""
     return spheres([[0, 0, 0, 1e-3], [0, 0, 2.1e-3, 1e-3]], 1e-3, {"bond_tension_limit": 1, "bond_shear_limit": 1},
                    bonds={"interaction_range": 0.1, "passive_gaps": False})
 

@@ -18,7 +18,7 @@ def ring(folder):
     around = 2 * np.pi * np.arange(RING) / RING
     large = 1e-3 / math.sin(math.pi / RING)
     scene = turning(np.stack([large * np.cos(around), large * np.sin(around), 0 * around], 1), [0, 0, SPIN], 0.03)
-    for k, kick in ((0, 0.2), (RING // 2, -0.2)):  # so that the path is not a circle, and bonds are sheared
+    for k, kick in ((0, 0.2), (RING // 2, -0.2)):  # the path is then not a circle, and bonds are sheared
         scene["sets"][k]["initial_velocity"][0] += kick
     return scene
 
@@ -39,7 +39,7 @@ def momentum_at_start(scene):
 
 
 def turns_for_ever(scene, limit):
-    """Energy to `limit`, angular momentum to rounding: some ulp a step."""
+    """The energy is constant to `limit`, the angular momentum to rounding: some ulp a step."""
     def check(one):
         wanted, words = momentum_at_start(scene("")), keeps_energy(limit)(one)
         off = np.linalg.norm(angular_momentum(one) - wanted) / np.linalg.norm(wanted)
@@ -60,7 +60,7 @@ def block(folder):
 
 
 def twisted_pair(folder):
-    """Rotates about its own line while one end moves across it: the shear force must rotate with it."""
+    """The body rotates about its own line while one end moves across it: the shear force must rotate with it."""
     scene = turning([[0, 0, 0], [2e-3, 0, 0]], [2000.0, 0, 0], 0.02, ball={"kratio": 4})
     scene["sets"][1]["initial_velocity"] = [0, 1.0, 0]
     return scene
@@ -110,7 +110,7 @@ def euler(spin, inertia, end, steps):
 
 
 def flips(one):
-    """It has the spin given by Euler's equations in the frame of the body, after several flips; the error, of second
+    """The body has the spin given by Euler's equations in the frame of the body, after several flips; the error, of second
     order in the step, is an error of phase."""
     rows, (x, y, z) = one.history, SIDES
     inertia = np.array([y * y + z * z, z * z + x * x, x * x + y * y]) * 2000 * x * y * z / 12
@@ -123,7 +123,7 @@ def flips(one):
 
 
 def keeps_turning(one):
-    """Long after the phase has become random."""
+    """The phase has long become random."""
     energy = swing(one.history["energy_rotational"])
     assert energy < 1e-4, energy
     return f"energy within {energy:.0e}, {one.summary['steps']} steps"

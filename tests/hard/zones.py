@@ -48,7 +48,7 @@ def shaken(**changes):
 
 
 def uneven(folder):
-    """Elements of the lower half a thousandth as stiff as those of the upper one, which are as stiff as the particles."""
+    """Elements of the lower half are a thousandth as stiff as those of the upper one, which are as stiff as the particles."""
     nodes, triangles = grid(6, 6, lambda i, j: (2e-3 * i, 1e-3 * j))
     msh(folder, nodes, triangles)
     made = shaken()(folder)
@@ -59,7 +59,7 @@ def uneven(folder):
     with open(path) as file:
         lines = file.read().split("\n")
     first = lines.index("$Elements") + 2
-    for k in range(36):  # the lower three rows of squares
+    for k in range(36):  # the elements of the lower three rows of squares
         word = lines[first + k].split()
         word[3] = word[4] = "2"
         lines[first + k] = " ".join(word)

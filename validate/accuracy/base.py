@@ -25,9 +25,9 @@ from machinery import Axis  # noqa: E402
 
 HEAD = "# Written by ./do accuracy (validate/accuracy/base.py): what the study's own tests found over what is foretold from their specimens.\n"
 FIXED = 0.03  # s: time of a run apart from its steps and the creation of its world, as in src/plan/propose.c.
-FRACTION = 0.9  # of the first break at which statics end
+FRACTION = 0.9  # share of the load at the first break at which statics ends
 COLUMNS = ("case", "quantity", "value")
-AGAIN = 5  # times that costs are measured
+AGAIN = 5  # number of measurements of each cost
 
 
 def plan(study, scene_file, again=AGAIN):

@@ -12,7 +12,7 @@ from machinery import Axis, key
 
 LENGTH, HEIGHT, YOUNG, POISSON, DENSITY, TRACTION = 1.0, 0.1, 30e9, 0.2, 2400.0, 1e4
 PLANE = YOUNG / (1 - POISSON**2)
-SLOWEST = 3.516 * HEIGHT / np.sqrt(12) / LENGTH**2 * np.sqrt(PLANE / DENSITY)  # rad/s, of the beam
+SLOWEST = 3.516 * HEIGHT / np.sqrt(12) / LENGTH**2 * np.sqrt(PLANE / DENSITY)  # frequency of the beam, rad/s
 LAYERS = 4
 
 

@@ -5,7 +5,7 @@ import words
 from machinery import Axis, key
 
 LONG, HEIGHT, SPAN, DEPTH, WIDTH = 0.44, 0.1, 0.4, 0.03, 0.002
-YOUNG, POISSON, DENSITY = 30e9, 0.16, 2400.0  # of the packing
+YOUNG, POISSON, DENSITY = 30e9, 0.16, 2400.0  # elastic constants and density of the packing
 CELL, ZONE = 8e-3, 24e-3
 POLYGON = [[0, 0], [LONG / 2 - WIDTH / 2, 0], [LONG / 2 - WIDTH / 2, DEPTH], [LONG / 2 + WIDTH / 2, DEPTH], [LONG / 2 + WIDTH / 2, 0],
            [LONG, 0], [LONG, HEIGHT], [0, HEIGHT]]

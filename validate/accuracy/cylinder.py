@@ -1,8 +1,5 @@
-"""Compression and direct tension of a cylinder of rock: what strength and stiffness cost.
-
-One packing (a file) for what is varied beside it; a packing of their own for runs in which the number of particles or the seed is
-varied, and there packing is a part of the seconds.
-"""
+"""Compression and direct tension of a cylinder of rock: the cost of strength and stiffness. One packing (a file) serves all axes except for the
+number of particles and the seed; runs of these make their own packings, whose time is a part of their seconds. """
 import copy
 
 import numpy as np
@@ -209,8 +206,8 @@ class Measured:
                   middle, min(n), max(n), len(n))
 
     def measure_ways(self, r):
-        """Ways to the same answer in fewer steps, against the same run without: change of a reading over the factor of the step, and the mean
-        over both speeds by starting at the first break."""
+        """Methods that need fewer steps, compared with the same run without them: the change of a reading over the factor of the step, and, for
+        starts at the first break, the mean over both speeds."""
         rows = {row.value: row[READINGS[r]] for row in self.found["mass scaling"]}
         if 1 in rows:
             self.slopes.linear(r, "mass scaling", "bias", "step over that without added mass", list(rows), [y / rows[1] - 1 for y in rows.values()], 1)
@@ -227,8 +224,8 @@ KINDS = {"calibrated": "contact strength and stiffness calibrated with that numb
 
 
 def bias_of(m, reading, kind, rows, count, spread):
-    """Calibrated: of the speed alone, by the same seeds at the base's. Constant: of the number against the limit as well, and the two do
-    not make up for each other. What the mean is off by chance is not its bias and is taken off."""
+    """Bias of a reading. Calibrated: that of the speed alone, from the same seeds at the speed of the base. Constant: that of the number of particles
+    relative to the limit as well; the two do not cancel. The random error of the mean is not its bias and is subtracted."""
     base = {row.seed: row[READINGS[reading]] for row in m.by_count[count]}
     change = fits.clean([np.log(row[READINGS[reading]] / base.get(row.seed, float("nan"))) for row in rows])[0]
     chance = change.std(ddof=1) / np.sqrt(len(change)) if len(change) > 1 else 0.0

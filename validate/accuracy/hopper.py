@@ -4,9 +4,9 @@ from machinery import Axis, key
 
 RADIUS, DENSITY, YOUNG, POISSON, GRAVITY = 1.5e-3, 2500.0, 2e6, 0.25, 9.81
 SILO, HOLE, GRAINS, OPENS, END = 0.03, 0.018, 1000, 0.3, 1.0  # m, m, s, s
-FEW = {"grains": 60, "end": 0.3, "opens": 0.15, "young": 2e5}  # of the quick form
+FEW = {"grains": 60, "end": 0.3, "opens": 0.15, "young": 2e5}  # settings of the quick form
 TERMS = ["energy.work_gravity", "energy.friction", "energy.contact_damping", "energy.residual"]
-PRESSURE = DENSITY * GRAVITY * SILO  # of grains as deep as the silo is wide, but for their voids
+PRESSURE = DENSITY * GRAVITY * SILO  # pressure of grains as deep as the silo is wide, without their voids
 
 
 def scene(quick):

@@ -17,7 +17,7 @@ import study
 @dataclass
 class Axis:
     """A setting that is varied alone, or several when `settings` sets several keys: values, and for each the keys of the scene. `quick`: the values
-    of the quick form (none: left out there). The line of an axis in the table of its case is all that a new one needs."""
+    of the quick form (none: left out there). A new axis needs only its line in the table of its case."""
     name: str
     values: list
     settings: object  # value -> {key: value}

@@ -1,5 +1,5 @@
-"""Scatter of packings by the law of the bonds: many packings of one number, made as a scene makes them that says nothing of packing, over the
-study's law of scatter, whose packings hold by overlapping spheres and one law. Rows of base.csv: `scatter over its law: READING, LAW`.
+"""Scatter of packings by the law of the bonds: many packings of one number of particles, made by the default settings of packing, relative to the
+study's law of scatter, which is based on overlapping spheres and one law. Rows of base.csv: `scatter over its law: READING, LAW`.
 
 Loaded at four times the speed of the study.
 """
@@ -16,7 +16,7 @@ from machinery import Axis, key
 HERE = Path(__file__).resolve().parent
 COUNT, SEEDS = 500, 24
 LAWS = {"harmonic": {}, "arithmetic": {}, "mean_radius": {}, "dempack": {"contact_modulus": None, "kratio": 0, "young": "20 GPa", "poisson": 0.2}}
-WIDTH, HEIGHT = 0.04, 0.08  # of the bodies in the plane
+WIDTH, HEIGHT = 0.04, 0.08  # width and height of the bodies in the plane
 CLOSING = {"compression": 0.4, "tension": 0.1}
 LAST = {"compression": 0.03, "tension": 0.01}  # strain at which a run ends at the latest
 

@@ -29,7 +29,7 @@ class Case:
     units: dict = field(default_factory=dict)  # label: (factor, text)
     models: tuple = ()  # axes that are choices of a model: no errors
     others: dict = field(default_factory=dict)  # label: [(seconds, error)] of other programs, for the picture
-    more: object = None  # Measured -> words
+    more: object = None  # function: Measured -> further text
 
 
 def by_value(rows):
@@ -54,7 +54,7 @@ class Measured:
         first, means = axis in ("precision", "round-off"), {value: np.nanmean([of(row) for row in rows]) for value, rows in same.items()}
         if axis in self.case.limits:
             return fits.limit([self.case.limits[axis](rows[0]) for rows in same.values()], list(means.values()))[0]
-        if axis == "velocity":  # those halve from one to the next
+        if axis == "velocity":  # speeds halve from one to the next
             shaken = np.array([of(row) for row in self.case.rows.get("round-off", [])], float)
             noise = 2 * np.sqrt(2) * fits.scatter(shaken) if np.isfinite(shaken).sum() > 2 else 0.0
             return fits.halved([means[value] for value in sorted(means)], noise)[0]
@@ -77,7 +77,7 @@ class Measured:
             if axis in self.case.models or axis not in self.case.groups:
                 if len(points) == 2 and axis == "precision":
                     if np.isfinite(points[1][3]) and abs(points[1][2]) <= self.chance(axis, reading, points[1]):
-                        continue  # of means over seeds: chance explains it
+                        continue  # in means over seeds the difference may be random
                     self.slopes.constant(reading, axis, "bias", points[1][2] - points[0][2], 1)
                 elif points and points[0][5] > 2 and axis not in self.case.models:
                     self.slopes.constant(reading, axis, "scatter", points[0][3], points[0][5])
@@ -114,7 +114,7 @@ class Measured:
 
 
 def chance_words(m, axis, reading):
-    """Words on whether the ends of an axis differ by more than seeds do, for grains, which settle elsewhere after every change."""
+    """Words on whether the ends of an axis differ by more than seeds do, for grains, which come to rest in other positions after every change."""
     points = m.errors[axis, reading]
     least, most = min(points, key=lambda p: p[0]), max(points, key=lambda p: p[0])
     means = np.hypot(least[3] / np.sqrt(least[5]), most[3] / np.sqrt(most[5]))

@@ -1,4 +1,4 @@
-"""Measured slopes as a table, slopes.csv: what errors are made of, over dimensionless groups. The page's table of slopes is made from
+"""Measured slopes as a table, slopes.csv: contributions to errors over dimensionless groups. The page's table of slopes is made from
 it, and a program may read it.
 
 form power:    error = coefficient * (group / reference)^exponent  (error: change of the reading over the reading)

@@ -33,7 +33,7 @@ class CalculixError(RuntimeError):
 
 
 def version():
-    """As the program tells it, "2.20"."""
+    """Version as the program prints it, "2.20"."""
     if not shutil.which(PROGRAM):
         raise CalculixError(f"expected the program {PROGRAM} (Debian package calculix-ccx, or the environment variable "
                             "CCX), found none in PATH")
@@ -50,7 +50,7 @@ def exact(x):
 
 
 def wrapped(numbers):
-    """Comma-separated, broken into lines that CalculiX accepts; a comma at the end of a line goes on."""
+    """Comma-separated, broken into lines that CalculiX accepts; a comma at the end of a line continues it."""
     rows = [", ".join(str(int(x)) for x in numbers[k:k + PER_LINE]) for k in range(0, len(numbers), PER_LINE)]
     return ",\n".join(rows)
 
@@ -138,7 +138,7 @@ class Deck:
 
 
 class Result:
-    """From the last increment: displacement {node: [3]}; stress {element: [points, 6]}, xx yy zz xy xz yz at the
+    """Results of the last increment: displacement {node: [3]}; stress {element: [points, 6]}, xx yy zz xy xz yz at the
     integration points; and the log, the seconds of wall, and the increment of an explicit step, if there is one."""
 
     def __init__(self, folder, log, seconds):
@@ -160,14 +160,14 @@ def run_job(folder, text, title, threads, timeout):
     except subprocess.TimeoutExpired as error:
         raise CalculixError(f"{title}: {PROGRAM} took longer than {timeout} s") from error
     seconds = time.monotonic() - begin
-    # It returns 0 after some errors too.
+    # The program returns 0 after some errors too.
     if done.returncode != 0 or "*ERROR" in done.stdout or "Job finished" not in done.stdout:
         raise CalculixError(f"{title}: {PROGRAM} failed (exit code {done.returncode}):\n{done.stdout[-2000:]}")
     return Result(folder, done.stdout, seconds)
 
 
 def read_dat(path):
-    """Displacements and stresses of the last blocks of a .dat file; {} for what it does not have."""
+    """Displacements and stresses of the last blocks of a .dat file; {} for missing ones."""
     displacement, stress, reading = {}, {}, None
     if not path.exists():
         return displacement, stress

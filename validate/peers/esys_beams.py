@@ -48,7 +48,7 @@ def main():
     for _ in range(chain["steps"]):
         simulation.runTimeStep()
     tip = simulation.getParticlePosn(bonds)
-    simulation.exit()  # the workers wait for ever otherwise
+    simulation.exit()  # the workers would wait for ever otherwise
     print(f"tip {tip[0]:.17g} {tip[1]:.17g} {tip[2]:.17g}", flush=True)
 
 

@@ -31,7 +31,7 @@ O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Face
 O.run(job["warm"], wait=True)
 start = time.process_time()
 O.run(job["steps"], wait=True)
-seconds = time.process_time() - start  # of all threads
+seconds = time.process_time() - start  # processor time of all threads
 with open(job["out"], "w") as file:
     json.dump({"seconds": seconds, "interactions": O.interactions.countReal(), "z": O.bodies[ball].state.pos[2]}, file)
 os._exit(0)

@@ -15,7 +15,7 @@ def material(m):
 
 
 def carry_out(job):
-    """For every step: time, then position, velocity and spin of each sphere; for the last one alone where no rows are asked for."""
+    """For every step: time, then position, velocity and spin of each sphere; only for the last step if no rows are requested."""
     O.reset()
     for s in job["spheres"]:
         k = O.bodies.append(sphere(s["at"], s["r"], material=material(s)))

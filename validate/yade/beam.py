@@ -9,7 +9,7 @@ import jobs
 import own
 
 PROPORTIONS = np.array([6.0, 1.0, 2.0])  # length x, thickness y, height z over the thickness: 240 x 40 x 80 mm
-SPAN = 5.0                               # over the thickness
+SPAN = 5.0                               # span over the thickness
 CONTACT = {"density": 5000.0, "contact_modulus": 15e9, "kratio": 1 / 0.3, "friction": float(np.tan(np.radians(19))),
            "tension": np.pi / 4 * 10e6, "shear": np.pi / 4 * 40e6, "interaction_range": 0.05, "damping": 0.2}
 SPEED = 0.01  # m/s of the punch

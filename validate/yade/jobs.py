@@ -43,7 +43,7 @@ KEPT_ONLY = False  # missing YADE runs raise NotKept
 
 
 class NotKept(Exception):
-    """A run of YADE that was not to be started."""
+    """A run of YADE that was not allowed to start."""
 
 
 def yade_program():
@@ -58,8 +58,8 @@ def digest(*things):
 
 
 def packed(name, text, cut=None):
-    """The folder under runs/validate/specimens with the packing.txt that `gneiss pack` makes of the text, made when text or program
-    are others than before; then cut(folder) is called, which may write more files."""
+    """The folder under runs/validate/specimens with the packing.txt that `gneiss pack` makes of the text, made again if the text or the program has
+    changed; then cut(folder) is called, which may write more files."""
     folder = RUNS / "specimens" / name
     stamp, note = digest(text, Path(study.PROGRAM).read_bytes()), folder / "made-from"
     if note.exists() and note.read_text() == stamp:

@@ -247,7 +247,7 @@ def section(options):
     pairs = [(TESTS[n]["read"](job, a), TESTS[n]["read"](job, b)) for n, (job, a, b, *_) in found.items()]
     worst = {key: max(abs(100 * (y[key] / g[key] - 1)) for g, y in pairs) for key in ("E", "nu", "strength")}
     table = [line for name, parts in found.items() for line in strength_rows(name, parts[3])]
-    whole = {line[0]: line for line in table}  # the last of a test: over all its packings
+    whole = {line[0]: line for line in table}  # the last line of a test, over all its packings
     after = (f"Largest differences between the codes: stiffness {worst['E']:.2g} %, ratio {worst['nu']:.2g} %, strength of one run "
              f"{worst['strength']:.2g} %. Asked for: elastic constants within 0.5 %, strengths within the scatter. Means over all packings, YADE's over "
              f"gneiss': {', '.join(f'{name} {line[6]} % ({line[8]} standard deviations)' for name, line in whole.items())}.")

@@ -1,4 +1,4 @@
-"""Carries out one job (validate/yade/jobs.py says what a job holds) in YADE.
+"""Carries out one job (validate/yade/jobs.py defines jobs) in YADE.
 
     JOB=job.json OUT=result.npz QT_QPA_PLATFORM=offscreen yade -n -x -j1 validate/yade/peer.py
 
@@ -180,7 +180,7 @@ class Contacts:
 
 
 def add_increment():
-    """Called before YADE's law: sets shear forces from which YADE's increment leads to that of gneiss, which then
+    """Called before YADE's law: sets shear forces such that YADE's increment leads to the force of gneiss, which then
     decides on bonds and friction."""
     contacts.look()
     if choice["increment"] == "middle":
@@ -190,7 +190,7 @@ def add_increment():
 
 
 def change_shear(i, new):
-    """Another shear force in this step, with the corresponding change of the forces on the particles."""
+    """Replaces the shear force of this step, with the corresponding change of the forces on the particles."""
     change, n = new - i.phys.shearForce, i.geom.normal
     overlap = i.geom.penetrationDepth
     O.forces.addF(i.id1, -change)
@@ -258,7 +258,7 @@ def ends_along(i):
 
 
 def complete_crossing(broken):
-    """Contacts without a bond that closed or opened within this step: src/kernels/contact_law.h has the reason. Bonds
+    """Contacts without a bond that closed or opened within this step: see src/kernels/contact_law.h. Bonds
     that broke in it were springs until then."""
     c, sprung = contacts, {(i.id1, i.id2) for i in broken}
     start = c.stretch - c.path

@@ -17,7 +17,7 @@ ROJEK = """## Five parameter models (Rojek et al. 2012)
 11.89) and rock-c (wide sizes). Published numbers are of another packing: what can be compared is the order and the ratios. Levels of E and nu
 follow n_c: the rows with bonds over wider gaps bring rock-a to the published number of bonds; [models.md](models.md) has more experiments.
 """
-WIDE = {"bonds.interaction_range": 0.295}  # until rock-a has the published number of bonds
+WIDE = {"bonds.interaction_range": 0.295}  # range for which rock-a has the published number of bonds
 
 
 def rojek():
@@ -148,8 +148,8 @@ the normal speed v_n of a sphere, spins times r/v_n. mu = {mu}, k_n/k_t = {krati
 YADE's JCFpm has no contact damping, so restitution below 1 is compared with the closed form alone.
 """
 R, V, MU, KRATIO, DT = 1e-3, 0.01, 0.3, 3.7, 4e-9  # radius, normal speed, friction, k_n/k_t, step
-GAP = 1e-5 * R                                     # of each sphere from the plane between them
-TANGENTS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 4.0, 6.0)  # tangential over normal approach
+GAP = 1e-5 * R                                     # gap of each sphere to the plane between them
+TANGENTS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 4.0, 6.0)  # tangential over normal speed of approach
 
 
 def pressing_restitution(e):

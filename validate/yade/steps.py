@@ -1,5 +1,5 @@
-"""Level 1, step by step: two particles, a chain, a small lattice. Which definitions differ, each with the experiment that
-removes the difference."""
+"""Level 1, step by step: two particles, a chain, a small lattice. It lists the definitions that differ, each with the experiment that removes the
+difference."""
 import numpy as np
 
 import jobs
@@ -9,7 +9,7 @@ GRAIN = {"density": 2650.0, "contact_modulus": 10e9, "kratio": 3.7, "friction": 
 FREE, STILL = [None] * 3, [0.0] * 3
 # The definitions that peer.py uses by default: all of them equal to those of gneiss.
 SAME = {"fresh": "aligned", "increment": "middle", "crossing": "part"}
-# Overlapping by 2.6 %; apart by 2 micrometres; touching.
+# Pairs that overlap by 2.6 %, are 2 micrometres apart, or touch.
 PAIR = [[0, 0, 0, 1.0e-3], [1.85e-3, 0, 0, 0.9e-3]]
 APART = [[0, 0, 0, 1.0e-3], [1.902e-3, 0.01e-3, 0, 0.9e-3]]
 
@@ -96,8 +96,8 @@ CASES = {
     "lattice undamped": ("the same without damping", lattice_job(0.0)),
 }
 
-# Spins a hundred times those of "rolling", so that what is of first order in the angle of a step stands above round-off; the
-# bonds hold. Not held to 1e-9 from the first steps on: YADE's own turn of the shear force is one of these.
+# Spins a hundred times those of "rolling", so that terms of first order in the angle of a step exceed round-off; the bonds
+# hold. Not held to 1e-9 from the first steps on: YADE's own turn of the shear force is one of these.
 FAST = {
     "fast rolling": ("spins of 3000 to 8000 rad/s, one particle held",
                      {"rows": PAIR, "steps": 1000, "sets": [held()], "initial": start(STILL, [3e3, -5e3, 8e3]),

@@ -27,7 +27,7 @@ double precision, with history rows, without energies. YADE -j2 does not repeat 
 
 
 def yade_seconds(name, threads):
-    """(seconds per step, the code's own step)."""
+    """Returns (seconds per step, the code's own step)."""
     folder = jobs.RUNS / "time"
     folder.mkdir(parents=True, exist_ok=True)
     result = folder / "result.json"
