@@ -64,7 +64,7 @@ struct gn_boundary {
     int32_t *body_corner;           /* [body_corner_count], within a body */
     double *vertex_part;            /* [body_vertex_count], of the stiffness against walls */
     gn_wall_contacts body_contacts; /* contacts of vertices of free bodies (column i) with walls */
-    gn_contact_sums body_sums;      /* of these */
+    gn_contact_sums body_sums;      /* sums of body_contacts */
     gn_body_pairs pairs;            /* contacts of bodies with each other */
 
     gn_holder holder;

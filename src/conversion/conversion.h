@@ -28,7 +28,7 @@ typedef struct gn_convertible {
     gn_most_loaded *most_loaded;
     gn_ledger *ledger;
     gn_ending *outcome;
-    gneiss_status (*rebuild)(gn_world *world, gneiss_error *error); /* makes all lists anew */
+    gneiss_status (*rebuild)(gn_world *world, gneiss_error *error); /* rebuilds all lists */
     gn_world *world;                                                /* passed to `rebuild` */
 } gn_convertible;
 

@@ -147,7 +147,8 @@ enum { PART = 512 };
 /* Some of the prepared bonds, and the rows of those that the list already has. */
 typedef struct part {
     size_t begin, count;                /* positions in the new list */
-    int32_t from[PART], prepared[PART]; /* in the last list, -1: it is new; -1: it is known */
+    int32_t from[PART], prepared[PART]; /* `from`: row in the last list, -1: it is new; `prepared`:
+                                           -1: it is known */
 } part;
 
 /* Copies bonds that the last list had; new ones start from the prepared bonds. */

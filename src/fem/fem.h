@@ -109,7 +109,7 @@ typedef struct gn_fem_solid {
     int64_t step;
     double time, dt_past;
     gn_fem_energy energy;  /* running */
-    gn_fem_energy reading; /* at the last measured instant */
+    gn_fem_energy reading; /* energies at the last measured instant */
     gn_element_sums
         elastic; /* sums of the last measured instant over all elements; `element` by place */
 } gn_fem_solid;

@@ -141,7 +141,8 @@ static void add_sides(const gn_grid *grid, gn_mesh *mesh, const size_t cell[3], 
         for (int upper = 0; upper < 2; upper++) {
             int32_t tag = side_tag(grid, cell, k, upper);
             if (!tag) continue;
-            int side = k == 0 && mirror ? 1 - upper : upper; /* in the mirrored numbering */
+            int side =
+                k == 0 && mirror ? 1 - upper : upper; /* the side in the mirrored numbering */
             for (int f = 0; grid->dimension == 3 && f < 2; f++)
                 add(&mesh->triangles, grid, cell, split_of(grid)->side[k][side][f], mirror, tag);
             if (grid->dimension == 2)

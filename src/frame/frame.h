@@ -24,8 +24,8 @@ typedef struct gn_machine {
 } gn_machine;
 
 struct gn_step_context {
-    gn_scene scene; /* of the stage; its points relative to scene.origin, as all points of the
-                       world */
+    gn_scene scene; /* scene of the stage; its points, like all points of the world, are relative to
+                       scene.origin */
     gn_scene given; /* the scene in the user's coordinates, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;

@@ -30,8 +30,8 @@ double gn_flow_late(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 /* Particles that source k brings until time.end by its rate, at most its total. */
 double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 
-/* Tells whether a source will bring more particles until time.end, and has not waited for room
- * since it last looked. */
+/* Tells whether a source will bring more particles until time.end, and was not without room when it
+ * last tried. */
 bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem);
 
 /* Returns the wall behind which the whole region of source k lies; NULL: there is none. */

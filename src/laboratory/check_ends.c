@@ -153,7 +153,8 @@ static bool at_one_height(const gn_step_context *ctx, int way, const reach *lowe
     return fabs(middle(upper) - middle(lower)) < (ctx->upper[way] - ctx->lower[way]) / 3.0;
 }
 
-/* Neither end is above the other, and both are in the same outer third of the specimen. */
+/* Tells whether neither end is above the other and both are in the same outer third of the
+ * specimen. */
 static bool on_one_side(const gn_step_context *ctx, int way, const reach *lower,
                         const reach *upper) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0;

@@ -18,7 +18,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Steps between two looks at the contacts along the rim. */
+/* Steps between two updates of the contacts along the rim. */
 enum { RIM_EVERY = 10 };
 
 static size_t tool_of(const gn_step_context *ctx) {

@@ -42,7 +42,7 @@ typedef struct gn_cell_face {
 } gn_cell_face;
 
 typedef struct gn_cell {
-    const gn_start_grid *all; /* with every particle */
+    const gn_start_grid *all; /* grid with every particle */
     double around; /* m: largest distance of a point of a cell from the surface of its particle */
     double width;  /* m, size of the voxels of fine particles */
     size_t count, capacity; /* faces */

@@ -15,7 +15,7 @@ typedef struct gn_mesh_source {
     unsigned char *bytes; /* followed by a zero byte */
     size_t size;
     size_t at, end;
-    const char *section; /* for messages, "" before the first */
+    const char *section; /* name for messages, "" before the first section */
     bool binary;         /* the fields are binary, not text */
     bool by_offset;      /* messages give byte offsets instead of lines */
 } gn_mesh_source;

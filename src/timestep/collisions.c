@@ -50,8 +50,8 @@ typedef struct ties {
     double *inverse;  /* 1/kg [particles]: inverse masses */
     bool apart;       /* most bonded particles have lost all of their bonds */
     uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
-    double share;     /* of the steps that contacts of bonded particles have to last; 0: stability
-                       * suffices */
+    double share; /* share of the steps that contacts of bonded particles have to last; 0: stability
+                     suffices */
 } ties;
 
 /* A damaged bond is softer in tension than in compression: within an intact body any of them

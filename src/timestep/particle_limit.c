@@ -212,7 +212,7 @@ static gneiss_status find_limit(gn_step_context *ctx, gn_dem *dem, const gn_boun
     const question sharp = {.tolerance = 1e-3, .limit = &ctx->choice.limit};
     if (ctx->scene.estimate != GN_STEP_BOUND && !(ctx->scene.step > 0.0))
         return ask(ctx, dem, boundary, false, &sharp,
-                   error); /* no bound suffices, so that the springs are assembled once */
+                   error); /* no bound suffices: the springs are assembled once */
     GN_TRY(ask(ctx, dem, boundary, false, &(question){.limit = &quick}, error));
     if (!bound_suffices(ctx, dem, quick.bound))
         return ask(ctx, dem, boundary, false, &sharp, error);

@@ -304,12 +304,11 @@ static gneiss_status check_whole(gn_step_context *ctx, gn_dem *dem, const gn_bou
     double needed = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99);
     *fine = ctx->dt <= 0.99 * ctx->choice.listed;
     if (*fine && isfinite(needed))
-        ctx->choice.listed_holds = needed; /* only changes have to be checked from now
-                                            * on */
+        ctx->choice.listed_holds = needed; /* from now on only changes have to be checked */
     return GNEISS_OK;
 }
 
-/* Finds the limit anew after nodes have lost mass with removed particles. */
+/* Computes the limit again after nodes have lost mass with removed particles. */
 static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                    const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     if (!(ctx->choice.whole < 0.0)) return GNEISS_OK;

@@ -135,7 +135,8 @@ gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_
 /* Discards the results about lists and collisions. */
 void gn_dem_limit_anew(gn_step_context *ctx);
 
-/* Raises masses, if the scene asks for it, from the step that the world has found without. */
+/* Raises masses, if the scene requests it, starting from the step that the world has found without
+ * raised masses. */
 gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                   gneiss_error *error);
