@@ -43,7 +43,7 @@ static void displacement_form_locks(void **state) {
            fine = deflection(GN_FEM_DISPLACEMENT, COOK_RISING, 16),
            mixed = deflection(GN_FEM_PRESSURE, COOK_RISING, 16);
     print_message("# displacement form %.3f, %.3f; pressure form %.3f\n", coarse, fine, mixed);
-    assert_true(fine < 0.35 * mixed);          /* far off ... */
+    assert_true(fine < 0.35 * mixed);          /* the fine solution is far off ... */
     assert_true(fine - coarse < 0.01 * mixed); /* ... and refinement does not help */
 }
 

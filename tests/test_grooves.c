@@ -207,7 +207,7 @@ static void any_number_of_facets_has_a_potential(void **state) {
             fail_msg("cloud %d: the work misses %.3g of the potential, lean %.3g", n,
                      worst / largest, lean);
     }
-    assert_true(most >= 4); /* at once */
+    assert_true(most >= 4); /* contacts at one time */
 }
 
 /* The force follows the centre: over a step h it changes by k h for each contact at most, and by

@@ -234,7 +234,7 @@ def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
     on = run_scene(folder, {**given, "time": {**given["time"], "stop": "none"}}, name="on")
     assert summary(on)["stop_reason"] == "t = 0.005 s reached", summary(on)["stop_reason"]
     rows, broken = history(ended), history(ended)["broken_tension"]
-    looked = np.isin(rows["step"], history(on)["step"])  # the rows that time.end asks for, between which there are others
+    looked = np.isin(rows["step"], history(on)["step"])  # the rows that time.end requests, between which there are others
     stress = rows["stress"][looked]
     means = (stress[1:] + stress[:-1]) / 2  # means of adjacent rows of the 200 requested
     assert means[-1] < 0.5 * means.max() and not (means[means.argmax():-1] < 0.5 * means.max()).any()

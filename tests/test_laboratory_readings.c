@@ -359,7 +359,7 @@ static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
 typedef struct weakening {
     double from;
     const char *column;
-    int rows;           /* up to the peak */
+    int rows;           /* number of rows up to the peak */
     double sides_stand; /* 1 or 0 */
     int seated;         /* bonds that break at 2 Pa */
 } weakening;

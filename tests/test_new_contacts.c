@@ -269,7 +269,8 @@ static gn_world *loaded(const char *name) {
     return w;
 }
 
-/* Their steps equal those without the rules for collisions and for contacts that may form. */
+/* The steps of bonded tests equal those without the rules for collisions and for contacts that may
+ * form. */
 static void bonded_tests_keep_their_step(void **state) {
     (void)state;
     static const char *const names[] = {"ucs-rock.yaml", "ucs-discs.yaml"};

@@ -149,7 +149,8 @@ static void no_test_gives_no_readings(void **state) {
     r = read_history(&h, 3, 2, -1);
 #define X(name, unit, text) assert_true(isnan(r.name));
     GN_READINGS(X)
-    gn_history_append(&h, (double[COLUMNS]){1e-3, -5, 0, 0, 0}, NULL); /* never loaded */
+    gn_history_append(&h, (double[COLUMNS]){1e-3, -5, 0, 0, 0},
+                      NULL); /* the specimen is never loaded */
     r = read_history(&h, 3, 2, -1);
     GN_READINGS(X)
     gn_history_free(&h);

@@ -498,8 +498,9 @@ static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
     world_end(w);
 }
 
-/* Their bonds, with the initial distance as length, are stored: as contacts of almost zero
- * stiffness with a full overlap they would add spurious energy, however small the strain. */
+/* The bonds of dormant particles, with the initial distance as length, are stored: as contacts of
+ * almost zero stiffness with a full overlap they would add spurious energy, however small the
+ * strain. */
 static void overlaps_of_dormant_particles_are_no_contacts(void **state) {
     (void)state;
     const double hardly[9] = {1e-9, 4e-10, 0, -2e-10, -3e-10, 0, 0, 0, 0};

@@ -32,7 +32,7 @@ def masses_that_followed_contacts_resume_to_the_same_bits(folder):
     straight, broken = os.path.join(folder, "straight"), os.path.join(folder, "broken")
     run(UCS, straight, "--threads", 2, *raised)
     said, energy = summary(straight)["mass_scaling"], history(straight)["energy_step_change"]
-    assert energy[0] == 0 and energy[-1] > 0  # they did
+    assert energy[0] == 0 and energy[-1] > 0  # masses have followed contacts
     assert summary(straight)["dt"] > 0.97 * said["dt_wanted"] and abs(summary(straight)["energy_residual"]) < 1e-3
     expect(stop_at_snapshot(broken, 3, signal.SIGINT, "--threads", 1, *raised), 6)
     resume(broken, "--threads", 2)

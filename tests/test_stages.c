@@ -1183,8 +1183,8 @@ static void steps_that_outlast_the_run_are_refused(void **state) {
             "s.yaml:19:46: stages[1].end.steps: expected an end before time.end");
     accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000000}}\n");
     accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000001, time: 0.1}}\n");
-    accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* too many for an integer
-                                                                          step number */
+    accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* the steps are too many for
+                                                                          an integer step number */
 }
 
 int main(int argc, char **argv) {

@@ -406,7 +406,7 @@ static bool limit_by_few(specimen *s, double tolerance, gn_step_limit *limit) {
     return found;
 }
 
-/* The limit of all lies between the two numbers, which are as near as was asked for. */
+/* The limit of all lies between the two numbers, which are as near as requested. */
 static void few_particles_have_the_limit_of_all(void **state) {
     (void)state;
     const double alphas[] = {0.0, 0.4}, kratios[] = {0.0, 3.7};

@@ -11,7 +11,7 @@ CHANGED = "damaged or was changed"
 
 
 def change(path, name, place, value, anew):
-    """One value of a data set; with `anew` the digests fit it, as if the program had written it."""
+    """One value of a data set; with `anew` the digests are updated, as if the program had written it."""
     with h5py.File(path, "r+") as file:
         file[name][place] = value
         if anew:
