@@ -236,6 +236,11 @@ BAD = (
     ("a scene with an unknown law", "scene: base.yaml\nseeds: 2\ntargets: {young_modulus: 20 GPa}\n", SCENE.replace("harmonic", "magic")),
     ("a scene with two materials", "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n", SCENE.replace("14e6}]", "14e6}, {name: steel, density: 7800}]")),
     ("a scene without a density", "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n", SCENE.replace("density: 2600, ", "")),
+    ("a key that is no parameter", "scene: base.yaml\nparameters: {density: [1000, 3000]}\ntargets: {young_modulus: 20 GPa}\n", SCENE),
+    ("a range without the value of the scene", "scene: base.yaml\nparameters: {friction: [0.6, 1]}\ntargets: {young_modulus: 20 GPa}\n", SCENE),
+    ("parameters without a scene", E + "parameters: {friction: [0.2, 1]}\n"),
+    ("a curve that is not there", E + "  curve: none.csv\n"),
+    ("a file and a shape in a scene", "scene: base.yaml\ntargets: {young_modulus: 20 GPa}\n", SCENE.replace("particles: 250", "particles: 250, file: rock.txt")),
     ("a scene with a wrong unit", "scene: base.yaml\nseeds: 2\ntargets: {young_modulus: 20 GPa}\n", SCENE.replace("friction: 0.5", "friction: 5 kg")),
 )
 
@@ -287,7 +292,10 @@ law: linear
 seeds: [1, 2]
 targets: {compressive_strength: 45 MPa, brazilian_strength: 5 MPa, crack_initiation_stress: 20 MPa, friction_angle: 40 deg, m_i: 10}
 budget: 30 runs
-""", "scene: base.yaml\ntargets: {young_modulus: 20 GPa, friction_angle: 40, compressive_strength: 60 MPa}\n", SCENE)
+""", """scene: base.yaml
+parameters: {friction: [0.2, 1], tensile_strength: [5 MPa, 20 MPa]}
+targets: {young_modulus: 20 GPa, friction_angle: 40, compressive_strength: 60 MPa, curve: {file: curve.csv, confinement: 5 MPa, tolerance: 8 %}}
+""", SCENE, "strain [%],stress [MPa]\n0,0\n0.1,20\n0.2,35.5\n0.3,20\n")
 TOKENS = ("nan", "inf", "-1", "0", "1e400", "[]", "{}", "null", "~", '""', "*a", "&a [*a]", "!!python/object/apply:os.getcwd []", "\0", "yes", "1e-400",
           "0x10", "1_000", "20 GPa", "5 m", "%", "100 %", "-5 %", "[[1]]", "{a: 1}", "1.5", "? x", "- 1", ": ", "|", ">", "1e15", "9" * 20, ".nan", "-.inf",
           "#", '"', "'", "@", "`", "\t", "\ufeff", "$x", "../..", "/dev/null", "/", "\u00b2")
@@ -351,9 +359,10 @@ def mutated():
     shutil.rmtree(folder, ignore_errors=True)
     program = written(folder, '#!/bin/sh\ncase $1 in version) echo "gneiss stand-in (0)";; *) echo "a stand-in" >&2; exit 5;; esac\n', "program")
     os.chmod(program, 0o755)
-    target, scene = str(folder / "targets.yaml"), str(folder / "base.yaml")
-    texts = [{scene: SCENE, target: one} for text in FILES[:3] for one in mutations(text, generator, count // 4)]
-    texts += [{target: FILES[2], scene: one} for one in mutations(FILES[3], generator, count // 4)]
+    target, scene, curve = (str(folder / name) for name in ("targets.yaml", "base.yaml", "curve.csv"))
+    good = {target: FILES[2], scene: SCENE, curve: FILES[4]}
+    texts = [{**good, target: one} for text in FILES[:3] for one in mutations(text, generator, count // 5)]
+    texts += [{**good, path: one} for path in (scene, curve) for one in mutations(good[path], generator, count // 5)]
     codes, wrong = {}, []
     for files, (code, said, _) in zip(texts, harness(folder, [[target, str(folder / "out"), files] for files in texts], program)):
         result = "accepted" if "a stand-in" in said else code
@@ -371,7 +380,7 @@ def targets():
 
 {study.table(['mistake', 'exit code', 'message'], rows)}
 
-Mutations: three good files of targets and a base scene, cut off, with other words in place of each word, with lines left out, doubled and
+Mutations: three good files of targets, a base scene and a measured curve, cut off, with other words in place of each word, with lines left out, doubled and
 exchanged, and with random letters; {sum(codes.values())} files. Every file is read by the command; a stand-in for the program refuses all runs, so that
 accepted files end there. Exit codes: {told}. Neither refused with a message nor accepted: {len(wrong)}.
 """
