@@ -44,7 +44,7 @@ static void corners_of_lattices_are_held(void **state) {
     }
 }
 
-/* Places in pitches. */
+/* Positions in pitches. */
 static void add_grain(text *t, double x, double y, double z) {
     add(t, "%s[%.17g, %.17g, %.17g, 1e-3]", t->used ? ", " : "", pitch * x, pitch * y, pitch * z);
 }

@@ -53,7 +53,7 @@ def masses_are_in_the_results_and_what_they_did_not_reach_is_a_warning(folder):
 
 @fact
 def a_lost_terminal_writes_a_checkpoint(folder):
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would be ignored, and stay so in the program
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup the signal would be ignored, also in the program
     expect(stop_at_snapshot(folder, 2, signal.SIGHUP), 6)
     assert len(checkpoints(folder)) == 1
 
@@ -434,7 +434,7 @@ def a_fast_body_takes_steps_that_grains_resolve(folder):
     out = os.path.join(folder, "out")
     run(write_scene(folder, given), out)
     assert abs(summary(out)["energy_residual"]) < 0.01
-    with results(out) as file:  # the plate is at 24 mm: all of them are in front of it
+    with results(out) as file:  # the plate is at 24 mm: all grains are in front of it
         assert (file["particles/position"][:, 0] > 0.024).all()
 
 
