@@ -78,15 +78,15 @@ double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *body, co
 /* Rigid bodies (bodies.c). */
 gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, size_t deforming,
                                gneiss_error *error);
-/* New velocities from the forces. */
+/* Computes the new velocities from the forces. */
 void gn_bodies_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                     gn_ledger *ledger);
 /* Kinetic energy of free motions at the instant of the kick. */
 void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, double *translation,
                        double *rotation);
-/* New positions. */
+/* Computes the new positions. */
 void gn_bodies_drift(const gn_step_context *ctx, gn_boundary *boundary, gn_ledger *ledger);
-/* Works over half an interval, with the velocities of that. */
+/* Books the works over half an interval, with the velocities of that half. */
 void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                     gn_energy *ledger);
 /* For walls: sum of the forces, motion over the coming step, works over half an interval. */

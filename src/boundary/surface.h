@@ -30,9 +30,9 @@ typedef struct gn_rigid {
     double held[3]; /* 1: bearings prescribe the spin about this axis of space, beside free ones;
                      * else 0 */
     double volume;  /* m3, of a free body */
-    double reach;   /* m, of the farthest vertex from the reference point */
+    double reach;   /* m, distance of the farthest vertex from the reference point */
     double travel;  /* m, bound on the path of any vertex since the lists were made */
-    double ref_position[3], ref_axes[9]; /* position then */
+    double ref_position[3], ref_axes[9]; /* position when the lists were made */
 } gn_rigid;
 
 /* Functions of a body whose surface deforms, for contacts; solids provide them. */

@@ -83,7 +83,7 @@ static bool turn_of(const gn_conversion *conversion, turns *known, int32_t p, do
     return true;
 }
 
-/* Rotates a branch by the rotations of both ends; false: neither is known. */
+/* Rotates a branch by the rotations of both ends; false: no rotation is known. */
 static bool turned_branch(const gn_conversion *conversion, turns *known, int32_t i, int32_t j,
                           double branch[3]) {
     const gn_convertible *model = conversion->model;
@@ -167,7 +167,7 @@ static void fill_part(const gn_conversion *conversion, turns *known, gn_contacts
     q->count = 0;
 }
 
-/* Both lists are sorted alike. */
+/* Both lists are sorted in the same way. */
 static void fill(const gn_conversion *conversion, gn_contacts *now) {
     const gn_contacts *all = &conversion->model->dem->prepared,
                       *last = &conversion->model->dem->bonds.contacts;

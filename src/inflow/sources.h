@@ -17,8 +17,8 @@ bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem);
 gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                              gn_ledger *ledger, bool first, gneiss_error *error);
 
-/* s by which the inflow is late; whether that is more than a hundredth of the time and more than
- * one particle. */
+/* Return the time, s, by which the inflow is late, and whether that is more than a hundredth of the
+ * time and more than one particle. */
 double gn_flow_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 
 bool gn_flow_is_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);

@@ -137,7 +137,7 @@ typedef struct fastest {
     int64_t first, second;
     double *factor; /* [particles] receives the factors of the own masses for w^2 <= `most`; NULL:
                        not requested */
-    double most;    /* 1/s2, for all steps */
+    double most;    /* 1/s2, largest w^2 for all steps */
 } fastest;
 
 /* With both masses multiplied by x, w^2 is divided by x. */
