@@ -47,8 +47,8 @@ typedef struct gn_fem_spec {
  * pressure form `elastic` includes the energy and the inertia of the stabilising pressure. */
 typedef struct gn_fem_energy {
     double kinetic, elastic;                            /* energies of the last measured instant */
-    double work_prescribed, work_applied, work_gravity; /* done on the solid so far */
-    double damping;                                     /* dissipated so far */
+    double work_prescribed, work_applied, work_gravity; /* J, work done on the solid so far */
+    double damping;                                     /* J, energy dissipated so far */
     double stored_at_start;
 } gn_fem_energy;
 
@@ -129,7 +129,7 @@ size_t gn_fem_bytes(const gn_fem_solid *solid);
 
 /* --- removal of elements (shrink.c) --- */
 
-#define GN_FEM_FAR 1e100 /* m: distance if no element was removed */
+#define GN_FEM_FAR 1e100 /* m, distance to the nearest removed element if none was removed */
 
 /* Returns the place of each element of the mesh by number, gn_alloc'ed [*count]; -1: it was
  * removed. NULL: no memory. */

@@ -40,7 +40,7 @@ struct gn_step_context {
     gn_step_choice choice; /* limits found so far */
     int64_t dt_lowered;    /* number of times that the step was lowered while running */
 
-    double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
+    double seconds[GN_PHASE_COUNT]; /* s of run time by phase */
     gn_machine machine;             /* control of the ends of the test */
     bool measure;                   /* readings are taken at the instant of the step */
     bool sums;                      /* sums over contacts are requested, with or without readings */

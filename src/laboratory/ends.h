@@ -12,8 +12,8 @@
 /* Approach of the ends of a test to the specimen (ends.c). */
 struct gn_approach {
     double away[2]; /* 1: the lower (upper) end began away, and was not yet loaded when the other
-                     * was */
-    double gap;     /* m, at the start, of the ends that were away */
+                       end was */
+    double gap;     /* m, gaps at the start of the ends that were away */
     double way;     /* m, travel of both ends when the last of them touched the specimen */
 };
 

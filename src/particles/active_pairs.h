@@ -28,10 +28,10 @@ typedef struct gn_near_column {
 
 enum { GN_NEAR_COLUMNS = 48 };
 
-/* The last steps. */
+/* The lengths of the last steps. */
 typedef struct gn_near_past {
     int known;    /* number of the last steps, at most two, that followed each other */
-    double dt[2]; /* s, of the last one and the one before that */
+    double dt[2]; /* s, length of the last step and the one before that */
 } gn_near_past;
 
 /* Validity of the last search. */

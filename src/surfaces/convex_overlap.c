@@ -125,10 +125,10 @@ static size_t cut_there(work *task, int *in, size_t count, const double n[3], do
 }
 
 /* Computes the half space n.x <= at to which a plane of one body cuts a face of the other. Two
- * faces of the same direction part where their planes have equal distances; the second is moved
- * inward by `slack`, m, so that exactly one of two coincident faces counts. For both bodies that is
- * one plane to the bit: if each face were cut at the plane of the other, faces that differ by
- * rounding would be separated anywhere, and the surface of the overlap would have gaps or count
+ * faces of the same direction are separated where their planes have equal distances; the second is
+ * moved inward by `slack`, m, so that exactly one of two coincident faces counts. For both bodies
+ * that is one plane to the bit: if each face were cut at the plane of the other, faces that differ
+ * by rounding would be separated anywhere, and the surface of the overlap would have gaps or count
  * twice. */
 static void part_at(const double mine[4], const double other[4], double slack, double n[3],
                     double *at) {
