@@ -18,7 +18,7 @@ typedef struct bench_numbers {
     size_t bond_bytes, pair_bytes, particle_bytes; /* bytes per item */
     size_t world_bytes;
     int64_t contact_steps, steps, rebuilds;
-    double seconds_lists; /* since the start */
+    double seconds_lists; /* time since the start */
     double seconds_setup;
     int threads;
     const char *isa;

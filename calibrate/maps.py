@@ -54,7 +54,7 @@ class Start(NamedTuple):
     chi: float
     mu: float
     measures: dict  # young, poisson, compression, tension, brazilian: without unit
-    ratio: float  # compression over the tensile strength that was asked for
+    ratio: float  # compressive strength over the tensile strength of the requested test
     reached: bool
     reason: str
 

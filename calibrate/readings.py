@@ -37,7 +37,7 @@ def envelope_tests(targets):
 
 
 def of_curve(target):
-    """The test of a curve, which goes on to the end of it."""
+    """The test of a curve, which continues to the end of the curve."""
     point = target.point
     return Test("triaxial" if point.confinement else "compression", point.confinement, point.last)
 

@@ -23,7 +23,7 @@ READINGS = {
     "friction_angle": ("deg", 1.0, 80.0, 2.0),
     "m_i": ("1", 0.1, 200.0, 0.1),
 }
-ABSOLUTE = {"poisson_ratio", "friction_angle"}  # their tolerances are differences in the unit of the reading
+ABSOLUTE = {"poisson_ratio", "friction_angle"}  # readings whose tolerances are differences in the unit of the reading
 KEYS = ("title", "dimension", "specimen", "scene", "density", "friction", "law", "bonds", "parameters", "targets", "seeds", "budget")
 SHAPES = {"cylinder": 3, "box": 3, "rectangle": 2}
 SOURCES = ("file", "from", "lattice", "disc", "polygon", "surface", "mesh")  # keys of a specimen that is not a shape to be packed, and of other shapes

@@ -11,7 +11,7 @@ STEPS, REPEATS = 20000, 15
 
 
 def seconds(prepare):
-    """Of STEPS steps, the least of REPEATS."""
+    """Returns the least of REPEATS times for STEPS steps."""
     with gneiss.World(PAIR) as world:
         prepare(world)
         world.step(STEPS)

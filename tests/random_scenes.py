@@ -416,7 +416,7 @@ class Maker:
         return part
 
     def walls(self):
-        """None, a floor, or a box that is at rest, closes, shears or is loaded."""
+        """Draws the walls: none, a floor, or a box that is at rest, closes, shears or is loaded."""
         d, dim = self.d, self.dim
         if self.kind == "periodic":
             if self.lattice:

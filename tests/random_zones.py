@@ -259,7 +259,7 @@ class Maker:
         self.alone = True
 
     def bend(self, _, h):
-        """A load acts on three lines of nodes, one in the middle of the upper side; in bending, strains scale with the height of
+        """Prescribes the motion of three lines of nodes, one in the middle of the upper side; in bending, strains scale with the height of
         the bar over its length."""
         def line(x, y):
             low, high = [-self.s] * self.dim, [size + self.s for size in self.size]

@@ -250,7 +250,7 @@ static void a_spring_swings_as_its_closed_form_and_the_ledger_closes(void **stat
     const double mass = 1.0 / rows_of(w, "vel", NULL)[3], rate = sqrt(s.stiffness / mass);
     must(gneiss_world_step(w, (int64_t)(1.2 / (rate * step_of(w))), &error), &error);
     const double *x = rows_of(w, "pos", NULL);
-    const double t = gneiss_world_time(w); /* they touch at acos(2/9) = 1.35 */
+    const double t = gneiss_world_time(w); /* the particles touch at acos(2/9) = 1.35 */
     const double phase = rate * t * (1.0 + rate * rate * step_of(w) * step_of(w) / 24.0);
     const double sag = 10.0 * mass / s.stiffness;
     assert_true(rate * t > 1.0);

@@ -69,7 +69,8 @@ static void bodies_move_as_by_the_linear_law(void **state) {
             assert_memory_equal(body(h, k)->position, body(l, k)->position, 3 * sizeof(double));
             assert_memory_equal(body(h, k)->momentum, body(l, k)->momentum, 3 * sizeof(double));
         }
-        assert_true(memcmp(start, body(h, 0)->momentum, sizeof start) != 0); /* they met */
+        assert_true(memcmp(start, body(h, 0)->momentum, sizeof start) !=
+                    0); /* the blocks collided */
         assert_true(h->ledger.reading.friction > 0.0 && h->ledger.reading.contact_damping > 0.0);
         assert_near(gn_energy_residual(&h->ledger.reading), 0.0, 1e-3);
         world_end(h);

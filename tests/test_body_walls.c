@@ -122,7 +122,7 @@ static void the_ledger_closes_while_a_block_tumbles(void **state) {
     double damped = worst_residual(w, 80000);
     assert_true(w->ledger.reading.contact_damping > 0.02 * gn_energy_scale(&w->ledger.reading));
     assert_true(w->ledger.reading.kinetic <
-                1e-6 * gn_energy_scale(&w->ledger.reading)); /* it rests */
+                1e-6 * gn_energy_scale(&w->ledger.reading)); /* the block is at rest */
     double weight = body(w)->mass * 9.81;
     assert_close(-w->boundary.walls[0].force[2] - w->boundary.walls[2].force[2], weight, 1e-3);
     world_end(w);

@@ -326,7 +326,7 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
         const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p,
                      *s = w->dem.particles.spin + 4 * p;
         double l[3], middle[3];
-        /* Its position half a step earlier, the time of that velocity. */
+        /* The particle's position half a step earlier, the time of that velocity. */
         for (int a = 0; a < 3; a++) middle[a] = x[a] - 0.5 * w->ctx.dt_past * v[a];
         cross3(middle, v, l);
         for (int a = 0; a < 3; a++) {

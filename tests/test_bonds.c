@@ -297,7 +297,7 @@ static void a_pair_broken_at_once_behaves_as_one_never_bonded(void **state) {
             }
         }
         assert_true(a->dem.bonds.contacts.cause[0] != GN_INTACT);
-        assert_true(vel_of(a, 1)[0] > 0.5); /* they collided */
+        assert_true(vel_of(a, 1)[0] > 0.5); /* the particles collided */
         world_end(a);
         world_end(b);
     }

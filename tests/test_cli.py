@@ -266,7 +266,7 @@ def a_step_without_a_limit_so_far_is_described_in_words(folder):
 
 @fact
 def plan_says_which_servo_is_slower_than_asked(folder):
-    # Its one contact is the fastest: at 0.99 of the limit the loop is stable up to 2 (1 - 0.99^2).
+    # The only contact is the fastest: at 0.99 of the limit the loop is stable up to 2 (1 - 0.99^2).
     text = LOOSE.replace("2.1e-3", "9e-3").replace("{step: STEP, end: 1e-4}", "{end: 1e-4, safety: 0.99, contact_steps: 1}") + LID.replace("GAP", "0.9999 mm")
     for asked, cut in (("1", True), ("0.03", False)):
         out = expect(gneiss("plan", write_scene(folder, text.replace("R}", asked + "}"))), 0).stdout

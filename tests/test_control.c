@@ -108,7 +108,8 @@ static void a_scene_without_control_is_not_touched(void **state) {
     run->world.ctx.machine.factor = 0.25;
     assert_near(gn_control_of(&run->world.ctx, "left", 0), 0.25, 0.0);
     assert_near(gn_control_of(&run->world.ctx, "left", 1), 1.0, 0.0); /* across */
-    assert_near(gn_control_of(&run->world.ctx, "here", 0), 1.0, 0.0); /* no end */
+    assert_near(gn_control_of(&run->world.ctx, "here", 0), 1.0,
+                0.0); /* this is no end of the test */
     run_end(run);
 }
 

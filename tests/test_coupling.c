@@ -58,7 +58,7 @@ static void move_rigidly(const double *x, const void *of, double u[3], double v[
     v[1] = how[3] * (x[0] + u[0]);
 }
 
-/* The velocities' part is the centripetal force of the spin, which is left out. */
+/* Velocities are left out: their contribution is the centripetal force of the spin. */
 static void moving_and_turning_as_a_whole_costs_no_force(void **state) {
     (void)state;
     const double how[4] = {2e-4, -1e-4, 0.3, 0.0};
@@ -131,7 +131,7 @@ static void a_wave_passes_from_elements_to_particles(void **state) {
 
 /* A pulse in the lattice contains waves that no element can follow (the curvature of 1 + cos has a
  * kink at both ends), which are reflected: 3e-4 of the energy of a pulse of 60 mm is in waves
- * shorter than two elements. For one twice as long it is an eighth of that. */
+ * shorter than two elements. For a pulse twice as long the share is an eighth of that. */
 static void a_wave_passes_from_particles_to_elements(void **state) {
     (void)state;
     assert_true(returned_of(20e-3, 120e-3, true) <= 1e-3);
@@ -147,7 +147,7 @@ static void add_momentum(const gn_world *w, bool nodes, double sum[6], double *s
         const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
         const double *carried = w->solids.elements[0]->solid.carried;
         double m = 1.0 / v[3];
-        if (lumped && !nodes && tied_by_zone(w, p)) m = 0.0; /* nodes carry it */
+        if (lumped && !nodes && tied_by_zone(w, p)) m = 0.0; /* the nodes carry the particle */
         if (!lumped && nodes && carried) m -= carried[p];
         for (int a = 0; a < 3; a++) {
             int c = (a + 1) % 3, d = (a + 2) % 3;
@@ -167,7 +167,7 @@ static void momentum_of(const gn_world *w, double sum[6], double *size) {
     add_momentum(w, true, sum, size);
 }
 
-/* Relative to the energy that passes through. */
+/* Relative to the energy that passes through the zone. */
 static double worst_residual(gn_world *w, int steps) {
     double worst = 0.0;
     for (int k = 0; k < steps; k++) {
@@ -349,8 +349,8 @@ static void consistent_masses_are_damped(void **state) {
     }
 }
 
-/* An inner node carries a third of each of six triangles and a quarter of each of 24 tetrahedra; on
- * sides half of that. */
+/* An inner node carries a third of each of six triangles, or a quarter of each of 24 tetrahedra;
+ * nodes on sides carry half of that. */
 static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
     (void)state;
     static const char *const body[] = {"dimension: 2\nelements: {rectangle: {size: [4, 3]",
@@ -393,14 +393,15 @@ static void a_zone_is_measured(void **state) {
     gn_zone_figures f;
     gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, 0, &f);
     assert_near(f.width, 6e-3, 1e-15);
-    assert_near(f.element, 0.5 * (13e-3 / 7.0 + 2e-3), 1e-12); /* along x, along y */
+    assert_near(f.element, 0.5 * (13e-3 / 7.0 + 2e-3), 1e-12); /* lines along x and along y */
     assert_near(f.diameter, 1e-3, 1e-15);
     assert_int_equal(f.particles, 7 * 6);
     assert_int_equal(f.beyond, 0);
     assert_near(f.least, 0.0, 1e-9);
     const gn_zone_material *m = f.material;
     assert_int_equal(f.materials, 1);
-    assert_in_range(1e9 * f.edge, 0, 1e9 * 0.25 * f.element / f.width); /* a kink in an element */
+    assert_in_range(1e9 * f.edge, 0,
+                    1e9 * 0.25 * f.element / f.width); /* the load has a kink in an element */
     assert_near(m->modulus[1], modulus, 1e-6 * modulus);
     assert_near(m->density[1], density, 1e-9 * density);
     /* The hull of a strip of 14 by 6 discs lacks its corners. */

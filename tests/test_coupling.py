@@ -93,7 +93,7 @@ def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
 
 @fact
 def plan_does_not_look_behind_the_end_of_the_last_stage(folder):
-    """The limit would come at 10 ms, behind the end of the stage at 4 ms and before time.end."""
+    """The limit would be reached at 10 ms, after the end of the stage at 4 ms and before time.end."""
     stages = "time: {end: 50 ms}\nstages: [{name: pull, end: {time: 4 ms}}]\n"
     first, said = first_of(write_scene(folder, DRAWN + stages))
     none = re.search(r"first +none in (\d+) steps, to 0.004 s: (\S+) of a limit at most, in stage 'pull'", said)
@@ -167,7 +167,7 @@ def check_warns_of_walls_that_elements_go_through(folder):
         scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
         said = expect(gneiss("check", scene), 0, r"").stdout
         assert ("elements have no contact with walls" in said) == bool(word) and (not word or re.search(word, said)), said
-    # The first stage ends before they reach the wall; another stage may prescribe another motion.
+    # The first stage ends before the particles reach the wall; another stage may prescribe another motion.
     stages = "time: {end: 3 s}\nstages: [{name: pull, end: {time: %s}}, {name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}}]\n"
     for time, warned in (("1 s", False), ("2.5 s", True)):
         said = expect(gneiss("check", write_scene(folder, DRAWN + stages % time + wall % "121 mm")), 0, r"").stdout
@@ -193,7 +193,7 @@ def check_says_what_unequal_moduli_return(folder):
     done = check("elements.materials.0.young=12 GPa")
     expect(done, 0, r"")
     returned = float(re.search(r"returned +(\S+) %", done.stdout).group(1))
-    assert abs(returned - 100 * ((1 - 2**0.5) / (1 + 2**0.5)) ** 2) < 0.1, returned  # 2.94: the hull lacks corners by a few tenths of a percent
+    assert abs(returned - 100 * ((1 - 2**0.5) / (1 + 2**0.5)) ** 2) < 0.1, returned  # the ideal value is 2.94: the hull lacks corners by a few tenths of a percent
     assert "particles and elements differ" in done.stdout
     assert "particles and elements differ" not in check().stdout
 
@@ -447,7 +447,7 @@ def every_warning_of_a_run_is_in_the_documentation_and_in_the_list(folder):
 @fact
 def a_zone_of_converting_elements_has_to_fit_into_the_box(folder):
     scene = write_scene(folder, PULLED)
-    for box in ("[9 mm, -1]", "[8.1 mm, -1]"):  # two elements fewer: 4 mm on one side of those in the middle
+    for box in ("[9 mm, -1]", "[8.1 mm, -1]"):  # two elements fewer convert: 4 mm on one side of those in the middle
         for command in (["check", scene], ["run", scene, "--out", os.path.join(folder, "narrow")]):
             expect(gneiss(*command, "--set", f"couple.convert.box.min={box}"), 2,
                    r"scene\.yaml:\d+:\d+: couple\.convert\.width: expected a zone that is no wider than the 0\.004 m that are left between some element and what is outside of "
@@ -890,7 +890,7 @@ def conversions_of_a_symmetric_beam_are_symmetric(folder):
             mass = results["particles/mass"][:][order].reshape(rows, columns)
             velocity = results["particles/velocity"][:][order].reshape(rows, columns, 3)
         with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
-            assert json.load(file)["conversions"]["count"] > 3, setting  # the result of the first one only was symmetric
+            assert json.load(file)["conversions"]["count"] > 3, setting  # only the result of the first one was symmetric
         assert np.abs(mass - mass[:, ::-1]).max() < 1e-10 * mass.max(), setting
         mirrored = velocity[:, ::-1] * [-1, 1, 1]
         assert np.abs(velocity - mirrored).max() < 1e-7 * np.abs(velocity).max(), setting

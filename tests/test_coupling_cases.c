@@ -61,9 +61,9 @@ static void stress_is_whole_through_a_zone(void **state) {
 
 /* --- a pulse in a packing --- */
 
-/* A pulse of 20 mm has left the first 30 mm after 40 mm of travel. Tangential springs of bonds that
- * ignored it would retain a part of it: normal springs act against tangential ones, a fifth of it
- * if both are equal. Disorder scatters some per cent. */
+/* A pulse of 20 mm has left the first 30 mm after 40 mm of travel. If the tangential springs of
+ * bonds did not contain the pulse at the start, they would retain a part of it, because normal
+ * springs act against them: a fifth if both are equal. Disorder scatters some per cent. */
 static void a_pulse_in_a_packing_leaves_nothing_where_it_began(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -193,7 +193,7 @@ static void write_mesh(const char *path) {
     fclose(f);
 }
 
-/* Elements of the upper half are twice as stiff as those below, particles like these. */
+/* Elements of the upper half are twice as stiff as those below, and so are the particles. */
 static gn_world *two_materials(const char *rest) {
     char path[] = "/tmp/gneiss-zone-XXXXXX.msh";
     close(mkstemps(path, 4));

@@ -360,8 +360,8 @@ static double moved_by(gn_world *w, size_t k, int axis) {
     return sum;
 }
 
-/* The resistance is the mass of the nodes: exactly that of a lump, and never less than the mass
- * removed from masses that couple nodes. */
+/* The resistance to the force is the mass of the nodes: with lumped masses exactly the lump, with
+ * consistent masses never less than the mass that was removed. */
 static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {

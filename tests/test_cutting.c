@@ -137,7 +137,8 @@ static const gn_tested whole = {.sign = 1,
 static void forces_are_means_over_the_path_after_the_run_in(void **state) {
     (void)state;
     const gn_readings r = read_cut(1.0, whole);
-    assert_close(r.normal_force, 305, 1e-9); /* 300 and 400 more over an eightieth of the path */
+    assert_close(r.normal_force, 305,
+                 1e-9); /* an increase by 300 N and 400 N over an eightieth of the path */
     assert_close(r.rolling_force, 30.5, 1e-9);
     assert_true(fabs(r.side_force) < 1e-9);
     assert_close(r.cutting_coefficient, 0.1, 1e-9);
@@ -169,7 +170,7 @@ static void a_tool_that_did_not_come_so_far_has_no_means(void **state) {
     if (!strstr(r.reason[GN_READING_normal_force], "the tool came 0.25 m far"))
         fail_msg("%s", r.reason[GN_READING_normal_force]);
     assert_close(r.predicted_coefficient, tan(0.5 * acos(0.95)), 1e-12);
-    /* Halfway it has those of what it cut. */
+    /* Halfway a cut has the readings of the part that is cut. */
     assert_close(read_cut(0.5, whole).normal_force, 300, 1e-9);
 }
 

@@ -19,7 +19,7 @@ def sets(**values):
 
 
 COARSE = sets(specimen__mean_radius="5 mm", output__snapshots=0)
-# A dozen lattice cells of unbonded or bonded balls under a chisel: seconds of nothing but the tool.
+# A dozen lattice cells of unbonded or bonded balls under a chisel: a run of seconds that tests only the tool.
 BLOCK = """
 dimension: 3
 specimen:
@@ -85,7 +85,7 @@ def forces_along_the_rim_add_up_to_the_mean_forces(folder):
         assert abs(rim[part].sum() / reading(folder, part + "_force") - 1) < 0.1, part
     arc = math.acos(1 - 4 / 216)
     assert np.allclose(rim["angle"], rim["share"] * arc) and len(rim["share"]) == 40
-    assert 0 < np.sum(rim["normal"] * rim["share"]) / rim["normal"].sum() < 1  # ahead of the axis, below the surface
+    assert 0 < np.sum(rim["normal"] * rim["share"]) / rim["normal"].sum() < 1  # the place is ahead of the axis, below the surface
 
 
 @fact
@@ -96,7 +96,7 @@ def a_resumed_cut_has_the_same_bits_and_impulses(folder):
     run(scene, part, "--set", "time.end=1 ms")
     resume(part, "--set", "time.end=2.2 ms")
     assert state_hash(part) == state_hash(whole)
-    for name in ("normal_impulse", "rolling_impulse", "removed_volume"):  # rows are others, the last one is the same
+    for name in ("normal_impulse", "rolling_impulse", "removed_volume"):  # the rows differ, and the last one is the same
         assert history(part)[name][-1] == history(whole)[name][-1], name
 
 

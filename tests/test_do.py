@@ -137,7 +137,7 @@ def failures_of_meson_are_counted(folder):
 
 @fact
 def links_and_pictures_that_are_not_there_are_named(folder):
-    docs = "docs"  # not the name of a page of this project, because the links of this file would be checked
+    docs = "docs"  # a name that is no page of this project, because the links of this file would be checked
     os.makedirs(os.path.join(folder, docs, "pictures"))
     page = "# A page: what, how\n[a](#a-page-what-how) [b](#no) [c](../README.md) [d](gone.md)\n"
     write_scene(folder, page + "![e](pictures/e.png) ![f](pictures/f.png)\n", f"{docs}/page.md")

@@ -178,7 +178,8 @@ static void test_obtuse_corner_gives_the_sides_whose_foot_is_on_them(void **stat
         assert_close(p[i].normal[0], -sin(M_PI / 3), 1e-13);
     }
     assert_true(p[0].normal[1] * p[1].normal[1] < 0);
-    /* 0.1 from the corner, 105 degrees from the upper side: its foot is beyond the corner. */
+    /* A point 0.1 from the corner, 105 degrees from the upper side: its foot is beyond the
+     * corner. */
     double angle = (120 + 105) * M_PI / 180;
     double x[3] = {1 + 0.1 * cos(angle), 0.1 * sin(angle), 0};
     assert_int_equal(gn_domain_planes(d, x, 0.2, p), 1);

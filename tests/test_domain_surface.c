@@ -260,8 +260,8 @@ static void test_prism_of_many_sides_approaches_the_cylinder(void **state) {
     gn_domain_free(cylinder);
 }
 
-/* The unit cube, its edge from (0, 0, 0) to (1, 0, 0) split on one side only, at 0.4 and `off` it;
- * the triangle between the split and the whole edge closes the surface. */
+/* The unit cube, its edge from (0, 0, 0) to (1, 0, 0) split on one side only, at x = 0.4 and z =
+ * `off`; the triangle between the split and the whole edge closes the surface. */
 static gn_domain *cube_with_needle(double off) {
     builder b = {0};
     for (int i = 0; i < 8; i++) add_node(&b, i & 1, i >> 1 & 1, i >> 2);

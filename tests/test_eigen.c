@@ -58,7 +58,8 @@ static void lanczos_converges_through_restarts(void **state) {
     free(x);
 }
 
-/* The path in other units: x = d y, with scales d from 1 to 1000; D^-1 T D is symmetric in D^2. */
+/* The path graph in other units: x = d y, with scales d from 1 to 1000; D^-1 T D is symmetric in
+ * D^2. */
 static double unit_of(size_t k) {
     return 1.0 + 999.0 * (double)(k % 7) / 6.0;
 }

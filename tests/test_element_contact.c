@@ -72,7 +72,7 @@ static momentum momentum_of(const gn_world *w) {
 }
 
 /* Particles and nodes exchange equal forces at one point; internal forces of elements preserve both
- * sums too. */
+ * momenta too. */
 static void keeps_momentum(int dimension) {
     gn_world *w = shower(dimension, "damping: {contact: {restitution: 0.7}}\ntime: {end: 1}\n");
     momentum before = momentum_of(w);
@@ -83,7 +83,8 @@ static void keeps_momentum(int dimension) {
     momentum after = momentum_of(w);
     double nodes = (double)w->solids.elements[0]->solid.nodes.soa.count;
     for (int a = 0; a < 3; a++) {
-        /* The elements' forces are large and cancel: roundings of each node's, every step. */
+        /* The elements' forces are large and cancel: each node's forces are rounded in every
+         * step. */
         double allowed = 2.2e-16 * (double)steps * sqrt(nodes) * 4.0;
         assert_near(after.linear[a], before.linear[a], allowed * before.linear_size);
         assert_near(after.angular[a], before.angular[a], allowed * before.angular_size);
@@ -138,7 +139,8 @@ static gn_world *bed(const char *step) {
         step);
 }
 
-/* Contacts are far stiffer than the elements: without them in the limit the run blows up. */
+/* Contacts are far stiffer than the elements: if the limit did not include them, the run would be
+ * unstable. */
 static void the_limit_includes_contacts_with_nodes(void **state) {
     (void)state;
     gn_world *w = bed("step: auto");
@@ -172,7 +174,7 @@ enum { BOUNCE_HELD, BOUNCE_ROLLER, BOUNCE_FREE };
 
 /* Ratio of the speed after to that before the impact of a grain of radius r (m) on a block of 20 mm
  * with cells of 2 mm, which is held at its base, along its normal alone, or free; a restitution of
- * 0.5 is requested. With Hertz's law if `young` (Pa) of the grain is not 0. */
+ * 0.5 is requested. By Hertz's law if `young` (Pa) of the grain is not 0. */
 static double rebound(int dimension, double r, int hold, double young, bool platen) {
     const char *rest = dimension == 3 ? "[10.6e-3, 10.4e-3" : "[10.6e-3";
     char motion[128] = "", top[256], grain[64];
@@ -232,7 +234,7 @@ static void a_stiff_hertz_grain_rebounds_a_little_faster(void **state) {
     assert_near(rebound(3, 2e-3, BOUNCE_HELD, 50e9, false), 0.512, 0.006);
 }
 
-/* A block that nothing holds moves away: at its centre as a free mass. */
+/* A block that nothing holds moves away like a free mass at its centre. */
 static void a_free_block_of_elements_is_hit_as_a_whole(void **state) {
     (void)state;
     const double m = 2500.0 * M_PI * 1e-6, mass = 2400.0 * 20e-3 * 10e-3;
@@ -327,7 +329,7 @@ static void a_large_particle_moves_on_a_plane_as_on_a_wall(void **state) {
     for (int a = 0; a < 4; a++) assert_near(elements[a], wall[a], 0.0005);
 }
 
-/* Momentum of a sphere that hits a free block: to rounding. */
+/* Momentum of a sphere that hits a free block is conserved to rounding. */
 static void a_large_particle_keeps_momentum(void **state) {
     (void)state;
     const char *what = "sets: [{name: s, select: {all: true}, initial_velocity: [0.1, 0, -0.2], "
@@ -526,7 +528,7 @@ static void errors_of_the_mesh_are_reported_at_their_key(void **state) {
          "", "s.yaml:2:107: elements.materials[1].group: "},
         {"scale: 1", "run: {isa: ISA}", "run.isa: expected an instruction set that this machine"},
     };
-    const char *away = NULL; /* a set that this machine has not */
+    const char *away = NULL; /* a set that this machine lacks */
     for (int s = 1; s < GN_ISA_COUNT && !away; s++) {
         bool here = false;
         for (int k = 0; k < GN_KERNEL_SETS; k++)

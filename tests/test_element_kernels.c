@@ -125,7 +125,7 @@ static void face(const bench *b, const double *rows, size_t stride, size_t e, in
         if (c != a) x[others++] = rows + stride * (size_t)gn_elements_node(&b->elements, c)[e];
     double u[3] = {0}, v[3] = {0.0, 0.0, 2.0}, inward[3] = {0}, side = 0.0;
     for (int k = 0; k < 3; k++) {
-        if (k == b->dimension) break; /* the fourth of a row is no coordinate */
+        if (k == b->dimension) break; /* the fourth number of a row is no coordinate */
         u[k] = x[1][k] - x[0][k];
         if (b->dimension == 3) v[k] = x[2][k] - x[0][k];
         inward[k] = own[k] - x[0][k];
@@ -247,7 +247,7 @@ static void scalar_kernels_agree_with_long_hand_mechanics(void **state) {
     }
 }
 
-/* A node's sum over rows of some width. */
+/* Sums the rows of a node, of the given width. */
 static double row_sum(const bench *b, const double *row, size_t width, int32_t node, size_t k) {
     const gn_partials *q = &b->sums;
     double sum = 0.0;
@@ -257,7 +257,8 @@ static double row_sum(const bench *b, const double *row, size_t width, int32_t n
     return sum;
 }
 
-/* Slopes are stored in components that forces do not use, the rest in rows of its own. */
+/* Slopes are stored in components that forces do not use, and other quantities in rows of their
+ * own. */
 static double slope_sum(const bench *b, int32_t node, size_t k) {
     if (b->dimension == 2) return row_sum(b, b->sums.row, 4, node, 2 + k);
     return k ? row_sum(b, b->slope_row, 2, node, k - 1) : row_sum(b, b->sums.row, 4, node, 3);

@@ -25,7 +25,7 @@ def bar(dimension, form="displacement"):
                {"name": "right", "group": "x_upper", "motion": {"vx": [[0, 0], [1e-4, 0.02]]}},
                {"name": "foot", "box": {"min": [0] * dimension, "max": [0.0] * dimension},
                 "motion": {"vy": 0, **({"vz": 0} if dimension == 3 else {})}}]
-    if dimension == 3:  # prevents rotation about its axis
+    if dimension == 3:  # the support prevents rotation about its axis
         motions.append({"name": "edge", "box": {"min": [0, 0, 0], "max": [0.04, 0, 0]}, "motion": {"vy": 0, "vz": 0}})
     return {"dimension": dimension,
             "elements": {"box" if dimension == 3 else "rectangle": {"size": size, "cells": cells},
@@ -92,9 +92,8 @@ def write_bone(path, length, half, along, across):
 
 @fact
 def a_bar_with_a_waist_reads_back_its_modulus(folder):
-    """The ends are twice as wide as the middle half. Whether the stress is formed with the waist or with the volume
-    over the length: the displacement of the ends is F/E times the integral of 1/A, plus the shear of a taper of 1
-    to 6, a per cent or two."""
+    """The ends are twice as wide as the middle half. The stress is formed with the waist, or with the volume over the length. The displacement of the
+    ends is F/E times the integral of 1/A, plus the shear of a taper of 1 to 6, a per cent or two."""
     length, waist = 0.12, 0.01
 
     def half(x):
@@ -601,7 +600,7 @@ def a_load_far_too_large_names_the_element_before_it_runs_away(folder):
         done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, formulation)), 5,
                       r"turned inside out: det F = -", "the state is in")
         ratio = float(re.search(r"det F = (\S+)", done.stderr).group(1))
-        assert -10 < ratio <= 0, ratio  # the value of the step in which it inverted, not a later one
+        assert -10 < ratio <= 0, ratio  # the reported value is that of the step in which the element inverted, not a later one
 
 
 @fact

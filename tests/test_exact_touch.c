@@ -8,7 +8,7 @@ typedef struct lattice {
     int dimension;
 } lattice;
 
-/* `spacing` 1: in touch to the last bit or two of the rounded positions. */
+/* `spacing` 1: particles touch to the last bit or two of the rounded positions. */
 static gn_world *grains(const lattice *a, const char *precision, const char *isa, bool energy) {
     char damping[80] = "";
     if (a->restitution < 1.0)
@@ -49,8 +49,8 @@ static uint64_t small_fcc(int seed, const char *precision, const char *isa) {
     return hash;
 }
 
-/* One pair in some thousands got a different result in a vector than on its own: in 2 of these 25.
- * */
+/* One pair in some thousands would have a different result in a vector than on its own: 2 of these
+ * 25 pairs. */
 static void any_start_in_touch_gives_the_same_bits_on_every_instruction_set(void **state) {
     (void)state;
     for (int k = 0; k < 50; k++) {

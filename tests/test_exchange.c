@@ -13,7 +13,7 @@ typedef struct tie {
     int part[2]; /* -1: particles; else a solid of elements */
     size_t count;
     int32_t point[64][2]; /* particles by id, nodes by index */
-    double force[64][3];  /* N, on the first of two, of the last step */
+    double force[64][3];  /* N, force on the first of the two in the last step */
 } tie;
 
 /* One side of a tie. */
@@ -211,7 +211,7 @@ static double run_steps_tied(gn_world *w, int steps) {
         worst = fmax(worst, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
     }
     momentum_of(w, after, &size);
-    for (int a = 0; a < 6; a++) /* rounding of this number of steps, arms of 6 mm */
+    for (int a = 0; a < 6; a++) /* rounding of this number of steps; arms are 6 mm */
         assert_near(after[a], before[a], 2.2e-16 * steps * 10.0 * size * (a < 3 ? 1.0 : 6e-3));
     return worst / scale;
 }

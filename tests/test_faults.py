@@ -119,7 +119,7 @@ def the_series_of_many_snapshots_is_not_written_anew_for_each(folder):
     written = sum(kind == "rename" and arguments[1].endswith("particles.hdf.series")
                   for kind, arguments, _ in recorded(record))
     assert len(names) > 250, len(names)
-    assert written < 64 + 60, written  # each of the first 64, then every thirty-second more
+    assert written < 64 + 60, written  # each of the first 64 calls, then every thirty-second
     assert [name for name, _ in series(out)] == sorted(names)
 
 
@@ -222,7 +222,7 @@ def allocations_of_the_reading_of_stages_may_fail(folder):
 @fact
 def a_library_that_reads_the_scene_or_units_may_lack_memory(folder):
     # Memory fails permanently, so that libraries that continue with half of their data cannot give a valid result.
-    # Some allocate thousands of times for the units; a crash within them is theirs.
+    # Some libraries allocate thousands of times for the units; a crash within them is not an error of gneiss.
     count = os.path.join(folder, "count")
     expect(faulty("check", LATTICE, all=1, count=count), 0)
     codes = {}

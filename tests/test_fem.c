@@ -32,7 +32,7 @@ static double facet_along(const gn_mesh *m, const int32_t *node, int d, int k) {
     return (y[p] - x[p]) * (z[q] - x[q]) - (y[q] - x[q]) * (z[p] - x[p]);
 }
 
-/* Facets of a side lie in it and face outward. */
+/* Facets of a side lie in it and have outward normals. */
 static void check_sides(const gn_mesh *mesh, int d, const double size[3]) {
     const gn_mesh_elements *sides = d == 3 ? &mesh->triangles : &mesh->lines;
     for (size_t f = 0; f < sides->count; f++) {
@@ -157,7 +157,8 @@ static void reactions_carry_weight_and_loads(void **state) {
         fem_step(solid, dt, true);
         gn_fem_reaction(solid, below, force);
         assert_close(force[1], 9.81 * solid->mass + 1e4 * area, 1e-8);
-        assert_true(force[0] == 0.0); /* the side's, although it has a corner of the base */
+        assert_true(force[0] ==
+                    0.0); /* the facet belongs to the side, although it has a corner of the base */
         gn_fem_reaction(solid, left, force);
         assert_near(force[0], 0.0, 1e-8 * 1e4 * area);
         double scale = solid->reading.work_gravity + solid->reading.work_applied;
@@ -189,7 +190,7 @@ static void prescribed_strain_gives_the_confined_stress(void **state) {
     fem_step(solid, dt, true);
     gn_fem_reaction(solid, right, force);
     assert_close(force[0], confined(&rock) * 1e-6 * sizes[0][1],
-                 1e-5); /* strain 1e-6: not linear */
+                 1e-5); /* the strain is 1e-6, and the law is not linear */
     gn_fem_reaction(solid, left, force);
     assert_close(force[0], -confined(&rock) * 1e-6 * sizes[0][1], 1e-5);
     assert_near(energy_residual(&solid->reading), 0.0, 1e-6 * solid->reading.work_prescribed);

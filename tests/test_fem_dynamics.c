@@ -90,8 +90,8 @@ static void bound_is_below_the_sharp_limit_and_not_far(void **state) {
                 assert_true(limit.bound <= limit.sharp_low);
                 assert_true(limit.sharp_low <= limit.sharp);
                 assert_true(limit.sharp_low > 0.9999 * limit.sharp);
-                /* The limit of the pressure form is that of the displacement form, above which its
-                 * own would be with mean nodal pressures. */
+                /* The limit of the pressure form is that of the displacement form, which the limit
+                 * with mean nodal pressures would exceed. */
                 assert_true(limit.bound > (form_of(way) ? 0.5 : 0.6) * limit.sharp);
                 body_end(solid);
             }
@@ -103,7 +103,7 @@ static void a_sliver_that_limits_the_step_is_named(void **state) {
     const int cells[3] = {6, 6, 6};
     gn_mesh mesh = mesh_of(size, cells, 0.0);
     /* A corner tetrahedron in the middle, its tip pressed down on the opposite face. */
-    const size_t sliver = 5 * ((2 * 6 + 2) * 6 + 2); /* first of cell (2, 2, 2) */
+    const size_t sliver = 5 * ((2 * 6 + 2) * 6 + 2); /* the first tetrahedron of cell (2, 2, 2) */
     int32_t *node = mesh.tetrahedra.node + 4 * sliver;
     double *tip = mesh.node + 3 * (size_t)node[1];
     for (int k = 0; k < 3; k++) {
@@ -202,8 +202,8 @@ static void energy_of_larger_strains_swings_no_wider_with_time(void **state) {
     }
 }
 
-/* A free cube (with equal inertia about all axes) that rotates once: only the strains of the
- * centrifugal forces, (w l/c)^2, occur, and it returns to its position. */
+/* A free cube (with equal inertia about all axes) rotates once: only the strains of the centrifugal
+ * forces, (w l/c)^2, occur, and it returns to its position. */
 static void a_spinning_cube_turns_rigidly(void **state) {
     (void)state;
     for (int way = 0; way < WAYS; way++) {
@@ -352,7 +352,9 @@ static void a_confined_wave_runs_at_its_speed_and_its_error_falls_as_h2(void **s
         print_message("# %s: wave speed off by %.2g, %.2g; shape by %.3g, %.3g: order %.2f\n",
                       name_of(way), off[0], off[1], error[0], error[1], log2(error[0] / error[1]));
         assert_true(off[1] < 0.01);
-        assert_true(off[1] < 0.35 * off[0]); /* a quarter by theory; measured 0.25, mixed 0.22 */
+        assert_true(off[1] <
+                    0.35 *
+                        off[0]); /* a quarter by theory; measured 0.25, in the pressure form 0.22 */
         /* A node's mean pressure reaches over two cells, so that the pressure form's dispersion
          * lies between those of cells and of cells twice as large (measured 0.037 between 0.015 and
          * 0.055). */

@@ -43,7 +43,7 @@ static void displacement_form_locks(void **state) {
            fine = deflection(GN_FEM_DISPLACEMENT, COOK_RISING, 16),
            mixed = deflection(GN_FEM_PRESSURE, COOK_RISING, 16);
     print_message("# displacement form %.3f, %.3f; pressure form %.3f\n", coarse, fine, mixed);
-    assert_true(fine < 0.35 * mixed);          /* far off ... */
+    assert_true(fine < 0.35 * mixed);          /* the fine solution is far off ... */
     assert_true(fine - coarse < 0.01 * mixed); /* ... and refinement does not help */
 }
 
@@ -204,8 +204,8 @@ static void a_pressed_block_converges_in_the_mixed_form(void **state) {
     double error = fabs(mixed[2] - mixed[1]);
     assert_true(error < 0.5 * fabs(mixed[1] - mixed[0]));
     assert_true(error < 0.02 * mixed[2]);
-    /* Five tetrahedra per cube lock less than most meshes, but on the same mesh the displacement
-     * form does lock. The pressure form's own error there is about `error` (measured 1.3 %, the
+    /* Five tetrahedra per cube lock less than most meshes; nevertheless the displacement form locks
+     * on this mesh. The pressure form's own error there is about `error` (measured 1.3 %, the
      * difference 7.4 %). */
     assert_true(mixed[1] - plain > 4.0 * error);
 }

@@ -48,7 +48,7 @@ static void bounds(const gn_fem_solid *solid, double *bound) {
     memset(bound, 0, solid->nodes.soa.count * sizeof *bound);
     for (size_t e = 0; e < q->soa.count; e++) {
         double size[4] = {0.0}, rest[3] = {0.0}, first[3] = {0.0}, travelled = 0.0, moved = 0.0;
-        for (int a = 1; a <= d + 1; a++) { /* the last turn: node 0 */
+        for (int a = 1; a <= d + 1; a++) { /* in the last round: node 0 */
             double g2 = 0.0;
             for (int k = 0; k < d; k++) {
                 double g = a <= d ? gn_elements_gradient(q, a, k)[e] : rest[k];

@@ -145,7 +145,7 @@ static void a_wall_acts_when_its_gap_is_closed(void **state) {
     gn_world *w = world_of(gap_scene, law, plain);
     double give = 1.0 / 1e6 + 1.0 / kt, time = (1e-6 + strength * give) / 1e-3;
     gn_first_break found = begin(w);
-    /* The bond rotates by T/k_t over its length, 1e-3 rad, and its forces with it. */
+    /* The bond rotates by T/k_t over its length, 1e-3 rad, and its forces rotate with it. */
     assert_near(found.time, time, 2e-3 * time);
     assert_near(w->boundary.walls[0].force[2], (1e-3 * w->ctx.time - 1e-6) / give, 2e-3);
     assert_near(w->boundary.walls[0].point[2], 1.001e-3 - 1e-3 * w->ctx.time, 1e-15);
@@ -166,7 +166,7 @@ static void viscous_damping_is_a_load(void **state) {
     double drag = 1e5 * mass_of(w, 1) * 0.05;
     gn_first_break found = begin(w);
     assert_in_range(drag / strength * 1000.0, 10, 900);
-    /* The bond at the head carries half of it in addition to k v t/2. */
+    /* The bond at the head carries half of the drag in addition to k v t/2. */
     double time = 2.0 * (strength - 0.5 * drag) / (kn * 0.1);
     assert_near(found.time, time, 1e-3 * time);
     assert_true(found.i == 2 || found.j == 2);
@@ -260,8 +260,8 @@ static void mixed_precision_finds_the_same_start(void **state) {
     assert_near(found[0].start, found[1].start, 2e-3 * found[0].start);
 }
 
-/* Kinetic energy stays that of the steady motion, step by step, up to the break. A start at rest
- * rings with more than that in undamped bodies. */
+/* Kinetic energy stays that of the steady motion, step by step, up to the break. After a start at
+ * rest undamped bodies would oscillate with more than that. */
 static void nothing_rings_after_the_start(void **state) {
     (void)state;
     gn_world *w = block("", "double", 1);
@@ -291,7 +291,7 @@ static void the_ledger_closes_with_everything_on(void **state) {
     world_end(w);
 }
 
-/* The sets of a periodic box load it as those of an open one do. */
+/* The sets load a periodic box as they load an open one. */
 static void a_periodic_box_is_solved(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -115,7 +115,7 @@ static void sizes_are_those_of_the_distribution(void **state) {
     }
 }
 
-/* A cube of 20 mm has room for at most 38 % of spheres that are inserted one after the other. */
+/* A cube of 20 mm is filled by at most 38 % of spheres that are inserted one after the other. */
 static void without_room_a_rate_falls_behind_and_says_so(void **state) {
     (void)state;
     gn_world *w = world_of(LOOSE "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, "
@@ -283,8 +283,8 @@ static void a_region_takes_what_is_wholly_inside(void **state) {
     world_end(w);
 }
 
-/* A row of a particle that is near but does not touch has no share of the surface, and therefore no
- * stiffness. */
+/* A contact row of a particle that is near but does not touch has no share of the surface, and
+ * therefore no stiffness. */
 static void a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -1,4 +1,4 @@
-"""Sources and sinks in the files of a run: rows that change in number, ids that stay, going on. Speaks TAP."""
+"""Sources and sinks in the files of a run: rows that change in number, ids that stay, resumed runs. Speaks TAP."""
 from program import *  # noqa: F403
 
 REFERENCE = tempfile.mkdtemp(prefix="gneiss-flow-")

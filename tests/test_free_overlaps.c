@@ -102,7 +102,7 @@ static void energy_stored_at_rest_is_warned_of(void **state) {
         add(t, row, 3, ", 0", ", 0", ", 0", ", 0", "uniform", cases[k]);
         burst_of(t->s, &run, found);
         assert_true(!*found == (k == 0));
-        /* 3 k u^2/2 with u = 1 mm. */
+        /* The energy is 3 k u^2/2 with u = 1 mm. */
         if (*found && !strstr(found, "stored 15 J")) fail_msg("%s", found);
         gn_run_free(&run);
         free(t);
@@ -150,7 +150,7 @@ static void a_wall_or_body_inside_particles_at_the_start_is_warned_of(void **sta
             cases[k / 2].what[space]);
         burst_of(t->s, &run, found);
         if (!*found == cases[k / 2].warned) fail_msg("%s%s", t->s, found);
-        /* 25 (5) contacts of k u^2/2 with u = 0.4 mm. */
+        /* There are 25 (5) contacts of k u^2/2 with u = 0.4 mm. */
         if (*found && !strstr(found, space ? "stored 20 J" : "stored 4 J")) fail_msg("%s", found);
         gn_run_free(&run);
         gn_world *w = world_of("%s", t->s);

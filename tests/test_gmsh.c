@@ -20,7 +20,8 @@ static void put(const char *dir, const char *name, const char *text, mode_t mode
     assert_int_equal(chmod(path, mode), 0);
 }
 
-/* A gmsh that does `body`; $5 is the wanted file as in `gmsh -2 -format msh41 -o FILE`. */
+/* Writes a script gmsh that does `body`; $5 is the wanted file as in `gmsh -2 -format msh41 -o
+ * FILE`. */
 static void fake(const char *dir, const char *body) {
     char script[2048], path[4096];
     snprintf(script, sizeof script, "#!/bin/sh\n%s\n", body);
@@ -56,7 +57,7 @@ static void the_mesh_that_gmsh_makes_is_read(void **state) {
     assert_float_equal(mesh.node[3 * 2], 0.5, 0.0);
     gn_mesh_free(&mesh);
     assert_int_equal(entries(f->dir, false),
-                     3); /* square.msh, body.geo, gmsh: no other file is left */
+                     3); /* the folder has square.msh, body.geo and gmsh: no other file is left */
 }
 
 static void what_gmsh_says_last_is_the_message(void **state) {

@@ -130,7 +130,7 @@ static void random_cloud(uint64_t *at, double x[FACETS][3][3]) {
             double p[3], along = 0.0;
             for (int a = 0; a < 3; a++) p[a] = uniform(at, -size, size);
             for (int a = 0; a < 3; a++) along += p[a] * m[a];
-            /* Up to a third of the size behind the plane that touches. */
+            /* The facet is up to a third of the size behind the plane that touches. */
             double back = uniform(at, 0.0, 0.3) * size;
             for (int a = 0; a < 3; a++) x[f][c][a] = 0.9975 * m[a] + p[a] + (back - along) * m[a];
         }
@@ -207,11 +207,11 @@ static void any_number_of_facets_has_a_potential(void **state) {
             fail_msg("cloud %d: the work misses %.3g of the potential, lean %.3g", n,
                      worst / largest, lean);
     }
-    assert_true(most >= 4); /* at once */
+    assert_true(most >= 4); /* contacts at one time */
 }
 
 /* The force follows the centre: over a step h it changes by k h for each contact at most, and by
- * what a normal leans, 3.6 overlap/radius of it, where an edge becomes a face. */
+ * the lean of a normal, 3.6 overlap/radius of it, where an edge becomes a face. */
 static void any_number_of_facets_presses_without_a_jump(void **state) {
     (void)state;
     enum { CLOUDS = 30, STEPS = 1000 };

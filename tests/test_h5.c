@@ -51,7 +51,7 @@ static void write_sample(const char *path) {
 #define check(condition)                                                                           \
     if (!(condition)) return #condition " does not hold"
 
-/* NULL: all as written. *status is that of the first failed call. */
+/* `changes` NULL: all as written. *status is that of the first failed call. */
 static const char *read_sample(const char *path, gneiss_status *status, gneiss_error *error) {
     static double table[3 * ROWS];
     static int32_t wide[WIDE];
@@ -251,8 +251,8 @@ static void a_damaged_byte_is_never_read_as_data(void **state) {
     int noticed = 0;
     for (size_t k = 0; k < 600; k++) {
         seed = seed * 6364136223846793005u + 1442695040888963407u;
-        size_t at =
-            k < 300 ? (seed >> 20) % 4096 : (seed >> 20) % size; /* headers are at the start */
+        size_t at = k < 300 ? (seed >> 20) % 4096
+                            : (seed >> 20) % size; /* object headers are at the start of the file */
         unsigned char saved = bytes[at];
         bytes[at] ^= (unsigned char)(1u << (seed >> 60) % 8);
         spill(f->path, bytes, size);

@@ -1,5 +1,5 @@
 """Hard cases at default settings, one fact each: the expected result occurs, with the same bits on any number of threads, on every
-instruction set and when a run is taken up half way. The table is tests/hard/table.py. Speaks TAP.
+instruction set and when a run is resumed half way. The table is tests/hard/table.py. Speaks TAP.
 `test_hard.py PROGRAM some words` runs the cases with one of the words in their name."""
 from program import *  # noqa: F403
 from hard import case, page, table

@@ -1,6 +1,6 @@
-/* Hertz-Mindlin contacts against closed forms: impacts, restitution, oblique and spinning ones,
- * the loop that must not gain energy, stacks; and scenes with all that goes with them. Impacts 1 to
- * 8 are those of Chung and Ooi 2011 (Granular Matter 13, 643-656), the walls rigid. */
+/* Hertz-Mindlin contacts against closed forms: impacts, restitution, oblique and spinning ones, the
+ * closed loop that must not gain energy, stacks; and scenes with these. Impacts 1 to 8 are those of
+ * Chung and Ooi 2011 (Granular Matter 13, 643-656), the walls rigid. */
 #include "run/run.h"
 #include "world_helpers.h"
 
@@ -88,7 +88,8 @@ static void check_impact(const matter *m, bool two, double v) {
         if (u <= 0.0 && next > 0.0) first = w->ctx.time - next / speed;
         if (u > 0.0 && next <= 0.0) last = w->ctx.time - next / -speed;
     }
-    /* Second order of a thousandth of the contact; the extremes are up to half a step away. */
+    /* The error is of second order of a thousandth of the contact; the extremes are up to half a
+     * step away. */
     assert_near(deepest, want.overlap, 1e-5 * want.overlap);
     assert_near(most, want.force, 1e-5 * want.force);
     assert_near(last - first, want.time, 1e-4 * want.time);
@@ -192,7 +193,7 @@ static void restitution_hardly_depends_on_the_step(void **state) {
 
 /* --- across it --- */
 
-/* Sliding throughout: impulses mu (1 + e) m v_n across. */
+/* The surface slides throughout: impulses mu (1 + e) m v_n across. */
 static void oblique_impacts_slide_by_coulomb(void **state) {
     (void)state;
     const matter alumina = {.0025, 3.8e11, .23, 4000, .092, .98},
@@ -206,7 +207,8 @@ static void oblique_impacts_slide_by_coulomb(void **state) {
             const double v[3] = {vt, 0, -vn};
             gn_world *w = meeting(m, false, v, none, i.time / 400, "");
             run_steps(w, 460);
-            /* The dashpot pulls at the end and friction does not act: e of both impulses, 1 %. */
+            /* The dashpot pulls at the end, and friction does not act then: e of both impulses
+             * agrees to 1 %. */
             double slip = m->friction * (1.0 + m->restitution) * vn;
             assert_near(vel_of(w, 0)[0], vt - slip, 0.01 * slip);
             assert_near(spin_of(w, 0)[1] * m->r, 2.5 * slip, 0.01 * 2.5 * slip);
@@ -274,7 +276,7 @@ static void a_loop_of_load_and_shear_gains_no_energy(void **state) {
     assert_true(w->dem.pairs.contacts.shear[1 * w->dem.pairs.contacts.soa.capacity] == 0.0);
     assert_true(e.elastic_normal == 0.0 && e.elastic_shear == 0.0);
     assert_true(e.friction > 0.0);
-    /* Kinetic energy is that of the motion at the end. */
+    /* The kinetic energy is that of the motion at the end. */
     assert_near(e.friction, e.work_prescribed - e.kinetic + e.stored_at_start, 1e-3 * e.friction);
     world_end(w);
 }
@@ -520,7 +522,7 @@ static void a_step_that_follows_flight_does_so_after_resume(void **state) {
     assert_true(file >= 0);
     close(file);
     int64_t step = -1, lowered = 0;
-    for (int k = 0; k < 2; k++) { /* first to find the step */
+    for (int k = 0; k < 2; k++) { /* this run is the first to find the step */
         gn_scene scene;
         ok(gn_scene_parse("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm]], group: 0}\n"
                           "materials: [{name: m, density: 2500, young: 1e5, poisson: 0.2}]\n"
@@ -647,7 +649,7 @@ static void the_step_follows_the_overlap(void **state) {
     world_end(w);
 }
 
-/* The example: grains in a tube that is lifted, up to the end of their settling in it. */
+/* The example: grains in a tube that is lifted, until they have settled in it. */
 static void the_example_runs(void **state) {
     (void)state;
     char path[4096];
@@ -732,8 +734,8 @@ static void keys_that_exclude_hertz_are_refused(void **state) {
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 
-/* k_r = k_t r^2 of a large sphere is large for a small body: (1 + 6 r^2/l^2) times the value that
- * its own arm gives with k_t, for a cube of side l. */
+/* k_r = k_t r^2 of a large sphere is large for a small body: (1 + 6 r^2/l^2) times the value of its
+ * own arm with k_t, for a cube of side l. */
 static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     (void)state;
     gn_world *w = world_of(

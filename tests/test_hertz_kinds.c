@@ -67,7 +67,7 @@ static double rebound(kind k, double v, double mine, double other, const char *c
     if (steps > 0.0) add(&t, "step: %.17g, ", step);
     add(&t, "end: 1000}\nrun: {threads: 1}\n");
     gn_world *w = world_of("%s", t.s);
-    double end = gap / v + 6.0 * wave; /* the slowest needs 3 */
+    double end = gap / v + 6.0 * wave; /* the slowest case needs 3 */
     while (w->ctx.time < end) run_steps(w, 1);
     double back = vel_of(w, 0)[2];
     if (k == PAIR) back -= vel_of(w, 1)[2];
@@ -120,14 +120,14 @@ static void restitution_of_a_pair_goes_over_that_of_materials(void **state) {
 /* --- rolling --- */
 
 /* m: the overlap at rest of a sphere (disc) of 10 mm, loaded by its weight along the normal on 1e6
- * N/m, or with Hertz's law on an equal one. */
+ * N/m, or by Hertz's law on an equal one. */
 static double rest(bool hertz, bool space, double along) {
     double mass = space ? sphere_mass(2500, 0.01) : 2500 * pi * 1e-4, force = mass * along;
     double modulus = 0.5 * 1e8 / (1.0 - 0.09);
     return hertz ? pow(0.75 * force / (modulus * 0.1), 2.0 / 3.0) : force / 1e6;
 }
 
-/* A sphere (disc) on a plane, with Hertz's law or (also a disc) the linear one. */
+/* A sphere (disc) on a plane, by Hertz's law or (also a disc) by the linear one. */
 static gn_world *roller(bool hertz, int dimension, double friction, double rolling, double v0,
                         double slope) {
     const double turn = atan(slope), along = 9.81 * sin(turn), down = -9.81 * cos(turn);

@@ -438,7 +438,7 @@ static void bonds_are_lines_also_when_none_is_left(void **state) {
     gn_h5_close(file);
 }
 
-/* The reader of ParaView 5.11 wants the type as a string of fixed length, in ASCII. */
+/* The reader of ParaView 5.11 requires the type as a string of fixed length, in ASCII. */
 static void the_type_is_a_fixed_ascii_string(void **state) {
     fixture *f = *state;
     char path[128], type[17] = "";

@@ -216,7 +216,7 @@ static void sound_meshes_are_taken(void **state) {
             assert_int_equal(dimension == 3 ? gn_mesh_box(&spec, &mesh, &error)
                                             : gn_mesh_rectangle(&spec, &mesh, &error),
                              GNEISS_OK);
-            /* Elements that are turned inside out are turned back later. */
+            /* Elements that are turned inside out get the right orientation later. */
             gn_mesh_elements *e = dimension == 3 ? &mesh.tetrahedra : &mesh.triangles;
             for (size_t k = 0; k < e->count; k += 3) {
                 int32_t *node = e->node + (size_t)e->nodes * k, swap = node[0];

@@ -416,7 +416,7 @@ typedef struct motion {
     double n[3], stretch, vn, vt[3], path, before[3];
 } motion;
 
-/* N m, by which moments against rolling are off where those of bonds are (see expect), and by the
+/* Allowed error of moments against rolling, N m: that of moments of bonds (see expect), and the
  * rounding of the pressing force. */
 static double roll_slack(const bench *b, size_t c, double side2, double length, double twist,
                          double vn, const expected *e) {
@@ -661,7 +661,7 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
     for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
         gn_contact_kernel *kernel = gn_contact_table_scalar[v];
         if (!kernel) continue;
-        if (gn_contact_variant_effects(v) & GN_FX_SOFTENING) continue; /* test_softening.c */
+        if (gn_contact_variant_effects(v) & GN_FX_SOFTENING) continue; /* see test_softening.c */
         char name[160];
         gn_contact_variant_name(v, name, sizeof name);
         bench b = make_bench(gn_contact_variant_effects(v), 1000 * v);
@@ -683,7 +683,7 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
         if (b.k.soa.effects & GN_FX_ENERGY) {
             double allowed = 1e-12 * sum.scale;
             if (b.k.soa.effects & GN_FX_PERIODIC)
-                allowed *= 50.0; /* lengths of the box, not of a pair */
+                allowed *= 50.0; /* the lengths are of the size of the box, not of a pair */
             assert_near(got.elastic_normal, sum.elastic_normal, allowed);
             assert_near(got.elastic_shear, sum.elastic_shear, allowed);
             assert_near(got.elastic_bending, sum.elastic_bending, allowed);
@@ -814,10 +814,10 @@ static void every_mixed_kernel_has_the_bits_of_the_scalar_one(void **state) {
     }
 }
 
-/* Contacts that began within rounding of 0, or did not, beside others that close or open in the
- * step: the result must not depend on the other lanes of the vector. They move almost straight
- * towards or from each other, so that the effect of the motion across on their path is of the size
- * of its rounding in single precision, and all displacement was made in this step. */
+/* Contacts that may have begun within rounding of 0, beside others that close or open in the step:
+ * the result must not depend on the other lanes of the vector. They move almost straight towards or
+ * from each other, so that the effect of the motion across on their path is of the size of its
+ * rounding in single precision, and all displacement was made in this step. */
 static bench make_touching(unsigned v, bool mixed) {
     bench b = make_bench(gn_contact_variant_effects(v) | (mixed ? GN_FX_MIXED : 0), 1000 * v);
     uint64_t at = 31 + v;
@@ -877,8 +877,8 @@ static void contacts_that_begin_at_touch_do_not_hang_on_their_neighbours(void **
 /* The difference from double precision, relative to the force of a stretch of 1e-3, at least 1e-6 m
  * here. Travel changes a distance by up to 4e-5 m; rounding that (6e-8), the stretch before it and
  * their sum is 7e-12 m: 7e-6. Positions in single precision would be off by 6e-8 x 0.02 m: 1e-3. A
- * bond that softens down a slope of at most half its stiffness doubles what its trial force is off
- * by. */
+ * bond that softens down a slope of at most half its stiffness doubles the error of its trial
+ * force. */
 static void mixed_forces_follow_the_double_ones(void **state) {
     (void)state;
     double worst = 0.0;
@@ -892,13 +892,15 @@ static void mixed_forces_follow_the_double_ones(void **state) {
         run(&b, gn_contact_table_scalar_mixed[v & ~16U]); /* images are in the branch */
         for (size_t c = 0; c < CONTACTS; c++) {
             contacts++;
-            if (a.k.cause && a.k.cause[c] != b.k.cause[c]) { /* within rounding of its strength */
+            if (a.k.cause &&
+                a.k.cause[c] != b.k.cause[c]) { /* the bond is within rounding of its strength */
                 other_side++;
                 continue;
             }
             double ri = a.p.pos[4 * a.k.i[c] + 3], rj = a.p.pos[4 * a.k.j[c] + 3];
             double scale = a.k.kn[c] * 1e-3 * (ri + rj);
-            if (a.k.most) scale *= sqrt(2e-3 * (ri + rj)); /* stiffness of the deepest */
+            if (a.k.most)
+                scale *= sqrt(2e-3 * (ri + rj)); /* the stiffness is that of the deepest contact */
             for (int end = 0; end < 2; end++) {
                 double f[3], g[3], m[3], n[3];
                 sums_at(&a, c, end, f, m);
@@ -938,7 +940,8 @@ static void sums_of_many_mixed_contacts_follow_the_double_ones(void **state) {
     const gn_partials *p = &a->dem.pairs.partials, *q = &b->dem.pairs.partials;
     assert_true(p->row && q->row_f && p->width == 8);
     const size_t rows = (size_t)p->first[p->blocks];
-    assert_true(a->dem.pairs.contacts.soa.count > 3 * rows / 2); /* several contacts in a sum */
+    assert_true(a->dem.pairs.contacts.soa.count >
+                3 * rows / 2); /* several contacts are in one sum */
     assert_int_equal(q->first[q->blocks], rows);
     double most[2] = {0.0, 0.0}, off[2] = {0.0, 0.0};
     for (size_t k = 0; k < 8 * rows; k++) {

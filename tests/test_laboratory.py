@@ -129,8 +129,8 @@ def sizes_of_a_disc_default_to_its_extent(folder):
 
 @fact
 def the_size_that_a_test_states_is_held_against_the_specimen(folder):
-    """A difference of a tenth is accepted, a larger one is a warning; less than half or more than twice is refused for a disc, a confined specimen
-    or an oedometer."""
+    """A difference of a tenth between given and found sizes is accepted, a larger one is a warning; less than half or more than twice is refused for
+    a disc, a confined specimen or an oedometer."""
     def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
     for test, doubt in (({}, None), ({"diameter": DIAMETER, "thickness": 0.02}, None), ({"diameter": 1.08 * DIAMETER}, None), ({"diameter": 1.2 * DIAMETER}, "diameter is 0.06 m"),
@@ -234,7 +234,7 @@ def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
     on = run_scene(folder, {**given, "time": {**given["time"], "stop": "none"}}, name="on")
     assert summary(on)["stop_reason"] == "t = 0.005 s reached", summary(on)["stop_reason"]
     rows, broken = history(ended), history(ended)["broken_tension"]
-    looked = np.isin(rows["step"], history(on)["step"])  # the rows that time.end asks for, between which there are others
+    looked = np.isin(rows["step"], history(on)["step"])  # the rows that time.end requests, between which there are others
     stress = rows["stress"][looked]
     means = (stress[1:] + stress[:-1]) / 2  # means of adjacent rows of the 200 requested
     assert means[-1] < 0.5 * means.max() and not (means[means.argmax():-1] < 0.5 * means.max()).any()
@@ -249,7 +249,7 @@ def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
 
 @fact
 def few_rows_end_a_test_as_many_do(folder):
-    """The loss from the peak to the end, which is 0.45 with a thousand rows: ten of thirty rows would give 0.14."""
+    """The fall of stress from the peak to the end, which is 0.45 with a thousand rows; means over ten of thirty rows would give 0.14."""
     given = disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}])
     del given["time"]["stop"]
     given["output"] = {**given["output"], "history_rows": 30}
@@ -274,7 +274,7 @@ def the_initial_load_of_the_ends_is_no_strength(folder):
     assert read["peak_stress"] == stress[2:].max() and read["peak_strain"] == strain[2 + stress[2:].argmax()] > 1e-3, read
     assert "initial_stress" in [w["name"] for w in summary(out)["warnings"]], summary(out)["warnings"]
     on = run_scene(folder, given, "--set", "time.stop.peak_drop=off", name="on")
-    looked = np.isin(history(out)["step"], history(on)["step"])  # rows that both have
+    looked = np.isin(history(out)["step"], history(on)["step"])  # rows that both runs have
     assert readings(on)["peak_stress"] == stress[looked][2:].max() <= read["peak_stress"]
     # The scene's own setting has the same effect; and a run resumed from a checkpoint ends after its peak.
     said = run_scene(folder, given, "--set", "time.stop.peak_drop=0.5", name="said")
@@ -502,7 +502,7 @@ def fracture_energy_is_absent_while_the_beam_carries_load(folder):
 
 @fact
 def bending_of_elements_gives_their_modulus(folder):
-    """E/(1 - nu^2) of plane strain, less what shear adds to the deflection of a beam of S/h = 8 (Timoshenko, kappa 5/6): (h/S)^2 E'/(G kappa),
+    """E/(1 - nu^2) of plane strain, minus the effect of shear on the deflection of a beam of S/h = 8 (Timoshenko, kappa 5/6): (h/S)^2 E'/(G kappa),
     5 %; triangles are 1 % too stiff with twelve cells over the height."""
     young, nu = 30e9, 0.2
     given = {"dimension": 2, "elements": {"beam": {"length": 0.36, "height": HEIGHT, "span": 0.32, "cell": HEIGHT / 12},
@@ -641,9 +641,9 @@ def stored(rows):
 
 @fact
 def tips_and_edges_hold_the_membrane(folder):
-    """Area and mean stress are those of a body at rest under 10 MPa, some thousandths smaller, and what the membrane does is what the
-    body stores. (Grains that pivot on one or two bonds rolled off: area 1.52, stress 2.1 of the pressure, work 1.9 of the energy of the
-    thin triangle, work 10 to 50 of it of the tetrahedron.)"""
+    """Area and mean stress are those of a body at rest under 10 MPa, some thousandths smaller, and the work of the membrane is the energy that the
+    body stores. (When grains that pivot on one or two bonds could roll off: area 1.52, stress 2.1 of the pressure, work 1.9 of the energy of the thin
+    triangle, work 10 to 50 of it of the tetrahedron.)"""
     write_tetrahedron(folder)
     triangle = {"polygon": [[0, 0], [0.04, 0], [0.005, 0.02]]}
     for k, (shape, dimension) in enumerate(((triangle, 2), ({"surface": "body.stl"}, 3), ({"box": {"size": [0.01, 0.012, 0.016]}}, 3))):
@@ -658,7 +658,7 @@ def tips_and_edges_hold_the_membrane(folder):
 
 @fact
 def a_membrane_that_is_removed_returns_its_work(folder):
-    """0, 10, 0 MPa: (before, more was lost than the box had stored)."""
+    """The pressure is 0, 10, 0 MPa: the membrane returns its work."""
     given = under_pressure({"box": {"size": [0.01, 0.012, 0.016]}}, 3, {"pressure": [[0, 0], ["0.5 ms", "10 MPa"], ["1 ms", 0]]},
                            damping={"background": {"model": "nonviscous_vector", "coefficient": 0.3}})
     rows = history(run_scene(folder, {**given, "time": {"end": 1.1e-3}}))
@@ -872,8 +872,9 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
         inside = (across < 0.006) & (np.abs(x[:, 2] - 0.015) < 0.005)
         rows = history(out)
         assert rows["strain"][-1] > 0.25 and inside.sum() > 50, (rows["strain"][-1], inside.sum())
-        # The average strain is that of what is left, along the axis that of the ends within what crushed ends and bulges do to its hull: 1.13
-        # and 1.21 of it. (Of all, grains that flew off with it, it was 1.34 and 2.14, and the volume had grown by a half.)
+        # The average strain is that of the remaining body; along the axis it is that of the ends up to the effect of crushed ends and bulges
+        # on the hull: 1.13 and 1.21 times as large. (With grains that flew away it would be 1.34 and 2.14, and the volume would have grown by
+        # a half.)
         assert abs(-rows["strain_zz"][-1] / rows["strain"][-1] - 1) < 0.3 and abs(rows["volumetric_strain"][-1]) < 0.2, (rows["strain_zz"][-1], rows["volumetric_strain"][-1])
         found.append(np.average(0.5 * (s[inside, 0] + s[inside, 1]), weights=r.reshape(-1)[inside] ** 3) / -2e7)
     assert abs(np.mean(found) - 1) < 0.1 and np.max(np.abs(np.array(found) - 1)) < 0.3, found
@@ -936,7 +937,8 @@ def resting(particles, dimension=3):
 
 @fact
 def the_middle_of_a_lattice_has_the_pressure(folder):
-    """n^3 spheres from a list; the stress is over the cells in the middle. (Was 0.85, 0.92 of the pressure for 5 and 9.)"""
+    """n^3 spheres from a list; the stress is over the cells in the middle. (With areas scaled to the hull it would be 0.85 and 0.92 of the pressure
+    for 5 and 9.)"""
     for n in (5, 9):
         particles = [[2e-3 * i, 2e-3 * j, 2e-3 * k, 1e-3] for i in range(n) for j in range(n) for k in range(n)]
         found = middle_stress(run_scene(folder, resting(particles), name=f"n{n}"), [("box", 1e-3 * (n - 2))])
@@ -961,8 +963,9 @@ def the_middle_of_what_is_cut_from_a_packing_has_the_pressure(folder):
 @fact
 def the_outermost_particles_of_a_shape_may_be_pressed(folder):
     """The middle of discs of 300 is 0.2 % above the pressure, where it is 3 % above it under the whole surface. Of boxes of 300 spheres a middle
-    scatters by 2 %, and in the mean of three it is 2 % below the pressure, as the outermost layer gives way more across the surface than inside
-    and is shortened more along it for that: 9 % above it under the whole surface. (One of them has a sphere on two bonds that swings on.)"""
+    scatters by 2 %, and in the mean of three it is 2 % below the pressure, because the outermost layer deforms more normal to the surface than the
+    inside, and in turn is shortened more along it: 9 % above the pressure under the whole surface. (One of the boxes has a sphere on two bonds that
+    continues to oscillate.)"""
     disc, box = {"disc": {"diameter": 0.02}}, {"box": {"size": [0.02] * 3}}
     for dimension, shape, most, usual in ((2, disc, 0.005, 1.03), (3, box, 0.05, 1.09)):
         found = {}
@@ -1035,8 +1038,8 @@ def a_hollow_body_is_pressed_on_its_own_surface(folder):
 
 @fact
 def bodies_without_a_shape_have_a_surface_each(folder):
-    """The block as in a run of its own, beside it a smaller one and a particle alone: of each forces and moments are closed, areas
-    times places are its volume, and what is alone has none."""
+    """The block is as in a run of its own; beside it are a smaller one and a single particle. Forces and moments of each block sum to zero, areas
+    times positions give its volume, and the single particle has no area."""
     def forces(name, particles):
         given = scene(3, specimen={"particles": particles}, membrane={"pressure": 1e6}, time={"end": 1e-9, "step": 1e-9})
         with results(run_scene(folder, given, name=name)) as file:
@@ -1368,7 +1371,7 @@ def ramp(value):
 
 
 def sheared(folder, name, expected, length, area, given):
-    """The error over the whole ramp: waves are 1 % of the first tenth of the stress, and below 1e-4 of it after 20 transits."""
+    """Errors over the whole ramp: waves contribute 1 % in the first tenth of the stress, and below 1e-4 of it after 20 transits."""
     out = run_scene(folder, given, name=name)
     rows, read = history(out), readings(out)
     last = slice(len(rows["stress"]) // 2, None)
@@ -1388,7 +1391,8 @@ def a_triangular_lattice_has_the_shear_modulus_of_its_springs(folder):
     length = (rows_ - 1) * np.sqrt(3) * r
     given = glued({"kind": "hexagonal", "cells": [5, rows_ // 2]}, [10 * r, 1], ramp(speed), 2, "x", "y", {"wz": ramp(-speed / length / 2)})
     out, rows, last = sheared(folder, "hexagonal", np.sqrt(3) / 4 * 1.5e6, length, 10 * r, given)
-    # The average strain is pure shear by half the angle; the mean stress is that of the springs along the rows, 5 in each, and of 10 between two.
+    # The average strain is pure shear by half the angle; the mean stress is that of the springs along the rows, 5 in each, and of 10 springs
+    # between two rows.
     assert np.allclose(rows["strain_xy"][last], rows["strain"][last] / 2, rtol=2e-3)
     assert np.abs(rows["strain_xx"][last]).max() < 1e-3 * rows["strain"][last].max()
     kn, kt, height = 1e6, 0.5e6, length + 2 * r
@@ -1426,7 +1430,7 @@ def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_bo
 
 def presses_both_ends(out, pressure):
     """The load on the upper end is given; the lower one receives it with the waves of a sudden load and of breaks,
-    within a tenth in the median. The normal stress is the mean of both."""
+    so that the median differs by at most a tenth. The normal stress is the mean of both."""
     rows = history(out)
     lower, upper = rows["normal_stress_lower"], rows["normal_stress_upper"]
     assert np.allclose(upper, pressure, rtol=1e-9) and np.allclose(rows["normal_stress"], (lower + upper) / 2, rtol=1e-12)
@@ -1648,7 +1652,8 @@ def shear_without_normal_stress_is_warned_of(folder):
 
 @fact
 def a_lid_on_what_is_sheared_presses_it_and_has_no_part_in_its_travel(folder):
-    """One specimen with the lid in the list of the end and beside it: strain, modulus and normal stress are the same, and there is a normal stress."""
+    """One specimen is run with the lid in the list of the end and beside it: strain, modulus and normal stress are the same, and there is a normal
+    stress."""
     sets = [slab("low", "lower", depth=4.5e-3, vx=0, vy=0), slab("up", "upper", depth=4.5e-3, vx=[[0, 0], [3e-5, 0.05]])]
     lid = plate("lid", 0.016, -1, servo={"force": 1e4, "max_velocity": 0.5})
     found = []
@@ -1677,7 +1682,7 @@ def halves(gap):
 
 @fact
 def the_sheared_height_is_that_between_the_ends(folder):
-    """The strain is over that height, and the section that of the whole; where the ends meet it is the whole height. A free length is accepted
+    """The strain refers to that height, and the section that of the whole; where the ends meet it is the whole height. A free length is accepted
     without a warning."""
     def said(test=None, **more):
         given = bonded(test={**ends("shear", "low", "up"), "axis": "x", "normal": "y", **(test or {})}, **more)
@@ -1832,7 +1837,7 @@ def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
     with h5py.File(os.path.join(out, "results.h5")) as file:
         broken = np.isin(file["events/cause"][:].ravel(), (1, 2))
         x = file["events/x"][:].ravel()[broken]
-    assert len(x) > 10 and np.all(abs(x - 0.09) < 0.02), x  # the crack alone breaks bonds, no support does
+    assert len(x) > 10 and np.all(abs(x - 0.09) < 0.02), x  # only the crack breaks bonds, no support does
 
 
 @fact

@@ -37,10 +37,9 @@ static void absent_for(const gn_readings *r, gn_reading which, const char *reaso
     if (!strstr(r->reason[which], reason)) fail_msg("'%s'", r->reason[which]);
 }
 
-/* Up to 100 Pa in 1 of strain by three straight lines (slopes 80, 120 and 100 with corners at 35
- * and 65 Pa), then down to 20. Bonds break one a row from half the rise on; the volume is least at
- * 0.75.
- */
+/* The stress rises to 100 Pa over a strain of 1 in three straight lines (slopes 80, 120 and 100
+ * with corners at 35 and 65 Pa), then falls to 20. One bond per row breaks from half of the rise
+ * on; the volume is least at 0.75. / */
 static double stress_at(double e) {
     return e < 0.4375 ? 80 * e : e < 0.6875 ? 35 + 120 * (e - 0.4375) : 65 + 100 * (e - 0.6875);
 }
@@ -237,7 +236,7 @@ static void few_bursts_have_no_slope(void **state) {
     absent_for(&r, GN_READING_b_value, "every burst broke one bond");
 }
 
-/* Force up to 10 N at 2 m and down to 0.5 N at 6 m, over a section of 4 m2. */
+/* The force rises to 10 N at 2 m and falls to 0.5 N at 6 m, over a section of 4 m2. */
 static table bent(double last) {
     static const char *const names[] = {"strain",  "stress",         "force",       "deflection",
                                         "opening", "broken_tension", "broken_shear"};
@@ -359,7 +358,7 @@ static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
 typedef struct weakening {
     double from;
     const char *column;
-    int rows;           /* up to the peak */
+    int rows;           /* number of rows up to the peak */
     double sides_stand; /* 1 or 0 */
     int seated;         /* bonds that break at 2 Pa */
 } weakening;

@@ -25,7 +25,7 @@ static const gn_material materials[] = {
      .bond_tension_limit = 20.0,
      .bond_shear_limit = 12.0,
      .bond_friction = 0.8,
-     .fracture_energy = 15.0, /* over (2 mm)^2: u_f = 6 um = 3 u_l */
+     .fracture_energy = 15.0, /* over a section of (2 mm)^2: u_f = 6 um = 3 u_l */
      .shear_fracture_energy = 13.5,
      .yield_stress = {10e6, 11e6, 11.5e6},
      .yield_ratio = {3.0, 5.0, 9.0}},

@@ -56,8 +56,8 @@ static const char *const damping[] = {
     "damping: {background: {model: nonviscous_component, coefficient: 0.6}}\n",
     "damping: {background: {model: nonviscous_component, coefficient: 0.6, velocity: instant}}\n"};
 
-/* Bonds that neither slide nor open: to rounding of forces of some newtons. (A contact that opens
- * acts for a part of the step, which is not known before.) */
+/* Bonds that neither slide nor open: the loads agree to rounding of forces of some newtons. (A
+ * contact that opens acts for a part of the step, which is not known before.) */
 static void without_tangents_the_total_force_is_what_moves(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)

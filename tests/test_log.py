@@ -77,7 +77,7 @@ def mistakes_on_the_command_line_are_objects_as_well(_):
 
 @fact
 def a_long_result_is_one_line(folder):
-    """Longer than the buffer with which a line begins."""
+    """The line is longer than the buffer with which a line begins."""
     result, = (line["result"] for line in lines_of("run", LATTICE, "--out", folder) if line["level"] == "result")
     assert result == summary(folder) and len(json.dumps(result)) > 2000, len(json.dumps(result))
 

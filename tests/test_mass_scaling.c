@@ -41,7 +41,7 @@ static void a_pair_gets_the_square_of_the_factor(void **state) {
     assert_close(w->dem.raised.added, 2.0 * 1.25 * m, 1e-12);
     assert_close(gn_world_mass(&w->dem, &w->solids), 2.0 * m, 1e-12);
     world_end(w);
-    /* Found by iteration, to half a percent of the step. */
+    /* The masses are found by iteration, to half a percent of the step. */
     w = pair_with("mass_scaling: {factor: 1.5}", "");
     for (int p = 0; p < 2; p++) assert_close(mass_of(w, p), 2.25 * m, 0.01);
     world_end(w);
@@ -196,7 +196,7 @@ static void masses_follow_the_contacts_that_form(void **state) {
             assert_true(mass_of(w, 1) == middle);
         } else {
             double more = mass_of(w, 1) - middle;
-            /* Twice the springs at the step over 0.989 instead of over 0.9. */
+            /* Twice the springs, at the step over 0.989 instead of over 0.9. */
             assert_close(mass_of(w, 1), 2.0 * middle * pow(0.9 / 0.989, 2.0), 1e-9);
             assert_close(mass_of(w, 2), mass_of(w, 1), 1e-12);
             assert_close(e.step_change, 0.5 * more, 1e-9); /* mass of the flying one, at 1 m/s */

@@ -232,7 +232,7 @@ static void faces_of_the_hull_are_the_outside_of_the_triangulation(void **state)
     }
 }
 
-/* Otherwise the particles on the faces of a block would not count. */
+/* Without detection the particles on the faces of a block would not count. */
 static void hulls_with_points_on_their_faces_are_detected(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k++) {

@@ -167,7 +167,7 @@ static gn_world *block(void) {
     return lattice_of(3, SIDE);
 }
 
-/* Wider by `most` in the middle than at the ends. */
+/* The body is wider by `most` in the middle than at the ends. */
 static double width(double most, double z) {
     return 1.05 + most * cos(0.5 * pi * z / half);
 }
@@ -320,7 +320,7 @@ static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state)
     cut_out(w, of_a_chip);
     lift(w, -1e-6);
     w->ctx.step = 100;
-    press(w); /* cut, but it still lies on the body */
+    press(w); /* the chip is cut off, but still lies on the body */
     assert_close(chips_share(w), share, 1e-3);
     lift(w, 0.5e-3);
     w->ctx.step = 150;
@@ -404,7 +404,7 @@ static void dead_loads_are_handed_on(void **state) {
 
 typedef bool (*layer)(const gn_particles *q, size_t p, const double centre[3]);
 
-/* Detaches all particles of a layer: each on its own, far from all others. */
+/* Detaches all particles of a layer; each then lies alone, far from all others. */
 static void take_off(gn_world *w, layer of, const double centre[3]) {
     gn_particles *q = &w->dem.particles;
     gn_contacts *bonds = &w->dem.bonds.contacts;

@@ -44,7 +44,7 @@ static void corners_of_lattices_are_held(void **state) {
     }
 }
 
-/* Places in pitches. */
+/* Positions in pitches. */
 static void add_grain(text *t, double x, double y, double z) {
     add(t, "%s[%.17g, %.17g, %.17g, 1e-3]", t->used ? ", " : "", pitch * x, pitch * y, pitch * z);
 }
@@ -61,9 +61,9 @@ static gn_world *with_grains_on_top(const char *bonds) {
     return world_of("dimension: 3\nspecimen: {particles: [%s]}\n%s" MATERIAL, t.s, bonds);
 }
 
-/* Their pressure is transferred to supported particles, in balance, and the mean stress is the
- * pressure, apart from the change of areas that removes the moment of the transfer: less than that
- * of one face displaced by one pitch, of 64 cells. */
+/* The pressure on pivoting particles is transferred to supported particles, in balance, and the
+ * mean stress is the pressure, apart from the change of areas that removes the moment of the
+ * transfer: less than that of one face displaced by one pitch, of 64 cells. */
 static void pivoting_particles_carry_no_pressure(void **state) {
     (void)state;
     gn_world *w = with_grains_on_top(BONDS);

@@ -132,7 +132,7 @@ static void set_decimal_comma(fixture *f) {
     char command[1200];
     spill_text(
         f, "LC_NUMERIC\ndecimal_point \",\"\nthousands_sep \"\"\ngrouping -1\nEND LC_NUMERIC\n");
-    /* It reports the categories that are left out, also by its exit code. */
+    /* The program reports the categories that are left out, also by its exit code. */
     snprintf(command, sizeof command, "localedef -c --no-archive -i %s %s/comma 2>/dev/null",
              f->path, f->dir);
     (void)!system(command);
@@ -144,7 +144,7 @@ static void set_decimal_comma(fixture *f) {
 static void a_decimal_comma_of_the_locale_changes_nothing(void **state) {
     fixture *f = *state;
     bytes b;
-    make_msh(&b, 4, false); /* written before the locale with a decimal comma is set */
+    make_msh(&b, 4, false); /* the file is written before the locale with a decimal comma is set */
     set_decimal_comma(f);
     spill_bytes(f, &b);
     expect_sample(f);

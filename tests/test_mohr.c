@@ -62,8 +62,8 @@ static void pressure_makes_a_bond_stronger_in_shear(void **state) {
         assert_int_equal(b.cause, GN_BROKEN_SHEAR);
         double strength = 12.0 - 0.9 * b.normal;
         assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
-        /* The second friction acts in the step of the break. The line of the centres turns by the
-         * path across over the distance, 1 - cos of which the stretch grows by. */
+        /* The second friction acts in the step of the break. The line of the centres rotates by the
+         * transverse path over the distance, and the stretch grows by 1 - cos of that angle. */
         assert_near(b.after, 0.3 * pressed[k], 0.03 * 0.3 * pressed[k] + 2.0 * step_force);
     }
 }

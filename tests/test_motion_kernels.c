@@ -181,7 +181,7 @@ static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const
         double weight = fx & GN_FX_GRAVITY ? mass * h->args.gravity[k] : 0.0;
         total[k] = f[first + k] + (first ? 0.0 : weight + h->p.applied[4 * p + k]);
     }
-    /* against the velocity: of the components that are not driven */
+    /* damping acts against the velocity of the components that are not driven */
     int32_t slot = h->p.slot[p];
     double part[2][3] = {{0}};
     for (int k = 0; k < 3; k++) {

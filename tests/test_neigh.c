@@ -82,7 +82,9 @@ static void pairs_across_a_periodic_box_are_all_found(void **state) {
     for (int dimension = 2; dimension <= 3; dimension++)
         for (int k = 0; k < 4; k++) {
             double ratio = k % 2 ? 6.0 : 1.0, size = dimension == 2 ? 50.0 : 26.0;
-            if (k >= 2) size = 2.02 * (2.0 * ratio + 0.4); /* just wide enough: one or two cells */
+            if (k >= 2)
+                size =
+                    2.02 * (2.0 * ratio + 0.4); /* the box is just wide enough: one or two cells */
             gn_particles p = scattered(500, dimension, size, ratio, 77 + (uint64_t)k);
             for (int a = 0; a < dimension; a++)
                 p.pos[a] += 3.0 * size; /* positions are not wrapped yet */

@@ -43,7 +43,7 @@ static gn_world *closing_lattice(const char *kind, double height, double restitu
 static double height_of(const char *kind) {
     gn_world *w = closing_lattice(kind, 1.0, 1.0, 0.0, "uniform");
     double height = w->ctx.upper[2];
-    assert_near(w->ctx.lower[2], 1e-7, 1e-12); /* the room that the spacing leaves */
+    assert_near(w->ctx.lower[2], 1e-7, 1e-12); /* gap that the spacing leaves */
     world_end(w);
     return height;
 }
@@ -269,7 +269,8 @@ static gn_world *loaded(const char *name) {
     return w;
 }
 
-/* Their steps equal those without the rules for collisions and for contacts that may form. */
+/* The steps of bonded tests equal those without the rules for collisions and for contacts that may
+ * form. */
 static void bonded_tests_keep_their_step(void **state) {
     (void)state;
     static const char *const names[] = {"ucs-rock.yaml", "ucs-discs.yaml"};
@@ -341,8 +342,8 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
             }
 }
 
-/* A sphere is torn off another: the contacts of both are resolved from the next lists on. If other
- * particles stay bonded and are more, the step remains that of a bonded body. */
+/* A sphere is torn off another one: the contacts of both are resolved from the next lists on. If
+ * other particles stay bonded and are more, the step remains that of a bonded body. */
 static void detached_particles_are_resolved_as_unbonded_ones(void **state) {
     (void)state;
     for (int more = 0; more < 2; more++) {

@@ -1,4 +1,4 @@
-"""gneiss pack, and scenes that ask for a packing. Speaks TAP."""
+"""gneiss pack, and scenes that request a packing. Speaks TAP."""
 import fcntl
 import shlex
 import signal
@@ -595,7 +595,7 @@ def pack_needs_a_file(folder):
 
 # --- volume ------------------------------------------------------------------------------------------------
 
-L_CORNERS = ((0, 0), (20, 0), (20, 8), (8, 8), (8, 20), (0, 20))  # mm; 256 mm2, its hull 328 mm2
+L_CORNERS = ((0, 0), (20, 0), (20, 8), (8, 8), (8, 20), (0, 20))  # in mm; the area is 256 mm2, that of the hull 328 mm2
 L_AREA, L_HULL = 256e-6, 328e-6
 
 

@@ -217,7 +217,7 @@ static void radii_have_their_statistics(void **state) {
         assert_close(q.radius_max, 3, 1e-14);
         assert_close(q.radius_ratio, 3, 1e-14);
         assert_close(q.radius_ratio_98, 2.98 / 1.02,
-                     1e-12); /* two of 201 at either end are left out */
+                     1e-12); /* two of 201 values at either end are left out */
         assert_close(q.radius_variation, sqrt(squares / COUNT) / 2, 1e-12);
         assert_close(ball(d, q.radius_volume) * COUNT, volumes[d - 2], 1e-12);
         assert_close(q.porosity, 1 - volumes[d - 2] / 1e5, 1e-12);
@@ -311,7 +311,8 @@ static void a_sphere_has_a_contact_with_every_face_it_touches(void **state) {
             for (int k = 0; k < neighbours; k++) {
                 memcpy(row[1 + k], row[0], sizeof row[0]);
                 row[1 + k][k] += 1.5;
-                row[1 + k][3] = 0.5; /* touches no wall beside a sphere of radius 1 on it */
+                row[1 + k][3] =
+                    0.5; /* the sphere touches no wall beside a sphere of radius 1 on it */
             }
             size_t count = 1 + (size_t)neighbours;
             gn_pack_quality q = measured(row[0], count, 3, domain, 1000);
@@ -328,7 +329,7 @@ static void a_sphere_has_a_contact_with_every_face_it_touches(void **state) {
 static void gaps_and_protrusions_at_walls_are_over_the_radius(void **state) {
     (void)state;
     gn_domain *domain = box_of(20);
-    /* Gaps of 2 % and 4 %, one of 7 % which is no contact, one that sticks out by 3 %. */
+    /* Gaps of 2 % and 4 %, one of 7 % which is no contact, and a sphere that protrudes by 3 %. */
     const double row[4][4] = {
         {5, 5, 2.04, 2}, {15, 5, 1.04, 1}, {5, 15, 1.07, 1}, {15, 15, 2 * 0.97, 2}};
     gn_pack_quality q = measured(row[0], 4, 3, domain, 8000);

@@ -96,7 +96,7 @@ static void biases_of_one_sense_add_up(void **state) {
     c.cause[2].bias = -0.01;
     assert_near(gn_causes_total(&c), hypot(0.05, 0.04), 1e-16);
     assert_near(gn_causes_without_scatter(&c), 0.05, 1e-16);
-    /* The uncertainty of its law is half of one cause. */
+    /* The uncertainty of the law is half of one cause. */
     c.cause[1].bias = 0.015;
     assert_near(gn_causes_without_scatter(&c), hypot(0.035, sqrt(0.03 * 0.03 - 0.015 * 0.015)),
                 1e-16);
@@ -116,7 +116,7 @@ static void a_bias_has_the_sense_of_its_law(void **state) {
     assert_true(packing->bias == 0);
 }
 
-/* The results of the study for them are in base.csv. */
+/* The results of the study for its tests are in base.csv. */
 static void packings_scatter_as_their_bonds_do(void **state) {
     (void)state;
     gn_test_groups q = usual(), areas = usual(), unknown = usual();

@@ -256,7 +256,7 @@ def the_causes_in_the_error_budget_of_a_finished_run_add_up(folder):
 
 @fact
 def a_peak_between_two_rows_has_an_error_of_that(folder):
-    """The rise of stress to the row of the largest one from the row before."""
+    """The rise of stress from the row before the largest one to it."""
     out, b = budget(folder, "--set", "output.history_rows=60")
     with results(out) as file:
         stress = file["history/stress"][()]
@@ -300,7 +300,8 @@ def a_resumed_run_has_the_budget_of_one_that_was_not_interrupted(folder):
     resume(out, "--set", "time.end=0.6 ms")
     parts = summary(out)["error_budget"]
     assert parts["young_modulus_average"].keys() == whole["young_modulus_average"].keys()
-    # Rows of the history are further apart in the second part of one and not of the other.
+    # Rows of the history are farther apart in the second part of one run than in the first; in the other they
+    # are not.
     assert abs(parts["young_modulus_average"]["error"] / whole["young_modulus_average"]["error"] - 1) < 0.05
 
 

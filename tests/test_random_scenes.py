@@ -1,4 +1,4 @@
-"""Random small scenes over the whole range of what gneiss runs, at the default settings of the step: none goes bad. Speaks TAP.
+"""Random small scenes over the whole range of what gneiss runs, at the default settings of the step: none fails. Speaks TAP.
 A number behind the program: only so many scenes are run, without the hard ones of MORE. `random_scenes.py PROGRAM --seed N` runs one
 of them, `--seed N --write DIR` writes it."""
 import functools

@@ -1,6 +1,6 @@
-"""Random small bodies of particles and elements, with zones that stay or elements that convert, at the default settings: none goes
-bad. Speaks TAP. A number behind the programs: only so many scenes are run, without the hard ones of MORE.
-`random_zones.py PROGRAM MOMENTUM --seed N` runs one of them, `--seed N --write DIR` writes it."""
+"""Random small bodies of particles and elements, with zones that stay or elements that convert, at the default settings: none fails. Speaks TAP. A
+number behind the programs: only so many scenes are run, without the hard ones of MORE. `random_zones.py PROGRAM MOMENTUM --seed N` runs one of them,
+`--seed N --write DIR` writes it."""
 import functools
 import os
 import sys

@@ -49,7 +49,8 @@ static gn_readings read_history(const gn_history *h, int dimension, int axis, in
     return r;
 }
 
-/* Before half of the largest stress, which is not visible in the platen strain; and after it. */
+/* Too little of the specimen is left before half of the largest stress, which is not visible in the
+ * platen strain; or after it. */
 static void a_specimen_of_which_too_little_is_left_has_no_average_strain(void **state) {
     (void)state;
     for (int late = 0; late < 2; late++) {
@@ -81,7 +82,7 @@ static void rows_that_a_start_left_out_count(void **state) {
             assert_int_equal(gn_history_add_column(&h, names[c], "", "", NULL), GNEISS_OK);
         for (int k = 0; k <= 1200; k++) {
             double e = 1e-3 * k, row[] = {2.0 * e, e, k <= 1000 ? e + 0.5 * e * e : 0.1};
-            if (way == 1 && k < 300 && k % 15) continue; /* the start's rows */
+            if (way == 1 && k < 300 && k % 15) continue; /* rows of the start */
             if (way == 2) row[0] = 0.0;                  /* without times the order is unknown */
             if (way == 2 && k < 300 && k % 15) continue;
             assert_int_equal(gn_history_append(&h, row, NULL), GNEISS_OK);
@@ -149,7 +150,8 @@ static void no_test_gives_no_readings(void **state) {
     r = read_history(&h, 3, 2, -1);
 #define X(name, unit, text) assert_true(isnan(r.name));
     GN_READINGS(X)
-    gn_history_append(&h, (double[COLUMNS]){1e-3, -5, 0, 0, 0}, NULL); /* never loaded */
+    gn_history_append(&h, (double[COLUMNS]){1e-3, -5, 0, 0, 0},
+                      NULL); /* the specimen is never loaded */
     r = read_history(&h, 3, 2, -1);
     GN_READINGS(X)
     gn_history_free(&h);
@@ -527,8 +529,8 @@ static void work_that_is_taken_back_still_counts_as_passed(void **state) {
      * again at the bottom. */
     gn_energy e = {.stored_at_start = 2, .work_gravity = -2};
     assert_close(gn_energy_throughput(&e), 2, 1e-15);
-    /* Dropped from rest instead and read at its initial position: all terms are zero, but 3 J
-     * passed. */
+    /* The ball is dropped from rest instead, and read at its initial position: all terms are zero,
+     * but 3 J passed. */
     e = (gn_energy){.kinetic = 1e-9, .passed = 3};
     assert_close(gn_energy_scale(&e), 3, 1e-15);
     assert_close(gn_energy_residual(&e), 1e-9 / 3, 1e-12);

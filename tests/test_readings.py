@@ -370,8 +370,8 @@ def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(fold
 
 @plain_fact
 def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
-    """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. Compared
-    with a strip without steps."""
+    """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. The specimen is compared with a strip
+    without steps."""
     length, waist = 60e-3, 6e-3
     found = {}
     for name, sides, count in (("strip", [(0, waist), (length, waist)], 1000),
@@ -423,7 +423,7 @@ def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
 
 @fact
 def a_gap_to_unbonded_grains_that_counts_as_strain_is_reported(folder):
-    """They touch the ends no more than each other: within their spacing the strain counts from the start, beyond it
+    """Loose grains touch the ends no more than each other: within their spacing the strain counts from the start, beyond it
     from contact."""
     height = 30e-3
     for gap, said in ((0.5e-3, "strain counts from the start"), (5e-3, "strain counts from contact")):

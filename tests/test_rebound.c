@@ -101,7 +101,7 @@ static double oblique(double restitution, double sideways, double depth, double 
     return parts / speed;
 }
 
-/* While the way across the normal is as long as that along it, the distance does not change by the
+/* While the path across the normal is as long as that along it, the distance does not change by the
  * speed along the normal alone: a contact that begins where a step does must not be missed. */
 static void restitution_is_kept_beside_sideways_motion(void **state) {
     (void)state;
@@ -151,7 +151,8 @@ static void restitution_is_kept_against_a_particle_held_along_one_axis(void **st
         }
 }
 
-/* The first of a row of five, of which four touch, hits the others and so on, between two walls. */
+/* Five particles in a row, of which four touch, between two walls: the first hits the others, and
+ * collisions follow along the row. */
 static void a_cradle_keeps_its_energy_without_dashpots(void **state) {
     (void)state;
     double m = sphere_mass(2500, 1e-3), k = 1e6, dt = pi / sqrt(2.0 * k / m);

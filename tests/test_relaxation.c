@@ -11,9 +11,9 @@ typedef struct packed {
     bool space;
     double jitter;         /* random shift of particles, relative to the radius */
     double range;          /* range of bonds, relative to the radius; 0: 0.35, all neighbours */
-    const char *convert;   /* keys in addition to box and width; NULL: none */
+    const char *convert;   /* keys of the zone in addition to box and width; NULL: none */
     const char *strength;  /* strength of bonds, N; NULL: unlimited */
-    const char *materials; /* keys besides */
+    const char *materials; /* further keys of the section */
     const char *rest;      /* NULL: one thread */
     bool loose;            /* some sides are not held */
 } packed;
@@ -225,8 +225,8 @@ static void it_takes_energy_and_leaves_velocities(void **state) {
 }
 
 /* A held block in equilibrium: without relaxation the energy that it removes would oscillate
- * between springs and motion, half of it in each on average. (The imbalance of the zone itself is
- * radiated all the same.) */
+ * between springs and motion, half of it in each on average. (Waves from the imbalance of the zone
+ * itself remain.) */
 static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
     (void)state;
     enum { LOOKS = 40 };
@@ -498,8 +498,9 @@ static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
     world_end(w);
 }
 
-/* Their bonds, with the initial distance as length, are stored: as contacts of almost zero
- * stiffness with a full overlap they would add spurious energy, however small the strain. */
+/* The bonds of dormant particles, with the initial distance as length, are stored: as contacts of
+ * almost zero stiffness with a full overlap they would add spurious energy, however small the
+ * strain. */
 static void overlaps_of_dormant_particles_are_no_contacts(void **state) {
     (void)state;
     const double hardly[9] = {1e-9, 4e-10, 0, -2e-10, -3e-10, 0, 0, 0, 0};

@@ -4,7 +4,7 @@
 
 #include "run/history_rows.h"
 
-/* Runs until `count` particles have left, and on for 10 steps; returns the ledger then. */
+/* Runs until `count` particles have left, and 10 more steps; returns the ledger then. */
 static gn_energy run_until_lost(gn_world *w, int64_t count) {
     measured_step(w);
     while (w->dem.lost < count && w->ctx.step < 1000000) run_steps(w, 1);
@@ -140,7 +140,7 @@ static void a_swinging_bonded_pair_closes_the_ledger(void **state) {
     }
 }
 
-/* Side by side, with the bond stretched across the direction of motion. */
+/* The pair moves side by side, with the bond stretched across the direction of motion. */
 static void a_bond_is_removed_once_if_both_grains_are_removed_together(void **state) {
     (void)state;
     char scene[2048];

@@ -32,7 +32,7 @@ def masses_that_followed_contacts_resume_to_the_same_bits(folder):
     straight, broken = os.path.join(folder, "straight"), os.path.join(folder, "broken")
     run(UCS, straight, "--threads", 2, *raised)
     said, energy = summary(straight)["mass_scaling"], history(straight)["energy_step_change"]
-    assert energy[0] == 0 and energy[-1] > 0  # they did
+    assert energy[0] == 0 and energy[-1] > 0  # masses have followed contacts
     assert summary(straight)["dt"] > 0.97 * said["dt_wanted"] and abs(summary(straight)["energy_residual"]) < 1e-3
     expect(stop_at_snapshot(broken, 3, signal.SIGINT, "--threads", 1, *raised), 6)
     resume(broken, "--threads", 2)
@@ -53,7 +53,7 @@ def masses_are_in_the_results_and_what_they_did_not_reach_is_a_warning(folder):
 
 @fact
 def a_lost_terminal_writes_a_checkpoint(folder):
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would be ignored, and stay so in the program
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup the signal would be ignored, also in the program
     expect(stop_at_snapshot(folder, 2, signal.SIGHUP), 6)
     assert len(checkpoints(folder)) == 1
 
@@ -434,7 +434,7 @@ def a_fast_body_takes_steps_that_grains_resolve(folder):
     out = os.path.join(folder, "out")
     run(write_scene(folder, given), out)
     assert abs(summary(out)["energy_residual"]) < 0.01
-    with results(out) as file:  # the plate is at 24 mm: all of them are in front of it
+    with results(out) as file:  # the plate is at 24 mm: all grains are in front of it
         assert (file["particles/position"][:, 0] > 0.024).all()
 
 

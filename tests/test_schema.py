@@ -177,7 +177,7 @@ CHANGES = {
     "key left out": (without_a_key, "(?!)"),
     "required key left out": (without_a_required_key, ""),
 }
-BAD = 16  # of each
+BAD = 16  # number of bad scenes of each kind
 
 
 def verdict(folder, scene):

@@ -70,7 +70,7 @@ static void a_lattice_settles_at_any_relaxation(void **state) {
     settles(cubes, 3 * 2e-3 * 0.9999, 10e-3);
 }
 
-/* A small relaxation is used unchanged: the first step moves the wall by it. */
+/* A small relaxation is used unchanged: the first step moves the wall accordingly. */
 static void the_default_is_not_touched(void **state) {
     (void)state;
     const char *const dampings[] = {"", "contact: {restitution: 0.5}"};

@@ -824,8 +824,8 @@ static const way_to_break ways_to_break[] = {
     {GN_FX_COUPLED_QUADRATIC, 15, 13.5, 0.8, 0.0, 1.0, 2e-6, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_QUADRATIC, 0, 0, 0.8, 1.0, 0.9, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_QUADRATIC, 0, 0, 0.8, 0.9, 1.0, 0.0, GN_BROKEN_SHEAR},
-    /* One of them brittle: at a third of the other's displacement at failure the share of that one
-     * remains the smaller one, sqrt(1 - x^2) at the end. */
+    /* One component is brittle: at a third of the other's displacement at failure its share remains
+     * the smaller one, sqrt(1 - x^2) at the end. */
     {GN_FX_COUPLED_QUADRATIC, 15, 0, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_TENSION},
     {GN_FX_COUPLED_QUADRATIC, 15, 0, 0.8, 0.1, 1.0, 0.0, GN_BROKEN_SHEAR},
     {GN_FX_COUPLED_QUADRATIC, 0, 13.5, 0.8, 1.0, 0.1, 0.0, GN_BROKEN_TENSION},

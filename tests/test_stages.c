@@ -348,15 +348,17 @@ static void walls_and_bodies_follow_materials_that_change(void **state) {
             const gn_wall_contacts *q = &run->world.boundary.contacts;
             if (q->fd) damped = q->fd[0];
             assert_near(q->row[2] - damped, -force, 1e-9 * -force);
-            assert_near(gn_energy_residual(e), 0.0, 1e-6);   /* the error of 100 steps of u^1.5 */
-            if (stage == 3) assert_true(e->friction > 1e-8); /* J; before it next to none */
+            assert_near(gn_energy_residual(e), 0.0, 1e-6); /* the error of 100 steps of u^1.5 */
+            if (stage == 3)
+                assert_true(e->friction > 1e-8); /* J; earlier stages have nearly no friction */
         }
         run_end(run);
     }
 }
 
-/* A stretched and sheared bond carries no force once it is dissolved, which is no sliding. The
- * normal rotates by 0.05 mrad per step, a first-order error in the residual of the last step. */
+/* A stretched and sheared bond carries no force once it is dissolved, and this does not count as
+ * sliding. The normal rotates by 0.05 mrad per step, a first-order error in the residual of the
+ * last step. */
 static void dissolving_a_bond_is_no_friction(void **state) {
     (void)state;
     gn_run *run =
@@ -682,7 +684,7 @@ static void a_settled_heap_goes_on(void **state) {
     size_t first = (size_t)run->world.stages.state[2].row,
            after = (size_t)run->world.stages.state[3].row;
     assert_true(strain[after - 1] - strain[first] >= 0.005);
-    /* The previous one of the rows at which ends are checked. */
+    /* The last row before the present one at which ends are checked. */
     assert_true(strain[after - 1 - (1 << GN_ROW_HALVINGS)] - strain[first] < 0.005);
     gn_readings r;
     gneiss_error error = {0};
@@ -1183,8 +1185,8 @@ static void steps_that_outlast_the_run_are_refused(void **state) {
             "s.yaml:19:46: stages[1].end.steps: expected an end before time.end");
     accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000000}}\n");
     accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000001, time: 0.1}}\n");
-    accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* too many for an integer
-                                                                          step number */
+    accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* the steps are too many for
+                                                                          an integer step number */
 }
 
 int main(int argc, char **argv) {

@@ -66,7 +66,7 @@ def constants_of_a_bar_of_spheres_are_those_of_a_slow_run(folder):
 
 @fact
 def bonds_with_moments_agree_with_a_slow_run_too(folder):
-    soft = ("--set", "materials.m.kratio=50")  # moments are the more of the stiffness
+    soft = ("--set", "materials.m.kratio=50")  # moments make the larger part of the stiffness
     plain = constants(bar(folder), *soft)["test"]["young_modulus"]
     stiff = check_against_run(folder, bar(folder, bonds=MOMENTS), *soft)["young_modulus"]
     assert stiff > 1.0001 * plain, (stiff, plain)
@@ -152,7 +152,7 @@ def the_strain_is_that_of_both_ends_however_they_move(folder):
     other = constants(scene, "--set", "sets.below.motion.vy=0")["test"]
     for name in CONSTANTS:
         assert abs(one[name] - other[name]) < 2e-5 * abs(one[name]), (name, one[name], other[name])
-    far = constants(scene, "--strain", "1e-3")["test"]  # bonds turn, and springs are linear
+    far = constants(scene, "--strain", "1e-3")["test"]  # bonds rotate, and springs are linear
     assert far["strain"] == 1e-3 and 1e-6 < abs(far["young_modulus"] / one["young_modulus"] - 1) < 5e-3, far
     still = constants(scene, "--set", "sets.below.motion.vy=0", "--set", "sets.above.motion.vy=0")
     assert still["test"] is None and "expected walls or sets that move" in still["test_absent"], still["test_absent"]

@@ -122,7 +122,7 @@ static void a_body_in_a_cavity_in_a_body_counts_thrice(void **state) {
     add_cube(&m, 4.0, 5.0, 0); /* a body in the cavity */
     add_cube(&m, 2.0, 7.0, 0); /* the cavity */
     add_cube(&m, 0.0, 9.0, 0);
-    add_cube(&m, 10.0, 12.0, 0); /* a body aside */
+    add_cube(&m, 10.0, 12.0, 0); /* a body beside the others */
     for (size_t t = 0; t < 24; t += 5) turn(&m, t);
     assert_close(close_surface(&m), 729.0 - 125.0 + 1.0 + 8.0, 1e-14);
     assert_close(signed_volume(&m, 0, 12), 1.0, 1e-12);

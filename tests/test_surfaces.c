@@ -170,7 +170,8 @@ static void a_nearly_flat_fold_is_nearly_flat(void **state) {
         deviation d = {0};
         for (int step = 0; step < 10000; step++) compare_step(flat, bent, &d);
         assert_true(pos_of(flat, 0)[0] > 3e-3);
-        /* The kink hits with v fold; that bounces at kn v fold/w, w^2 = kn/m. */
+        /* At the kink the sphere hits with the velocity v fold, which causes a force of kn v
+         * fold/w, w^2 = kn/m. */
         double hit = 0.5 * fabs(folds[k]) * sqrt(kn * disc_mass(2500, radius));
         assert_true(d.force <= 1e-6 * d.force_size + 2.0 * hit);
         world_end(bent);
@@ -182,7 +183,8 @@ static void a_nearly_flat_fold_is_nearly_flat(void **state) {
 
 /* Rebound velocity along `away` (unit) of a sphere that comes at 1 m/s against a body. */
 static double rebound(const char *shape, const double away[3], double restitution) {
-    double start = radius + 100.5 * 1e-7, r3 = radius; /* touches in the middle of a step */
+    double start = radius + 100.5 * 1e-7,
+           r3 = radius; /* the sphere touches in the middle of a step */
     gn_world *w =
         world_of("dimension: 3\nspecimen: {particles: [[%.17g, %.17g, %.17g, %.17g]], group: 0}\n"
                  "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
@@ -387,7 +389,7 @@ static void a_thin_plate_is_touched_from_both_sides(void **state) {
         double unit = 0.5 * w->ctx.dt / mass_of(w, 0);
         assert_close(vel_of(w, 0)[2], f * unit, 1e-6);
         assert_close(vel_of(w, 1)[2], -f * unit, 1e-6);
-        /* Above the rim: the edge, straight below the centre. */
+        /* The centre is above the rim: the contact is with the edge, straight below it. */
         assert_close(vel_of(w, 2)[2], f * unit, 1e-6);
         world_end(w);
     }

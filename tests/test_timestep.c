@@ -158,7 +158,7 @@ static void a_tiny_particle_sets_the_step(void **state) {
     bond(s, 1e-6, 3.7, 0.0);
     s->p.vel[8 + 3] = s->p.vel[3];
     gn_step_limit limit = limits_of(s, 1e-10);
-    assert_int_equal(limit.bound_id, 1); /* ids run backwards: place 1 of 3 */
+    assert_int_equal(limit.bound_id, 1); /* ids are in reverse order: place 1 of 3 */
     assert_int_equal(limit.sharp_id, 1);
     s->bonds.soa.count = 1; /* the only pair is that of the largest and the smallest particle */
     s->bonds.kt[0] = 0.0;
@@ -177,15 +177,16 @@ static void contacts_act_by_their_state(void **state) {
     double arm = 0.5 * 1.999e-3, kn = s->bonds.kn[0], m = inverse_mass(s, 0);
     double normal = 2.0 / sqrt(2.0 * kn * m);
     double shear = 2.0 / sqrt(kn * m * (2.0 + 5.0 * arm * arm / 1e-6));
-    assert_close(limits_of(s, 1e-10).sharp, shear, 1e-12); /* intact: k_t acts without friction */
+    assert_close(limits_of(s, 1e-10).sharp, shear,
+                 1e-12); /* an intact bond: k_t acts without friction */
     s->bonds.cause[0] = GN_BROKEN_TENSION;
-    assert_true(limits_of(s, 1e-10).sharp == INFINITY); /* broken at zero stretch: open */
+    assert_true(limits_of(s, 1e-10).sharp == INFINITY); /* a bond broken at zero stretch is open */
     s->bonds.length0[0] = 2e-3;
-    assert_close(limits_of(s, 1e-10).sharp, normal, 1e-12); /* pressed, frictionless */
+    assert_close(limits_of(s, 1e-10).sharp, normal, 1e-12); /* a pressed contact without friction */
     s->bonds.mu[0] = 0.3;
-    assert_close(limits_of(s, 1e-10).sharp, shear, 1e-12); /* compressed, with friction */
+    assert_close(limits_of(s, 1e-10).sharp, shear, 1e-12); /* a compressed contact with friction */
     s->p.vel[3] = 0.0;
-    assert_int_equal(limits_of(s, 1e-10).springs, 0); /* one particle removed */
+    assert_int_equal(limits_of(s, 1e-10).springs, 0); /* one particle is removed */
     destroy(s);
 }
 
@@ -406,7 +407,7 @@ static bool limit_by_few(specimen *s, double tolerance, gn_step_limit *limit) {
     return found;
 }
 
-/* The limit of all lies between the two numbers, which are as near as was asked for. */
+/* The limit of all lies between the two numbers, which are as near as requested. */
 static void few_particles_have_the_limit_of_all(void **state) {
     (void)state;
     const double alphas[] = {0.0, 0.4}, kratios[] = {0.0, 3.7};

@@ -128,7 +128,8 @@ static void rounding_the_ridge_keeps_the_diameter(void **state) {
     t.bevel_angle = 120 * degree;
     t.tip_radius = 0.002;
     const sizes s = measure(GN_TOOL_DISC_CUTTER, &t);
-    /* The middle of the rounding is not among the points of its chain: its sagitta is missing. */
+    /* The middle of the rounding is not among the points of its chain: the sagitta of a segment is
+     * missing. */
     const double step = 60 * degree / 3;
     assert_true(s.highest <= 0.2159 + 1e-12);
     assert_true(s.highest > 0.2159 - 0.002 * (1 - cos(step)));

@@ -3,8 +3,8 @@
 #include "particles/particles.h"
 #include "world_helpers.h"
 
-/* Grains in a periodic box, loose and thinly spread, that stream along x and have `own` m/s of
- * their own; in the upper half they stream the other way when `opposed`. */
+/* Grains in a periodic box, loose and thinly spread, that stream along x and have random velocities
+ * of `own` m/s; with `opposed` the upper half streams in the other direction. */
 static gn_world *stream(double speed, double own, bool opposed, const char *more) {
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [8, 6, 10], "
@@ -75,7 +75,7 @@ static void streams_that_pass_each_other_have_their_lists_made(void **state) {
     int64_t lists = lists_of(w, 800);
     print_message("# lists: %lld where streams pass each other by %g skins\n", (long long)lists,
                   way / 4e-4);
-    /* Collisions dissipate most of it in the end. */
+    /* Collisions dissipate most of the energy in the end. */
     assert_true((double)lists > 0.25 * way / 4e-4);
     world_end(w);
 }

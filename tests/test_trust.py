@@ -11,7 +11,7 @@ CHANGED = "damaged or was changed"
 
 
 def change(path, name, place, value, anew):
-    """One value of a data set; with `anew` the digests fit it, as if the program had written it."""
+    """One value of a data set; with `anew` the digests are updated, as if the program had written it."""
     with h5py.File(path, "r+") as file:
         file[name][place] = value
         if anew:
@@ -545,7 +545,7 @@ def control_characters_do_not_reach_a_terminal(folder):
     for sign in "\u061c\u200b\u200e\u202e\u2028\u2066\x9b":
         done = expect(gneiss("check", write_scene(folder, f'title: "a \\u{ord(sign):04x} b"\n' + rest)), 2, "title: expected text without control characters")
         assert sign not in done.stderr
-    expect(gneiss("check", write_scene(folder, 'title: "m\\u200Cn \\u00e9 \\u4e2d"\n' + rest)), 0)  # joiners belong to words
+    expect(gneiss("check", write_scene(folder, 'title: "m\\u200Cn \\u00e9 \\u4e2d"\n' + rest)), 0)  # joiners between letters belong to words
     place, small = os.path.join(folder, "a\x1b[2Jb"), ("--set", "time.end=0.05 ms", "--set", "output.snapshots=0")
     specimen = write_scene(folder, SPECIMEN % 1, "specimen.yaml")
     for call in (("run", LATTICE, "--out", place, *small), ("resume", place), ("pack", specimen, "--out", place + "2"),

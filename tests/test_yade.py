@@ -1,11 +1,10 @@
 """Two particles, a chain and a lattice in YADE and in gneiss, step by step. Speaks TAP; skipped without YADE.
 
-Both take shear increments in the middle of a step and let contacts act from the instant at which they close: peer.py makes
-YADE do so, and what it does by itself is held to be another definition here.
+Both take shear increments in the middle of a step and let contacts act from the instant at which they close: peer.py changes YADE accordingly, and
+its own behaviour counts as another definition here.
 
-1e-9 in the first steps: round-off of positions over displacements, and YADE's turn of the shear force, which is of first
-order in the angle of a step. Later differences grow by themselves; what has another definition differs by 0.1 % and more, so
-that 1e-4 tells the two apart."""
+1e-9 in the first steps: round-off of positions over displacements, and YADE's turn of the shear force, which is of first order in the angle of a
+step. Later differences grow by themselves; another definition makes a difference of 0.1 % and more, so that 1e-4 distinguishes the two."""
 import os
 import sys
 

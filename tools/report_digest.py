@@ -58,7 +58,7 @@ def of_attributes(item):
 
 
 def written(item, name):
-    """None: the data set has no digest."""
+    """Returns None if the data set has no digest."""
     return int(item.attrs[name]) & WORD if name in item.attrs else None
 
 

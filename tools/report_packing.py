@@ -104,7 +104,7 @@ class Packing(Results):
         return self.contacts["pair"].value.reshape(-1, 2)[self.gap <= CONTACT]
 
     def test_axis(self):
-        return self.dimension - 1  # no test: z is upward, in 2D y
+        return self.dimension - 1  # without a test z is upward, in 2D y
 
 
 def figure_text(name, column):

@@ -393,7 +393,7 @@ def write_columns(path, columns):
 
 
 def write_csv(results, folder):
-    """The history beside the page; bursts and fragments, where there are some."""
+    """Links to the history beside the page, and to bursts and fragments if there are some."""
     for name, columns in (("report", results.history if results.rows else {}), ("report_bursts", results.bursts),
                           ("report_fragments", results.fragments)):
         path = os.path.join(folder, name + ".csv")

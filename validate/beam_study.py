@@ -91,7 +91,7 @@ def crack_energy(run, contact):
     x, d = run.results("particles/position"), run.results("particles/displacement")
     i, j, area, state = (run.results(f"bonds/{name}") for name in ("i", "j", "area", "state"))
     damage = np.where((state == 1) | (state == 2), 1.0, run.results("bonds/shear_damage"))
-    if len(contact) > 4:  # of the energy 0.6 of the strength's share that is lost along the first line, 1.8 along the second; of one line they are the same
+    if len(contact) > 4:  # dissipated energy: 0.6 of the strength's share that is lost along the first line, 1.8 along the second; for one line both are equal
         damage = np.where(damage < 2 / 3, 0.6 * damage, 0.4 + 1.8 * (damage - 2 / 3))
     apart = np.linalg.norm(d[j] - d[i], axis=1) > contact[3] / contact[2]
     lost = sum(run.results(f"energy/{term}")[0] for term in ("damage", "bond_breaking"))

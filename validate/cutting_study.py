@@ -60,7 +60,7 @@ def runs():
     found |= {f"facet-{value}-seed-1": {**disc("17", 4, value), "run.seed": 1} for value in (1.33, 5.33)}
     for depth in (4.5, 6, 9, 12):  # three particles and more per depth
         found[f"fine-{depth}-seed-1"] = {**disc("17", depth), **FINE, "time.end": f"{(math.sqrt(432 * depth) + 130) / 8} ms", "run.seed": 1}
-    for depth in (3, 4, 6, 8):  # of which the contact is a fifth to a third
+    for depth in (3, 4, 6, 8):  # depths of which the contact is a fifth to a third
         found[f"long-{depth}-seed-1"] = {**disc("17", depth), **LONG, "time.end": f"{(math.sqrt(432 * depth) + 200) / 8} ms", "run.seed": 1}
     for spacing in (20, 40, 60):
         found[f"spacing-{spacing}-seed-1"] = {"bodies.first.origin[1]": f"{spacing} mm", "test.spacing": f"{spacing} mm", "run.seed": 1,

@@ -142,7 +142,7 @@ def step_table():
 # --- a notched beam -------------------------------------------------------------------------------------------------
 
 def six(number, kept):
-    """As meshes.tetrahedra (six around the diagonal of a cell), mirrored at mid-span as those of elements.beam."""
+    """Tetrahedra as those of meshes.tetrahedra (six around the diagonal of a cell), mirrored at mid-span as those of elements.beam."""
     found = []
     for start in filter(lambda start: kept(*start), np.ndindex(*(n - 1 for n in number.shape))):
         mirrored = start[0] >= (number.shape[0] - 1) // 2

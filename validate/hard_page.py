@@ -1,4 +1,4 @@
-"""Hard cases: docs/evidence/hard-cases.md is written anew, and their long forms are run."""
+"""Hard cases: writes docs/evidence/hard-cases.md, and runs their long forms."""
 import os
 import subprocess
 import sys

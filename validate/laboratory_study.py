@@ -254,7 +254,7 @@ CHECKS = (("3D, published mean radius", 3, "", BY_RADIUS, 0.1), ("the same, a fi
 
 
 def check_runs(dimension, name, many, speed):
-    """Both tests with the published result of the calibration; None if a run does not exist (--kept)."""
+    """Runs both tests with the published result of the calibration; None if a run does not exist (--kept)."""
     overlap = 0.017 if dimension == 3 else None
     more = {**RAISED, **({"damping.background.coefficient": 0.2} if name == "-damping" else {})}
     crush = study.if_there(made, f"check-{dimension}{name}-1", crushed(dimension, 1, speed, CHECK[dimension], many, overlap), **more)

@@ -113,7 +113,7 @@ class Runner:
             return used
 
         asked = {"text": text, "seed": seed, "threads": self.options.threads, "program": self.hash}
-        key = hashlib.sha256(f"{text}{seed}".encode()).hexdigest()[:12]  # the same packing serves several tables
+        key = hashlib.sha256(f"{text}{seed}".encode()).hexdigest()[:12]  # one packing serves several tables
         folder, record = self.cached(f"pack-{key}", asked, work)
         figures = {**record["quality"], **{k: record[k] for k in ("wall", "cpu", "memory_mb", "load_before")}}
         say(f"{name}: e {100 * figures['porosity']:.2f} %, n_c {figures['coordination_1']:.2f} at 1 %, "

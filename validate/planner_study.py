@@ -56,7 +56,7 @@ def scene(kind, shape, material, law, test, end, dimension=3, **more):
 
 
 def scenes():
-    """(name, what it is, wanted error, reading, the scene)"""
+    """(name, description, wanted error, reading, the scene)"""
     yield "column", "compression of a column, harmonic law", 0.10, "strength", scene(
         "compression", {"box": {"size": [0.015, 0.015, 0.045]}, "particles": 600},
         rock(contact_modulus=12e9, kratio=2.5, tensile_strength=25e6, shear_strength=35e6), "harmonic", {"length": 0.045, "area": 2.25e-4}, 18e-3,

@@ -109,7 +109,7 @@ def pour(number):
 
 
 def kept_rows(count):
-    """One row for each number: rows stay in a file, so that a longer study goes on."""
+    """Adds one row for each number; rows are stored in a file, so that a longer study continues."""
     path = study.RUNS / "pouring" / "rows.json"
     rows = {} if study.FRESH or not path.exists() else {r["number"]: r for r in json.loads(path.read_text())}
     for number in range(1, count + 1):

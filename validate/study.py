@@ -25,7 +25,7 @@ ROCK = "scenes/ucs-rock.yaml"
 
 
 def reported(arguments, text, flags):
-    """Ends with the text when help is asked for, with a message when a flag is not among the known ones."""
+    """Ends the program with the text if help is requested, with a message if a flag is unknown."""
     if {"-h", "--help"} & set(arguments):
         print(text.strip())
         sys.exit(0)

@@ -31,7 +31,7 @@ def fall(grid, time, threads):
     deck.explicit(time, [0.0, -GRAVITY, 0.0])
     result = deck.run(threads)
     fallen = -np.array([u[1] for n, u in result.displacement.items() if n < len(grid.points)])
-    # Its increments end at `time` up to the rounding of its printed values.
+    # The program's increments end at `time` up to the rounding of its printed values.
     if np.max(np.abs(fallen / (0.5 * GRAVITY * time**2) - 1.0)) > 1e-3:
         sys.exit(f"expected a fall by {0.5 * GRAVITY * time**2} m, found {fallen.min()} to {fallen.max()} m")
     return result

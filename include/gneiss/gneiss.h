@@ -246,7 +246,7 @@ typedef enum gneiss_record {
     GNEISS_BONDS = 1,         /* formed by the scene; a broken one stays in the list */
     GNEISS_PAIRS = 2,         /* neighbours without a bond, in contact or not */
     GNEISS_WALL_CONTACTS = 3, /* particles near walls */
-    GNEISS_NODES = 4,         /* of finite elements */
+    GNEISS_NODES = 4,         /* nodes of finite elements */
     GNEISS_ELEMENTS = 5       /* triangles or tetrahedra */
 } gneiss_record;
 
@@ -331,10 +331,9 @@ typedef int gneiss_prepare(void *context, gneiss_specimen *specimen);
  */
 GNEISS_API void gneiss_scene_prepare(gneiss_scene *scene, gneiss_prepare *prepare, void *context);
 
-/* Called between two steps, when all of the last one is done: it may read, save and set what the
- * world has, and add and remove hooks, but not advance, finish or free it. Returns 0 to go on.
- * After any other number the advance returns GNEISS_INTERRUPTED, and the world may be advanced
- * again. */
+/* A function that is called between two steps. It may read, save and set the world, and add and
+ * remove hooks, but not advance, finish or free it. Returns 0 to go on. After any other number the
+ * advance returns GNEISS_INTERRUPTED, and the world may be advanced again. */
 typedef int gneiss_call(void *context, gneiss_world *world);
 
 /* Has `call` called after every step whose number (gneiss_world_steps) is a multiple of `every`

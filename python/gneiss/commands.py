@@ -21,7 +21,7 @@ Seeds = Union[int, Sequence[int], None]
 
 @contextlib.contextmanager
 def _file_of(source: Scene | Source, folder: Path | None = None) -> Iterator[str]:
-    """The path of a file with a dict, text or Scene, for the time of a command; a path stays what it is."""
+    """The path of a file with a dict, text or Scene, for the duration of a command; a path is not changed."""
     if isinstance(source, os.PathLike) or (isinstance(source, str) and "\n" not in source):
         yield os.fspath(source)
         return

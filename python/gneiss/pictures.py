@@ -33,7 +33,7 @@ def values_of(world: World, colour: Colour) -> tuple[Array, str]:
         values, unit = getattr(particles, colour), "m/s" if colour == "velocity" else "m"
     elif colour in particles:
         values, unit = particles[colour], particles.about[colour].unit
-    elif colour in particles.outputs:  # by rising id
+    elif colour in particles.outputs:  # the values are sorted by id
         place = np.searchsorted(particles.output("id"), particles["id"])
         values, unit = particles.output(colour)[place], particles.outputs[colour].unit
     else:

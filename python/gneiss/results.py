@@ -58,7 +58,7 @@ def _text(value: Any) -> str:
 
 
 class Group(Mapping[str, Any]):
-    """The data sets of a group of a file by name: arrays, read when they are asked for; texts as lists of lines. Of a group of single
+    """The data sets of a group of a file by name: arrays, read when they are requested; texts as lists of lines. Of a group of single
     numbers (readings, energy, quality) the numbers; NaN: absent, with the reason in `absent`."""
 
     def __init__(self, path: str, group: str) -> None:

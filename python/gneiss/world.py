@@ -19,7 +19,7 @@ from .fields import Array, History, Particles, Quantities, Record, memory_array
 from .hooks import Hook, Points
 from .scene import Changes, Scene, Source, as_c, scene_of
 
-_SLICE = 0.05  # s of wall time between two looks at signals
+_SLICE = 0.05  # s of wall time between two checks for signals
 _COMPONENTS = {"vx": 0, "vy": 1, "vz": 2, "wx": 3, "wy": 4, "wz": 5}
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
@@ -228,7 +228,7 @@ class World:
     # --- advance ---
 
     def _advance(self, function: Any, *arguments: Any) -> bool:
-        """One call into the engine. False: a call of a hook asked to stop."""
+        """Makes one call into the engine; returns False if a function of a hook requested to stop."""
         pointer = self._pointer()
         if not self._inside and not self._lock.acquire(blocking=False):
             raise RuntimeError("the world is in use by another thread")

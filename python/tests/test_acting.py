@@ -107,7 +107,7 @@ def a_world_with_calls_is_freed_when_nothing_refers_to_it(folder):
 
 @fact
 def a_spring_to_a_path_follows_its_closed_form_and_the_ledger_closes(folder):
-    """Its end runs along x with v: m y'' = -k y for the lag y, whose amplitude is v/w."""
+    """The end of the spring moves along x with v: m y'' = -k y for the lag y, whose amplitude is v/w."""
     k, v = 50.0, 2.0
     with gneiss.World({**PAIR, "time": {"end": "2 ms"}}) as world:
         start, mass = world.particles.position.copy(), world.particles.mass[0]

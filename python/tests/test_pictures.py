@@ -23,7 +23,7 @@ def a_section_shows_the_circles_that_a_plane_cuts(folder):
 @fact
 def particles_in_front_are_drawn_last_with_their_own_values(folder):
     with gneiss.World(LATTICE) as world:
-        world.step(300)  # in another order than the specimen
+        world.step(300)  # the particles then have another order than in the specimen
         position = world.particles.position.copy()
         for view, back_first in (("x", position[:, 0]), ("y", -position[:, 1]), ("z", position[:, 2])):
             discs, _, _ = pictures.discs_of(world, back_first, None, view)
@@ -65,7 +65,7 @@ def a_progress_bar_is_shown_with_and_without_tqdm(folder):
         done = subprocess.run([sys.executable, "-c", script, kind], capture_output=True, text=True,
                               env={**ENVIRONMENT, "PYTHONPATH": os.path.join(TREE, "python"), "GNEISS_LIBRARY": os.environ["GNEISS_LIBRARY"]})
         assert done.returncode == 0 and "step 418" in done.stderr and "100 %" in done.stderr, done.stderr
-        assert len(re.findall("step 418", done.stderr)) >= 2, done.stderr  # of the world, and of the command
+        assert len(re.findall("step 418", done.stderr)) >= 2, done.stderr  # progress of the world, and of the command
 
 
 if __name__ == "__main__":

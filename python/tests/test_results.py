@@ -10,7 +10,7 @@ from module import *  # noqa: F403
 
 @contextlib.contextmanager
 def without(*names):
-    """As if modules were not installed."""
+    """Makes modules appear not to be installed."""
     real = builtins.__import__
 
     def refuse(name, *arguments, **options):

@@ -75,7 +75,7 @@ def a_run_in_a_folder_leaves_the_files_of_the_program(folder):
     run(LATTICE, theirs)
     with gneiss.World(LATTICE, ours) as world:
         world.run(progress=False)
-    assert sorted(os.listdir(ours)) == sorted(name for name in os.listdir(theirs) if name != "status.json")  # of the process
+    assert sorted(os.listdir(ours)) == sorted(name for name in os.listdir(theirs) if name != "status.json")  # files of the process
     assert summary(ours)["readings"] == summary(theirs)["readings"]
 
 
@@ -130,7 +130,7 @@ def an_array_outlives_the_memory_that_it_shows(folder):
     with gneiss.World(LATTICE) as world:
         old = [world.particles.position, world.pairs["i"], world.bonds["kn"], world.history["time"]]
         kept = old[0].copy()
-        world.step(600)  # lists were made anew: particles have other places in memory
+        world.step(600)  # lists were rebuilt: particles have other places in memory
         assert world.counts.list_rebuilds > 1
         assert all(np.isfinite(values.astype(float)).all() for values in old)
         new = world.particles

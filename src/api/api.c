@@ -215,7 +215,7 @@ gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error
     return gn_fail(error, world->failure.status, "%s", world->failure.message);
 }
 
-/* As gn_api_require_good, of what ends a step or begins one. */
+/* As gn_api_require_good, for calls that end a step or begin one. */
 static gneiss_status require_free(const gneiss_world *world, gneiss_error *error) {
     GN_TRY(gn_api_require_good(world, error));
     if (!world->hooks.inside) return GNEISS_OK;

@@ -52,7 +52,7 @@ void *gn_alloc_array_raw(size_t count, size_t size) {
 typedef struct pinned {
     const void *block;
     size_t readers;
-    bool released; /* by the engine: the last reader frees it */
+    bool released; /* the engine has released the block: the last reader frees it */
     struct pinned *next;
 } pinned;
 

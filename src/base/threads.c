@@ -22,7 +22,7 @@ static void *pass(void *gate) {
 
 static bool has_memory_for_stack(void) {
     struct rlimit stack;
-    const size_t least = (size_t)2 << 20; /* of glibc, where there is no limit */
+    const size_t least = (size_t)2 << 20; /* least stack of glibc, where there is no limit */
     if (getrlimit(RLIMIT_STACK, &stack) != 0) return true;
     return gn_memory_is_left(stack.rlim_cur == RLIM_INFINITY ? least : (size_t)stack.rlim_cur);
 }

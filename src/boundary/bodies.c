@@ -214,7 +214,7 @@ static void spin_from_momentum(gn_rigid *b) {
     gn_rigid_direct(b, local, b->spin);
 }
 
-/* The spin after half of the rotation of the step. */
+/* Returns the spin after half of the rotation of the step. */
 static void half_way(const gn_rigid *b, double dt, double spin[3]) {
     gn_rigid middle = *b;
     double part[3];
@@ -261,7 +261,7 @@ static void run_far(gn_rigid *b, double dt) {
     for (int k = 0; k < 5; k++) run_about_axes(b, part[k] * dt);
 }
 
-/* The step follows from springs and grains, and a body may rotate far in it. */
+/* The step is determined by springs and grains: a body may rotate far in it. */
 static void rotate_freely(gn_rigid *b, double dt, bool space) {
     if (is_held(b)) {
         rotate_held(b, dt);

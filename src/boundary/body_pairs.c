@@ -159,7 +159,7 @@ gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary 
 /* --- springs --- */
 
 /* The second derivative of h^2/2 along a path is 1 between faces and 4/3 where one of them begins
- * to lift; edges and corners have less (tests/test_convex.c). */
+ * to separate; edges and corners have less (tests/test_convex.c). */
 static const double stiffest = 2.0;
 
 double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,
@@ -310,9 +310,10 @@ gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
 /* A pair in a step; arms are from both reference points to the contact point. */
 typedef struct step {
     gn_rigid *a, *b;
-    double lever[2][3], middle[2][3]; /* now, and in the middle of the step */
-    double turn[3];                   /* rad/s, of the second relative to the first */
-    double size;                      /* size of the gradient of h */
+    double lever[2][3],
+        middle[2][3]; /* lever arms at the present instant, and in the middle of the step */
+    double turn[3];   /* rad/s, rotation of the second body relative to the first */
+    double size;      /* size of the gradient of h */
     gn_touch touch;
     gn_touch_side side;
     double damping; /* fraction of the critical damping */
@@ -421,7 +422,7 @@ static void rock(const gn_step_context *ctx, gn_body_pair *p, const step *s, con
 /* Friction against twisting about the normal. */
 typedef struct twist {
     double spring, radius; /* N m/rad; m: radius of a ring with as much friction */
-    double turn, trial;    /* rad, in this step; N m, if nothing slid */
+    double turn, trial;    /* rad, rotation in this step; N m, moment without slip */
     double share;          /* share of the limit of friction, where slip and twist act together */
 } twist;
 
@@ -488,7 +489,7 @@ static void act(const gn_step_context *ctx, gn_boundary *boundary, gn_body_pair 
     double t[3], force[3], moment[3];
     s->touch.inverse_mass = inverse_mass_of(p, s);
     s->touch.other_acceleration = other_acceleration(ctx, p, s);
-    s->side.friction *= s->size; /* the force is that along h times the gradient */
+    s->side.friction *= s->size; /* the contact force is the force along h times the gradient */
     double friction = s->side.friction;
     turn_shear(s->touch.n, p->shear);
     twist turning = twist_of(ctx, p, s, spread);

@@ -1,7 +1,8 @@
 /* Contacts between convex rigid bodies. Two bodies have one contact: its overlap is the mean depth
  * h of their common volume (surfaces/convex.h), its spring has the potential k h^2/2 and pushes
  * along the gradient of h. Spring, dashpot and crossings are those of the linear law along h, with
- * the inverse mass along the gradient; friction acts at the point where the push goes through. */
+ * the inverse mass along the gradient; friction acts at the point through which the line of the
+ * normal force passes. */
 #ifndef GN_BOUNDARY_BODY_PAIRS_H
 #define GN_BOUNDARY_BODY_PAIRS_H
 
@@ -19,7 +20,7 @@
  * first body, of the last step. */
 typedef struct gn_body_pair {
     double first, second;             /* bodies, the first with the smaller number */
-    double depth;                     /* m: h; 0: apart */
+    double depth;                     /* m, depth h; 0: the bodies are apart */
     double along[3], about[3];        /* gradients of h, see gn_convex_overlap */
     double point[3];                  /* m, from the first body's reference point */
     double viscous;                   /* N, of the dashpot, along h */
@@ -28,7 +29,7 @@ typedef struct gn_body_pair {
     double twisting, twisting_spring; /* N m about the normal, N m/rad */
 } gn_body_pair;
 
-/* The largest value of any two bodies, and the bodies; 0: none. Doubles only. */
+/* The largest value over all pairs of bodies, and the two bodies; 0: none. Doubles only. */
 typedef struct gn_bodies_worst {
     double value, first, second;
 } gn_bodies_worst;
@@ -42,7 +43,7 @@ typedef struct gn_body_pairs {
     gn_contact_sums sums;
     gn_bodies_worst deepest; /* largest h so far over the smaller of both thicknesses along the
                               * push */
-    gn_bodies_worst pushed;  /* N, at the start, if more than the force of bodies at rest */
+    gn_bodies_worst pushed; /* N, largest force at the start, if more than that of bodies at rest */
 } gn_body_pairs;
 
 /* Computes the properties of the shapes that contacts need, once at the start. */
@@ -56,8 +57,8 @@ gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary 
  * shape. */
 bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b);
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
-/* Tells whether a body of such a shape is, or was at the start, within reach of one that it cannot
- * touch. */
+/* Tells whether a body of such a shape is, or was at the start, within reach of a body that it
+ * cannot touch. */
 bool gn_body_passes_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 
 /* Tells whether a free body has no spring, by Hertz's law without a stiffness, towards walls or
@@ -68,7 +69,7 @@ bool gn_body_lacks_stiffness(const gn_step_context *ctx, const gn_boundary *boun
  * newly touching. */
 gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
                                  gn_boundary *boundary, bool first, gneiss_error *error);
-/* Adds the forces of these contacts to those of particles and walls. */
+/* Adds the forces of the pairs to those of particles and walls. */
 void gn_body_pairs_work(const gn_step_context *ctx, gn_boundary *boundary);
 
 /* Computes upper bounds over the listed pairs of a body, all in contact: of the squared frequency,

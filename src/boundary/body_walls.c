@@ -90,7 +90,7 @@ static size_t first_vertex(const gn_step_context *ctx, const gn_boundary *bounda
 
 gneiss_status gn_body_walls_prepare(const gn_step_context *ctx, gn_boundary *boundary,
                                     gneiss_error *error) {
-    const double rounding = 1e-12; /* of the angles around a vertex within a face */
+    const double rounding = 1e-12; /* rounding of the angles around a vertex within a face */
     gn_boundary *b = boundary;
     size_t first = 0;
     GN_TRY(gn_new(&b->vertex_part, b->body_vertex_count + 1, "vertices", error));

@@ -35,7 +35,7 @@ static inline gn_effects gn_body_wall_effects(const gn_step_context *ctx) {
  * that were listed. `first`: as in gn_boundary_refresh. */
 gneiss_status gn_body_walls_find(const gn_step_context *ctx, const gn_dem *dem,
                                  gn_boundary *boundary, bool first, gneiss_error *error);
-/* Adds the forces of these contacts to those on walls and bodies, which hold those of the particles
+/* Adds the forces of vertices to those on walls and bodies, which contain those of the particles
  * already. */
 void gn_body_walls_work(const gn_step_context *ctx, gn_boundary *boundary);
 
@@ -49,7 +49,7 @@ typedef struct gn_body_wall {
 } gn_body_wall;
 gn_body_wall gn_body_wall_at(const gn_step_context *ctx, const gn_boundary *boundary, size_t row);
 
-/* Returns an upper bound of that of any body on any wall, wherever they are. */
+/* Returns an upper bound of the largest stiffness of any body on any wall, wherever they are. */
 double gn_body_walls_bound(const gn_step_context *ctx, const gn_boundary *boundary);
 
 /* Stiffness, N/m, of the contacts that press a wall, with the effect of their dashpots in a step if
@@ -61,9 +61,9 @@ double gn_body_walls_within(const gn_step_context *ctx, const gn_boundary *bound
 
 /* Overlap of a body with a wall. */
 typedef struct gn_body_overlap {
-    size_t vertices; /* behind the plane */
+    size_t vertices; /* m, depth behind the plane */
     double deepest;  /* m */
-    double force;    /* N, of the springs */
+    double force;    /* N, force of the springs */
 } gn_body_overlap;
 gn_body_overlap gn_body_walls_overlap(const gn_step_context *ctx, const gn_boundary *boundary,
                                       size_t body, size_t wall);

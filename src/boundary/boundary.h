@@ -41,7 +41,7 @@ static inline double gn_wall_distance(const gn_wall *wall, const double x[3]) {
  * part the functions are NULL. */
 typedef struct gn_holder {
     const void *context;
-    /* Stiffness, N/m, of the spring that holds a particle; 0: none does. */
+    /* Stiffness, N/m, of the spring that holds a particle; 0: no spring holds it. */
     double (*stiffness)(const void *context, size_t particle);
     /* Acceleration, m/s2, with which that spring moves the particle against n. */
     double (*acceleration)(const void *context, size_t particle, const double n[3]);
@@ -64,7 +64,7 @@ struct gn_boundary {
     int32_t *body_corner;           /* [body_corner_count], within a body */
     double *vertex_part;            /* [body_vertex_count], of the stiffness against walls */
     gn_wall_contacts body_contacts; /* contacts of vertices of free bodies (column i) with walls */
-    gn_contact_sums body_sums;      /* of these */
+    gn_contact_sums body_sums;      /* sums of body_contacts */
     gn_body_pairs pairs;            /* contacts of bodies with each other */
 
     gn_holder holder;
@@ -82,7 +82,7 @@ gneiss_status gn_boundary_add_surface(gn_boundary *boundary, const gn_surface *s
                                       gneiss_error *error);
 void gn_boundary_free(gn_boundary *boundary);
 void gn_boundary_set_holder(gn_boundary *boundary, gn_holder holder);
-/* Stiffness, N/m, of the spring that holds a particle; 0: none does. */
+/* Stiffness, N/m, of the spring that holds a particle; 0: no spring holds it. */
 static inline double gn_boundary_held_stiffness(const gn_boundary *boundary, size_t particle) {
     const gn_holder *holder = &boundary->holder;
     return holder->stiffness ? holder->stiffness(holder->context, particle) : 0.0;

@@ -55,8 +55,8 @@ void gn_surfaces_refer(gn_boundary *boundary);
 /* Upper bound of the path of any vertex since gn_surfaces_refer, m. `exact`: from the present
  * positions. */
 double gn_surfaces_travel(gn_boundary *boundary, bool exact);
-/* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
- * returns the first row behind them. */
+/* As gn_wall_contacts_work, for the contacts of the particle of row `begin` with the facets of one
+ * surface; returns the first row behind them. */
 size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
                                 gn_boundary *boundary, size_t begin, size_t end,
                                 gn_contact_sums *sums);
@@ -78,19 +78,18 @@ double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *body, co
 /* Rigid bodies (bodies.c). */
 gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, size_t deforming,
                                gneiss_error *error);
-/* New velocities from the forces. */
+/* Computes the new velocities from the forces. */
 void gn_bodies_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                     gn_ledger *ledger);
 /* Kinetic energy of free motions at the instant of the kick. */
 void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, double *translation,
                        double *rotation);
-/* New positions. */
+/* Computes the new positions. */
 void gn_bodies_drift(const gn_step_context *ctx, gn_boundary *boundary, gn_ledger *ledger);
-/* Works over half an interval, with the velocities of that. */
+/* Books the works over half an interval, with the velocities of that half. */
 void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                     gn_energy *ledger);
-/* The walls, likewise: sum of the forces, motion over the coming step, works over half an
- * interval. */
+/* For walls: sum of the forces, motion over the coming step, works over half an interval. */
 void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,

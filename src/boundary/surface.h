@@ -17,7 +17,7 @@
 typedef struct gn_rigid {
     double position[3], start[3];  /* m, of the reference point */
     double turn[4], turn_start[4]; /* quaternion w x y z from the body's frame */
-    double axes[9];                /* the same as a matrix, rows: x = position + axes X */
+    double axes[9];                /* the orientation as a matrix, rows: x = position + axes X */
     double velocity[3],
         velocity_past[3];         /* m/s, over the interval that led here; before the kick */
     double spin[3], spin_past[3]; /* rad/s */
@@ -30,9 +30,9 @@ typedef struct gn_rigid {
     double held[3]; /* 1: bearings prescribe the spin about this axis of space, beside free ones;
                      * else 0 */
     double volume;  /* m3, of a free body */
-    double reach;   /* m, of the farthest vertex from the reference point */
+    double reach;   /* m, distance of the farthest vertex from the reference point */
     double travel;  /* m, bound on the path of any vertex since the lists were made */
-    double ref_position[3], ref_axes[9]; /* position then */
+    double ref_position[3], ref_axes[9]; /* position when the lists were made */
 } gn_rigid;
 
 /* Functions of a body whose surface deforms, for contacts; solids provide them. */
@@ -51,7 +51,7 @@ struct gn_surface {
     gn_facet_set facets;               /* borrowed arrays; rigid: positions in the body's frame */
     const double *velocity;            /* [vertices][4], m/s, 1/kg; NULL: rigid */
     const int32_t *slot;               /* [vertices] in `prescribed`, -1: free; NULL: rigid */
-    const gn_prescription *prescribed; /* of vertices; borrowed; NULL: rigid */
+    const gn_prescription *prescribed; /* prescribed vertices; borrowed; NULL: rigid */
     double *force; /* [vertices][4], N, of the particles on vertices; NULL: rigid */
     int32_t body;  /* body of the surface; -1: vertices are nodes of `elements` */
     gn_element_model *elements;

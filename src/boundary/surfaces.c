@@ -1,4 +1,4 @@
-/* Contacts of particles with surfaces, particle by particle. */
+/* Contacts of particles with surfaces, evaluated particle by particle. */
 #include "boundary/surfaces.h"
 #include "base/error.h"
 #include "base/vec3.h"

@@ -66,7 +66,7 @@ static double wall_gap(const gn_dem *dem, const gn_boundary *boundary, size_t pa
 }
 
 /* Overlap with passive walls at the start is free of stress, and so is that of a particle that
- * becomes active within any wall: its element did not feel the wall. An active particle is listed
+ * becomes active within any wall: the wall did not act on its element. An active particle is listed
  * before it touches. */
 static double free_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        size_t particle, size_t wall, bool first) {
@@ -256,8 +256,8 @@ void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary 
     }
 }
 
-/* By Hertz's law the stiffness at the expected overlap: a servo moves a wall the less, the stiffer
- * the contacts are. */
+/* By Hertz's law the stiffness at the expected overlap: a servo moves a wall less if the contacts
+ * are stiffer. */
 static double expected_stiffness(const gn_step_context *ctx, const gn_dem *dem, size_t k,
                                  size_t p) {
     gn_touch_side side = gn_wall_side(ctx, dem, k, p);

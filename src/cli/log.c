@@ -21,7 +21,8 @@ typedef struct line_stream {
 
 struct gn_log {
     const char *command;
-    char level[16], id[ID_SIZE]; /* of the last message, which further lines belong to */
+    char level[16],
+        id[ID_SIZE]; /* level and id of the last message, to which further lines belong */
     line_stream out, errors;
 };
 

@@ -219,7 +219,7 @@ static void put_comment(FILE *out, const char *text) {
         if (*text == '\n')
             fputs("\n# ", out);
         else if (*text == '\'')
-            fputs("'\\''", out); /* as a shell reads it between quotes */
+            fputs("'\\''", out); /* an apostrophe between quotes, as a shell reads it */
         else
             fputc((unsigned char)*text < ' ' ? '?' : *text, out);
 }

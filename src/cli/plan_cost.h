@@ -21,7 +21,7 @@ void gn_print_plan_memory(const gn_world *world, double coming);
  * the end at the length of the last one, and their time with the particles that will exist then if
  * none leave. */
 typedef struct gn_plan_flow {
-    double steps, seconds; /* to the end of the run */
+    double steps, seconds; /* steps and seconds to the end of the run */
     double tried;          /* s, end of the trial */
     double step;           /* s, the last one */
     size_t present;        /* particles at the end of the trial */

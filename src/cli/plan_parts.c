@@ -184,7 +184,7 @@ void gn_print_zone_material(const gn_zone_material *material, bool several, int 
     if (several)
         printf("  material         %d of the elements, with %zu particles\n",
                (int)material->material, material->particles);
-    if (!(material->modulus[0] > 0.0)) return; /* no bonds: no initial modulus */
+    if (!(material->modulus[0] > 0.0)) return; /* without bonds there is no initial modulus */
     printf("  modulus          %.4g Pa of particles that follow elements, %.4g Pa of these "
            "(confined)\n",
            material->modulus[0], material->modulus[1]);

@@ -1,4 +1,4 @@
-/* Output of a run while it goes on and at its end. */
+/* Output of a run during its steps and at its end. */
 #ifndef GN_CLI_PROGRESS_H
 #define GN_CLI_PROGRESS_H
 

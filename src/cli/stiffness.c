@@ -60,7 +60,7 @@ typedef struct outcome {
 
 static gneiss_status read_strain(const gn_options *options, double *strain, gneiss_error *error) {
     char reason[256];
-    *strain = 0.0; /* to be chosen */
+    *strain = 0.0; /* the strain is chosen later */
     if (!options->strain) return GNEISS_OK;
     gn_units *units = gn_units_new();
     if (!units) return gn_no_memory(error, "units");

@@ -120,7 +120,7 @@ static double part_at(const gn_conversion *conversion, size_t p) {
     const gn_tie tie = gn_tie_at(b, e, conversion->model->dem->particles.start + 4 * p);
     for (int a = 0; a <= b->dimension; a++)
         part += tie.shape[a] * b->nodes.blend[2 * (size_t)tie.node[a]];
-    /* Rounding may give a particle on a side of an element a weight. */
+    /* Rounding may produce a weight for a particle on a side of an element. */
     return part > 1.0 - GN_PART_ROUNDING ? 0.0 : fmin(fmax(1.0 - part, 0.0), 1.0);
 }
 
@@ -194,7 +194,7 @@ static void activate_all(gn_conversion *conversion) {
 
 /* --- converting --- */
 
-/* *stuck: halted, nothing has changed. */
+/* *stuck: the conversion was halted, and nothing has changed. */
 static gneiss_status advance_front(gn_conversion *conversion, bool *stuck, gneiss_error *error) {
     const gn_convert_def *def = &conversion->model->ctx->scene.couple.convert;
     gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);

@@ -28,7 +28,7 @@ typedef struct gn_convertible {
     gn_most_loaded *most_loaded;
     gn_ledger *ledger;
     gn_ending *outcome;
-    gneiss_status (*rebuild)(gn_world *world, gneiss_error *error); /* makes all lists anew */
+    gneiss_status (*rebuild)(gn_world *world, gneiss_error *error); /* rebuilds all lists */
     gn_world *world;                                                /* passed to `rebuild` */
 } gn_convertible;
 
@@ -58,23 +58,23 @@ gneiss_status gn_conversion_convert(const gn_convertible *model, uint8_t *kind,
 gneiss_status gn_conversion_convert_above(const gn_convertible *model, double part,
                                           gneiss_error *error);
 
-/* Evaluates such a conversion without performing it; changes only outcome->halt and `kind`.
- * *rings: rings of neighbouring elements that would convert as well. */
+/* Evaluates a conversion without performing it; changes only outcome->halt and `kind`. *rings:
+ * rings of neighbouring elements that would convert as well. */
 gneiss_status gn_conversion_dry_run(const gn_convertible *model, uint8_t *kind, int *rings,
                                     gneiss_error *error);
 
 /* Tells whether outcome->halt reports that conversion reached the end of couple.convert.box.
  */
 bool gn_conversion_ended_at_box(const gn_ending *outcome);
-/* Tells whether it reports too few particles for the mass of the converting elements. */
+/* Tells whether outcome->halt reports too few particles for the mass of the converting elements. */
 bool gn_conversion_lacked_mass(const gn_ending *outcome);
-/* Tells whether it reports elements with nodes of a motion that only records. */
+/* Tells whether outcome->halt reports elements with nodes of a motion that only records. */
 bool gn_conversion_reached_watched(const gn_ending *outcome);
 /* Writes a warning about recording motions that prevent elements from converting; "" if there are
  * none. Returns `text`. */
 const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *solids, char *text,
                                   size_t size);
-/* Tells whether it reports driven or loaded nodes that would keep too little mass. */
+/* Tells whether outcome->halt reports driven or loaded nodes that would keep too little mass. */
 bool gn_conversion_left_light_nodes(const gn_ending *outcome);
 
 /* Result of trial conversions at single places of an unconverted body: the number of places; how
@@ -89,7 +89,7 @@ gneiss_status gn_conversion_check_places(const gn_convertible *model,
 /* Properties of the elements in the box and of the dormant particles in them (conversion_setup.c);
  * at the start all particles are dormant. */
 typedef struct gn_conversion_figures {
-    size_t elements, held, particles; /* held: those with nodes of motions and loads */
+    size_t elements, held, particles; /* `held`: elements with nodes of motions and loads */
     double element, diameter;         /* m, means */
     double smallest;                  /* m, smallest size of an element (`element` is the mean) */
     double side;                      /* m, the shortest side of the body of elements */

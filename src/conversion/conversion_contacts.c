@@ -83,7 +83,7 @@ static bool turn_of(const gn_conversion *conversion, turns *known, int32_t p, do
     return true;
 }
 
-/* Rotates a branch by the rotations of both ends; false: neither is known. */
+/* Rotates a branch by the rotations of both ends; false: no rotation is known. */
 static bool turned_branch(const gn_conversion *conversion, turns *known, int32_t i, int32_t j,
                           double branch[3]) {
     const gn_convertible *model = conversion->model;
@@ -147,7 +147,8 @@ enum { PART = 512 };
 /* Some of the prepared bonds, and the rows of those that the list already has. */
 typedef struct part {
     size_t begin, count;                /* positions in the new list */
-    int32_t from[PART], prepared[PART]; /* in the last list, -1: it is new; -1: it is known */
+    int32_t from[PART], prepared[PART]; /* `from`: row in the last list, -1: it is new; `prepared`:
+                                           -1: it is known */
 } part;
 
 /* Copies bonds that the last list had; new ones start from the prepared bonds. */
@@ -166,7 +167,7 @@ static void fill_part(const gn_conversion *conversion, turns *known, gn_contacts
     q->count = 0;
 }
 
-/* Both lists are sorted alike. */
+/* Both lists are sorted in the same way. */
 static void fill(const gn_conversion *conversion, gn_contacts *now) {
     const gn_contacts *all = &conversion->model->dem->prepared,
                       *last = &conversion->model->dem->bonds.contacts;

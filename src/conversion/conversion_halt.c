@@ -144,7 +144,7 @@ static double element_change(const gn_conversion *conversion, size_t e, double *
     return conversion->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
 }
 
-/* kg, of a particle with a weight. */
+/* kg, mass of a particle with a weight. */
 static double particle_mass(const gn_conversion *conversion, size_t p) {
     const double before = conversion->part[2 * p + 1];
     return before > 0.0 ? 1.0 / (conversion->model->dem->particles.vel[4 * p + 3] * before)

@@ -101,7 +101,8 @@ static bool is_near_body(const gn_step_context *ctx, const gn_boundary *boundary
         radius = fmax(radius, sqrt(square));
     }
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
-        const gn_surface *s = &boundary->surfaces[k]; /* those of bodies come first */
+        const gn_surface *s =
+            &boundary->surfaces[k]; /* the surfaces of bodies are the first ones */
         double d[3], local[3];
         for (int a = 0; a < 3; a++) d[a] = centre[a] - boundary->bodies[k].position[a];
         gn_rigid_local(&boundary->bodies[k], d, local);

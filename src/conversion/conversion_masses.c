@@ -22,8 +22,8 @@ static size_t second_count(size_t dimension) {
     return dimension == 3 ? 6 : 1;
 }
 
-/* m2. Includes the inertia of a point about itself over its mass: half of it along each axis in
- * space, because the inertia about an axis is the sum over the other two. */
+/* Second moment, m2. It includes the inertia of a point about itself over its mass: half of it
+ * along each axis in space, because the inertia about an axis is the sum over the other two. */
 static void second_of(size_t dimension, const double r[3], double own, double out[SECOND_MOST]) {
     if (dimension == 2) {
         out[0] = r[0] * r[0] + r[1] * r[1] + own;

@@ -288,7 +288,7 @@ static bool find_takers(const gn_conversion *conversion, const lack *l, bool tur
     return false;
 }
 
-/* Components prescribed for all of them are left out. */
+/* Components that are prescribed for all receivers are left out. */
 static void find_velocity(rigid *r, const lack *l) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}};
     r->count = r->dimension;

@@ -23,18 +23,18 @@ typedef struct gn_conversion {
     uint8_t *kind;  /* [elements before] gn_front_kind */
     int32_t *place; /* [elements of the mesh] index before the conversion; -1: converted earlier */
     double *part;   /* [particles][2] weights before, 0 if it was dormant */
-    double *node_part;  /* [nodes][2] parts and distances before (couple/front.h) */
-    uint8_t *freed;     /* [particles] true if it moves on its own from this conversion on */
-    uint8_t *touched;   /* [elements before] true if it converts or its weight changes */
-    int32_t *some;      /* [elements before] scratch */
-    uint8_t *active;    /* [prepared bonds] acts from now on */
-    size_t acting;      /* number of these bonds */
-    uint8_t *tied;      /* [particles] followed nodes at the last tally */
-    uint8_t *reached;   /* [nodes] scratch */
-    bool dry_run;       /* only tests whether conversion is possible: all is restored */
-    int rings;          /* rings of neighbours that convert with the marked elements */
-    double *rate;       /* [particles][3] m/s2, of `freed`: acceleration by their elements */
-    double released[2]; /* J: of changed contacts, before and after relaxation */
+    double *node_part; /* [nodes][2] parts and distances before (couple/front.h) */
+    uint8_t *freed;    /* [particles] true if it moves on its own from this conversion on */
+    uint8_t *touched;  /* [elements before] true if it converts or its weight changes */
+    int32_t *some;     /* [elements before] scratch */
+    uint8_t *active;   /* [prepared bonds] acts from now on */
+    size_t acting;     /* number of these bonds */
+    uint8_t *tied;     /* [particles] followed nodes at the last tally */
+    uint8_t *reached;  /* [nodes] scratch */
+    bool dry_run;      /* only tests whether conversion is possible: all is restored */
+    int rings;         /* rings of neighbours that convert with the marked elements */
+    double *rate; /* [particles][3] m/s2, acceleration of particles in `freed` by their elements */
+    double released[2]; /* J, energy of changed contacts, before and after relaxation */
 } gn_conversion;
 
 /* Returns the element (index before the conversion) that contains a particle; -1: converted
@@ -62,7 +62,7 @@ double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_c
 /* Computes the accelerations of the particles that will be released, before anything changes
  * (conversion_relaxation.c). */
 gneiss_status gn_conversion_find_rates(const gn_conversion *conversion, gneiss_error *error);
-/* Relaxes them after the lists were rebuilt (conversion_relaxation.c). */
+/* Relaxes the released particles after the lists were rebuilt (conversion_relaxation.c). */
 gneiss_status gn_conversion_relax(const gn_conversion *conversion, gneiss_error *error);
 
 /* J: energy of elements and springs at the instant, springs of walls included; `step`: the addition
@@ -81,8 +81,8 @@ double gn_conversion_held_in_contacts(const gn_conversion *conversion);
 double gn_conversion_held_beside(const gn_conversion *conversion);
 
 /* J: energy that elements, and springs in their place, would hold of the weight that particles take
- * over if these moved with the strains of their elements (conversion_energy.c). To be called with
- * weights found, before elements are removed. */
+ * over if the springs moved with the strains of the elements (conversion_energy.c). To be called
+ * with weights found, before elements are removed. */
 void gn_conversion_find_alike(const gn_conversion *conversion, double alike[2]);
 /* Books a conversion under its causes. */
 typedef struct gn_held_stages {

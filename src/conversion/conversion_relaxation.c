@@ -159,10 +159,11 @@ typedef struct relaxation {
         *local; /* [count] released particles; [particles] index among them, -1: held */
     link *link;
     gn_held_spring *spring; /* [links] */
-    uint8_t *moves, *kept;  /* [count] components; 1: would break a bond */
+    uint8_t *moves, *kept;  /* [count] components; 1: the component would break a bond */
     double *load, *u, *work;
-    double *moved;         /* [count][3] m, since the start */
-    double *place, *shear; /* [count][7] positions, orientations; [links][3] N: before a step */
+    double *moved; /* [count][3] m, since the start */
+    double *place,
+        *shear; /* [count][7] positions, orientations; [links][3] N: values before a step */
     unsigned components;
     double ratio, moving; /* mean load over mean contact force; number of movable particles */
     double rounding;      /* N */
@@ -514,7 +515,7 @@ static bool solve_displacements(relaxation *r, double wanted, int most) {
     return false;
 }
 
-/* Returns the ratio before. */
+/* Returns the ratio of load to mean contact force before relaxation. */
 static double relax(relaxation *r) {
     const gn_convert_def *def = &r->ctx->scene.couple.convert;
     evaluate(r);

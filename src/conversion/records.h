@@ -12,10 +12,11 @@ typedef struct gn_packing_differs {
  * in doubles as in checkpoints. */
 typedef struct gn_relaxations {
     double count, iterations; /* relaxations of particles out of balance; their iterations */
-    double missed;            /* did not reach the requested ratio, */
-    double stopped_by_bond_failure, unsupported, hit_iteration_limit; /* first cause of these */
-    double kept;        /* particles that were held, by one of the first two causes */
-    double worst, time; /* the largest remaining ratio; its time, s */
+    double missed;            /* relaxations that did not reach the requested ratio, */
+    double stopped_by_bond_failure, unsupported,
+        hit_iteration_limit; /* first cause of these failures */
+    double kept;             /* particles that were held, by one of the first two causes */
+    double worst, time;      /* the largest remaining ratio; its time, s */
 } gn_relaxations;
 
 /* Sums of the corrections of velocities by conversions (conversion_momentum.c) since the start, in
@@ -39,12 +40,13 @@ typedef struct gn_corrections {
 typedef struct gn_conversion_parts {
     double sampled;   /* the volume that particles represent differs from that of the elements */
     double stiffness; /* springs hold another energy than elements at the same strain */
-    double uneven;   /* the strain differs between the two ends, or the bond broke or slid before */
-    double balance;  /* removed by relaxation */
-    double motion;   /* kinetic */
-    double step;     /* power of springs, without walls, times half a step */
-    double alike[2]; /* energy that elements and springs would hold at the same strain of the
-                        converted part: their difference is `stiffness` */
+    double uneven;    /* the strain differs between the two ends, or the bond had broken or slipped
+                         before */
+    double balance;   /* energy that relaxation removed */
+    double motion;    /* kinetic */
+    double step;      /* power of springs, without walls, times half a step */
+    double alike[2];  /* energy that elements and springs would hold at the same strain of the
+                         converted part: their difference is `stiffness` */
 } gn_conversion_parts;
 
 /* Doubles only, as checkpoints store them. */

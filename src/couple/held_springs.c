@@ -8,9 +8,9 @@
 
 enum { N = GN_HELD_DOFS };
 
-/* Relative to the diagonal. A particle on one bond can roll about it; the motion of a load along
- * such a mechanism must stay small compared with that of the springs. Repeated solutions remove the
- * residual error. */
+/* Regularisation relative to the diagonal. A particle on one bond can roll about it; the motion of
+ * a load along such a mechanism must stay small compared with that of the springs. Repeated
+ * solutions remove the residual error. */
 static const double everywhere = 1e-3;
 
 /* Adds the contribution of one end's displacement to e. */

@@ -48,7 +48,7 @@ static size_t index_of(const grid *cells, int64_t x, int64_t y, int64_t z) {
 }
 
 /* Sizes the cells by the mean size of an element, so that few elements are in each and each is in
- * few; wider if there would be many more cells than elements. */
+ * few; they are wider if there would be many more cells than elements. */
 static void lay_out(const gn_fem_solid *solid, grid *cells) {
     const size_t count = solid->elements.soa.count;
     double upper[3] = {0.0}, sum = 0.0;

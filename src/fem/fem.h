@@ -47,8 +47,8 @@ typedef struct gn_fem_spec {
  * pressure form `elastic` includes the energy and the inertia of the stabilising pressure. */
 typedef struct gn_fem_energy {
     double kinetic, elastic;                            /* energies of the last measured instant */
-    double work_prescribed, work_applied, work_gravity; /* done on the solid so far */
-    double damping;                                     /* dissipated so far */
+    double work_prescribed, work_applied, work_gravity; /* J, work done on the solid so far */
+    double damping;                                     /* J, energy dissipated so far */
     double stored_at_start;
 } gn_fem_energy;
 
@@ -109,7 +109,7 @@ typedef struct gn_fem_solid {
     int64_t step;
     double time, dt_past;
     gn_fem_energy energy;  /* running */
-    gn_fem_energy reading; /* at the last measured instant */
+    gn_fem_energy reading; /* energies at the last measured instant */
     gn_element_sums
         elastic; /* sums of the last measured instant over all elements; `element` by place */
 } gn_fem_solid;
@@ -129,7 +129,7 @@ size_t gn_fem_bytes(const gn_fem_solid *solid);
 
 /* --- removal of elements (shrink.c) --- */
 
-#define GN_FEM_FAR 1e100 /* m: distance if no element was removed */
+#define GN_FEM_FAR 1e100 /* m, distance to the nearest removed element if none was removed */
 
 /* Returns the place of each element of the mesh by number, gn_alloc'ed [*count]; -1: it was
  * removed. NULL: no memory. */

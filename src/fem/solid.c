@@ -178,7 +178,7 @@ static gneiss_status renumber_mesh(builder *maker, gneiss_error *error) {
 
 /* --- elements --- */
 
-/* The places of an element's nodes, ascending, and its number. */
+/* The places of an element's nodes, ascending, and its own number. */
 typedef struct sorted_element {
     int32_t node[4], id;
 } sorted_element;

@@ -14,7 +14,7 @@ enum { GN_GRID_BODY = 1, GN_GRID_SIDE = 2, GN_GRID_HOLE = 8, GN_GRID_GROUPS_MAX 
 
 typedef struct gn_grid {
     int dimension;
-    size_t nodes[3];                     /* per direction; 1 along z in 2D */
+    size_t nodes[3];                     /* cells per direction; 1 along z in 2D */
     size_t hole_lower[3], hole_upper[3]; /* cells [lower, upper) are left out */
     bool parallel;                       /* all diagonals have one direction */
     size_t turn; /* parallel: index of the first mirrored cell along x; 0: none */
@@ -141,7 +141,8 @@ static void add_sides(const gn_grid *grid, gn_mesh *mesh, const size_t cell[3], 
         for (int upper = 0; upper < 2; upper++) {
             int32_t tag = side_tag(grid, cell, k, upper);
             if (!tag) continue;
-            int side = k == 0 && mirror ? 1 - upper : upper; /* in the mirrored numbering */
+            int side =
+                k == 0 && mirror ? 1 - upper : upper; /* the side in the mirrored numbering */
             for (int f = 0; grid->dimension == 3 && f < 2; f++)
                 add(&mesh->triangles, grid, cell, split_of(grid)->side[k][side][f], mirror, tag);
             if (grid->dimension == 2)
@@ -312,7 +313,8 @@ static bool make_x(beam *shape) {
     held = held && divide(g, 0.0, 0.5 * s->span - face, &half);
     size_t support = half.count - 1;
     held = held && divide(g, 0.5 * s->span - face, 0.5 * s->length - face, &half);
-    for (size_t k = inside; k < half.count; k++) half.at[k] += face; /* measured from the middle */
+    for (size_t k = inside; k < half.count; k++)
+        half.at[k] += face; /* distances measured from the middle */
     shape->middle = half.count - 1;
     for (size_t k = half.count; held && k-- > 1;)
         held = append(&shape->x, s->lower[0] + (0.5 * s->length - half.at[k]));

@@ -9,7 +9,7 @@
 
 typedef struct gn_structured {
     double lower[3], size[3]; /* m; in 2D the plane is z = 0 */
-    int32_t cells[3];         /* per direction, > 0 */
+    int32_t cells[3];         /* cells per direction, > 0 */
     /* 0: none; random displacement of nodes as a fraction of a cell's sides, along the boundary for
      * those on it; < 1/4 in 2D, < 1/6 in 3D, so that no element inverts */
     double distortion;
@@ -33,7 +33,7 @@ typedef struct gn_structured_beam {
     double span;                      /* m, between the supports, <= length */
     double notch_width, notch_depth;  /* m; depth 0: none */
     double cell;                      /* m, largest side of a cell */
-    int64_t notch_cells;              /* across half the width of the notch, > 0 */
+    int64_t notch_cells;              /* cells across half the width of the notch, > 0 */
     double growth;                    /* growth of cell sides away from the tip of the notch, > 1 */
     bool parallel;                    /* diagonals have one direction in each half */
 } gn_structured_beam;

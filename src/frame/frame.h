@@ -24,8 +24,8 @@ typedef struct gn_machine {
 } gn_machine;
 
 struct gn_step_context {
-    gn_scene scene; /* of the stage; its points relative to scene.origin, as all points of the
-                       world */
+    gn_scene scene; /* scene of the stage; its points, like all points of the world, are relative to
+                       scene.origin */
     gn_scene given; /* the scene in the user's coordinates, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;
@@ -40,7 +40,7 @@ struct gn_step_context {
     gn_step_choice choice; /* limits found so far */
     int64_t dt_lowered;    /* number of times that the step was lowered while running */
 
-    double seconds[GN_PHASE_COUNT]; /* s of run time, by phase */
+    double seconds[GN_PHASE_COUNT]; /* s of run time by phase */
     gn_machine machine;             /* control of the ends of the test */
     bool measure;                   /* readings are taken at the instant of the step */
     bool sums;                      /* sums over contacts are requested, with or without readings */

@@ -18,7 +18,7 @@ struct gn_ledger {
 #define X(name, text) double name;
     GN_MEASURED(X)
 #undef X
-    gn_balance balance; /* at the last measured step; no state */
+    gn_balance balance; /* balance at the last measured step; not a part of the state */
 };
 
 #endif

@@ -18,10 +18,10 @@ struct gn_periodic_box {
     double flow[3];    /* 1/s: growth in the last interval over the present lengths */
     double spring[3];  /* J: upper bound of the stiffness of listed contacts against a strain along
                           an axis, with the other sides fixed: sum of (k_n + k_t) l^2 n_a^2 */
-    double dashpot[3]; /* J s: the same of their dashpots */
+    double dashpot[3]; /* J s, the same sums of dashpots */
     gn_servo_state servo[3];
     double reach; /* m: the longest branch in the lists */
-    double path;  /* m: the largest shortening of such a branch since the lists were made */
+    double path;  /* m: the largest shortening of a listed branch since the lists were made */
 };
 
 /* Tell whether the sides of the box move in the present scene, and did so in the last step. */

@@ -12,13 +12,13 @@
  * second, behind the walls surfaces. */
 typedef struct gn_resolution {
     double step;    /* s: the step that resolves it; INFINITY: no collision is possible */
-    double contact; /* s: its duration */
+    double contact; /* s, duration of the collision */
     int64_t first, second;
 } gn_resolution;
 
 /* Masses raised for a longer step (mass_scaling.c); see also gn_raised_masses. */
 typedef struct gn_mass_scaling {
-    double unscaled; /* s: the step without */
+    double unscaled; /* s, step without raised masses */
     double step;     /* s: the step for which masses were raised; 0: none was */
     double reached;  /* s: the step reached at the start */
 } gn_mass_scaling;
@@ -32,12 +32,13 @@ typedef struct gn_step_choice {
         listed_holds; /* s: step of the particles alone that is stable with all listed contacts */
     double whole;     /* s: sharp limit of the coupled system of particles and elements; 0: not
                          searched; negative: outdated, because nodes have lost mass */
-    gn_resolution resolution; /* the shortest so far */
+    gn_resolution resolution; /* the shortest collision so far */
     gn_mass_scaling scaling;
-    double surface_rate;  /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
-    double vertex_rate;   /* 1/s: the same for nodes of finite elements in contact with particles */
-    double gain;          /* m/s, largest change of a driven velocity in the coming step; else 0 */
-    double push;          /* m/s2, largest acceleration by applied forces at the last check */
+    double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
+    double
+        vertex_rate; /* 1/s, the same rate for nodes of finite elements in contact with particles */
+    double gain;     /* m/s, largest change of a driven velocity in the coming step; else 0 */
+    double push;     /* m/s2, largest acceleration by applied forces at the last check */
     bool debris_reported; /* the residual of the ledger is attributed to debris, which is being
                              resolved */
     bool debris_read;     /* the step is measured because of debris */

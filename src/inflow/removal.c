@@ -55,7 +55,8 @@ static gneiss_status left_domain(const gn_step_context *ctx, const gn_dem *dem, 
 
 /* --- thin sinks: particles that pass through them between two lists --- */
 
-/* Returns the least extent of its region, m; of a polygon an upper bound; INFINITY: a plane. */
+/* Returns the least extent of the region of a sink, m; of a polygon an upper bound; INFINITY: a
+ * plane. */
 static double sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
     const gn_flow_region *r = &ctx->scene.sinks[sink].region;
     const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
@@ -71,8 +72,8 @@ static double sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t s
     return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
 }
 
-/* Tells whether a particle can be wholly inside for hardly longer than lists may last: the skin
- * grows to six times that of the start. */
+/* Tells whether a particle is entirely inside for hardly longer than lists may last: the skin grows
+ * to six times that of the start. */
 static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
     return ctx->scene.sinks[sink].remove &&
            sink_width(ctx, dem, sink) - 2.0 * dem->flow.largest < 12.0 * dem->verlet.skin_start;
@@ -107,8 +108,8 @@ static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
     return depth_before(ctx, dem, region, particle, 0.5 * (from + to));
 }
 
-/* Tells whether it was wholly inside at any instant of the last step. The depth changes by at most
- * the path, which is at most half of the smallest radius (paths.c). */
+/* Tells whether a particle was entirely inside at any instant of the last step. The depth changes
+ * by at most the path, which is at most half of the smallest radius (paths.c). */
 static bool passed(const gn_step_context *ctx, const gn_dem *dem, size_t sink, size_t particle) {
     const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
     const double *v = dem->particles.vel + 4 * particle,
@@ -320,7 +321,8 @@ gneiss_status gn_particles_take_out(const gn_step_context *ctx, gn_dem *dem, gn_
     return GNEISS_OK;
 }
 
-/* Tells whether its centre is in the box around the region, extended by the last path. */
+/* Tells whether the centre of a particle is in the box around the region, extended by the last
+ * path. */
 static bool is_near(const gn_step_context *ctx, const gn_dem *dem, const double lower[3],
                     const double upper[3], size_t p) {
     const double *x = dem->particles.pos + 4 * p, *v = dem->particles.vel + 4 * p;

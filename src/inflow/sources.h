@@ -17,8 +17,8 @@ bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem);
 gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                              gn_ledger *ledger, bool first, gneiss_error *error);
 
-/* s by which the inflow is late; whether that is more than a hundredth of the time and more than
- * one particle. */
+/* Return the time, s, by which the inflow is late, and whether that is more than a hundredth of the
+ * time and more than one particle. */
 double gn_flow_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 
 bool gn_flow_is_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k);
@@ -30,8 +30,8 @@ double gn_flow_late(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 /* Particles that source k brings until time.end by its rate, at most its total. */
 double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k);
 
-/* Tells whether a source will bring more particles until time.end, and has not waited for room
- * since it last looked. */
+/* Tells whether a source will bring more particles until time.end, and was not without room when it
+ * last tried. */
 bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem);
 
 /* Returns the wall behind which the whole region of source k lies; NULL: there is none. */

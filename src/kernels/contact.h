@@ -25,7 +25,7 @@ typedef struct gn_uniform {
 
 typedef struct gn_contact_args {
     const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
-    /* in mixed precision; pos_f: displacement, see records.h */
+    /* rows in mixed precision; pos_f: displacement, see records.h */
     const float *pos_f, *vel_f, *spin_f;
     /* fields are written, the record is not changed; rows of contacts only if the list stores
      * forces */
@@ -47,8 +47,8 @@ typedef struct gn_contact_args {
     const uint8_t *held; /* [slots] prescribed components, see gn_prescription.mask */
     double gravity[3];   /* m/s2 */
     const double *own;   /* [particles] fraction of gravity that accelerates each; NULL: 1 */
-    double time;         /* s, of this instant */
-    bool measure;        /* also compute the sums for readings, see gn_contact_sums */
+    double time;         /* s, time of the instant */
+    bool measure;        /* the sums for readings are computed as well, see gn_contact_sums */
 } gn_contact_args;
 
 /* Energy losses of a block of contacts in a step: X(name, text), J. Lanes sum each up under its

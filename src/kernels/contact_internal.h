@@ -31,7 +31,7 @@ enum { STAGES = 6, RING = 8 };
 typedef struct pair_geometry {
     gn_v3 n;                /* normal from i to j; before find_normal the branch, not normalised */
     gn_v distance, stretch; /* stretch: beyond the distance at which the normal force is zero */
-    gn_v arm_i, arm_j;      /* from the centres to the contact; before find_normal the radii */
+    gn_v arm_i, arm_j;      /* arms from the centres to the contact; before find_normal the radii */
 } pair_geometry;
 
 typedef struct pair_motion {
@@ -44,7 +44,7 @@ typedef struct stage {
     pair_geometry geometry;
     union {
         gn_v rate; /* dt/(2 distance) */
-        /* from find_motion on, if growth_known: mean rate at which the distance grew */
+        /* mean rate at which the distance grew, from find_motion on, if growth_known */
         gn_v growth;
     };
     gn_v speed;          /* normal velocity at the end of the step, opening positive */

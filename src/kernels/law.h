@@ -45,14 +45,14 @@ typedef struct gn_law_spring {
 /* Forces and energy of a contact at the end of a step, on its first particle. */
 typedef struct gn_law_held {
     double normal;   /* N, tension positive, without the dashpot */
-    double viscous;  /* N, of the dashpot, along the normal */
+    double viscous;  /* N, force of the dashpot along the normal */
     double shear[3]; /* N */
     double stored;   /* J */
 } gn_law_held;
 
 /* The moments of a bond, along n of the last instant. */
 typedef struct gn_law_moments {
-    double couple[3];     /* N m, on the first particle; opposite on the other */
+    double couple[3];     /* N m, moment on the first particle; opposite on the other */
     double stored;        /* J */
     double normal, shear; /* N: increase of normal and shear force at the extreme fibre */
     double bend, twist;   /* N m, stiffness against relative rotation across n and about n */
@@ -69,8 +69,8 @@ typedef struct gn_hertz_pair {
  * which share the stiffness. */
 typedef struct gn_touch_side {
     double stiffness, kratio, friction, part;
-    double radius;            /* m, of the particle; this and all below with GN_FX_HERTZ only */
-    gn_hertz_pair hertz;      /* with the particle's material; includes friction */
+    double radius;       /* m, radius of the particle; this and all below with GN_FX_HERTZ only */
+    gn_hertz_pair hertz; /* parameters with the particle's material; includes friction */
     double rolling, twisting; /* coefficients, with GN_FX_ROLLING */
 } gn_touch_side;
 
@@ -80,20 +80,20 @@ typedef struct gn_touch {
     double n[3];
     double gap;      /* m, negative in compression */
     double rounding; /* m: an overlap within this rounding of the gap counts as none */
-    double speed;    /* m/s, of the wall relative to the particle along n */
-    /* m/s, of the wall relative to the particle across n, at the contact point */
+    double speed;    /* m/s, velocity of the wall relative to the particle along n */
+    /* m/s, velocity of the wall relative to the particle across n, at the contact point */
     double relative[3];
     double twist;        /* rad/s, sum of both spins about n */
     double inverse_mass; /* 1/kg, sum over both sides */
     /* 1/kg, inverse_mass with a deformable surface replaced by its whole body, for the dashpot; 0:
      * inverse_mass */
     double body_inverse_mass;
-    double other_acceleration; /* m/s2, of the gap, by all forces but this contact; only where it
-                                  may cross */
+    double other_acceleration; /* m/s2, acceleration of the gap by all forces but this contact; only
+                                  where it may cross */
     double checked_overlap;    /* m, overlap up to which the step was checked; with GN_FX_HERTZ */
     /* m^-1/2, in: of the last step, out: of this one; with GN_FX_HERTZ and a shear force */
     double *closeness;
-    double spin[3]; /* rad/s, of the wall relative to the particle; with GN_FX_ROLLING */
+    double spin[3]; /* rad/s, spin of the wall relative to the particle; with GN_FX_ROLLING */
     /* [3] columns of roll_stride, N m: in: moment on the particle of the last step, rotated with
      * the normal, out: that of this one, as in *couple; NULL: none */
     double *roll;

@@ -156,7 +156,7 @@ static double kt_of(const gn_touch_side *side) {
 
 gn_law_spring gn_hertz_touch_spring(const gn_touch_side *side, double inverse_mass,
                                     double damping_fraction, double overlap) {
-    (void)damping_fraction; /* every pair has its own */
+    (void)damping_fraction; /* every pair has parameters of its own */
     double root = sqrt(overlap), kn = kn_of(side) * root;
     double kt = side->hertz.friction > 0.0 ? kt_of(side) * root : 0.0;
     return (gn_law_spring){kn, kt, side->hertz.damping * sqrt(kn / inverse_mass)};

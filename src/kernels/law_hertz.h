@@ -32,7 +32,7 @@ GN_INLINE void hertz_trial(const gn_contact_args *args, size_t c, const brief *f
 
 /* The quantities of a contact's dashpot. */
 typedef struct hertz_pot {
-    gn_v kn, c, lag, path, coefficient; /* path: of the step */
+    gn_v kn, c, lag, path, coefficient; /* path of the step */
 } hertz_pot;
 
 /* Rare: computes coefficients of contacts that closed or opened within the step. */

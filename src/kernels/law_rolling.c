@@ -126,7 +126,7 @@ static double touch_hertz(const gn_touch_step *step, const gn_touch_side *side,
     double root = touch->gap < -touch->rounding ? sqrt(-touch->gap) : 0.0;
     grip g = {8.0 * side->hertz.shear_modulus * sqrt(side->radius), root, past,
               root > 0.0 ? 1.0 / root : 0.0};
-    if (touch->closeness) *touch->closeness = g.now; /* also without friction */
+    if (touch->closeness) *touch->closeness = g.now; /* needed without friction too */
     if (touch->roll && step->spins) touch_roll(step, side, touch, pressing(touch, total), &g, sums);
     return total;
 }

@@ -127,7 +127,7 @@ typedef struct soft_state {
     gn_v line;        /* force at which it would then yield in compression, if it can */
     gn_v3 slipped;    /* tangential force of bonds that softened */
     gn_v stored;      /* twice the normal energy, where `crossing` */
-    gn_m bonds;       /* intact at the start of the step */
+    gn_m bonds;       /* the bond is intact at the start of the step */
     gn_m yielding, softening, crossing;
 } soft_state;
 

@@ -46,8 +46,8 @@ typedef struct gn_motion_args {
     /* Non-viscous damping per component uses the sign of v + damping_lead interval F/m. 0: of the
      * last half step; 0.5: of the instant without damping. */
     double damping_lead;
-    bool measure;         /* also sum kinetic energies and resultants */
-    bool changes;         /* also find the largest change of velocity */
+    bool measure;         /* kinetic energies and resultants are summed as well */
+    bool changes;         /* the largest change of velocity is found as well */
     const gn_hold *hold;  /* NULL: all blocks move at once */
     gn_motion_pass pass;  /* pass of the held blocks */
     const double *origin; /* rows [n][4] relative to which travel_f is computed; NULL: `ref` */

@@ -11,12 +11,12 @@
 
 typedef struct gn_pressure_args {
     gn_particles *nodes;
-    const gn_partials *partials; /* for the elements: the partial sums of nodes */
+    const gn_partials *partials; /* partial sums of nodes, for the elements */
     const double *growth_row;    /* output of the dilation kernel */
     const double *slope_row;     /* output of the element kernel in addition to the partial sums */
     double dt_past, dt; /* s: the interval that led here (0 at the start), the coming one */
     double rate2;       /* 1/s2: squared rate at which the stabilising pressure follows */
-    double damping;     /* 1/s: of the stabilising pressure */
+    double damping;     /* 1/s, damping coefficient of the stabilising pressure */
     bool book;          /* energies are requested */
 } gn_pressure_args;
 

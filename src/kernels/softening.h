@@ -144,7 +144,7 @@ static inline double gn_soften_growth(double A, double B, double P, double Q) {
         double a = A / (1.0 + P * g), b = B / (1.0 + Q * g), square = a * a + b * b;
         double rate = a * a * P / (1.0 + P * g) + b * b * Q / (1.0 + Q * g);
         double more = (sqrt(square) - 1.0) * square / rate;
-        if (!(g + more < 1.0)) return 1.0; /* also without a rate: no softening */
+        if (!(g + more < 1.0)) return 1.0; /* without a rate there is no softening either */
         if (!(more > 0x1p-52)) break;
         g += more;
     }

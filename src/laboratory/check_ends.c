@@ -153,7 +153,8 @@ static bool at_one_height(const gn_step_context *ctx, int way, const reach *lowe
     return fabs(middle(upper) - middle(lower)) < (ctx->upper[way] - ctx->lower[way]) / 3.0;
 }
 
-/* Neither end is above the other, and both are in the same outer third of the specimen. */
+/* Tells whether neither end is above the other and both are in the same outer third of the
+ * specimen. */
 static bool on_one_side(const gn_step_context *ctx, int way, const reach *lower,
                         const reach *upper) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0;
@@ -184,7 +185,7 @@ static int face_of(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
            (r.high >= high - slack && r.low > high - third ? UPPER_FACE : 0);
 }
 
-/* All parts of both ends are at the same face, with nothing between them. */
+/* Tells whether all parts of both ends are at the same face, with nothing between them. */
 static bool on_one_face(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids, int way) {
     const gn_test_end *ends[] = {&ctx->scene.test.lower, &ctx->scene.test.upper};
@@ -361,7 +362,7 @@ static double reach_beside(const gn_step_context *ctx, const gn_dem *dem, int a)
     return dem->particles.soa.count ? fmax(share, 2.0 * gn_dem_mean_radius(dem)) : share;
 }
 
-/* sense -1: the lower side, +1: the upper one. */
+/* `sense` -1: the lower side, +1: the upper one. */
 static double face(const gn_step_context *ctx, int a, int sense) {
     return sense < 0 ? ctx->lower[a] : ctx->upper[a];
 }

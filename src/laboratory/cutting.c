@@ -18,7 +18,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Steps between two looks at the contacts along the rim. */
+/* Steps between two updates of the contacts along the rim. */
 enum { RIM_EVERY = 10 };
 
 static size_t tool_of(const gn_step_context *ctx) {
@@ -190,7 +190,8 @@ gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_b
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     if (!(c->solid > 0.0)) return 0.0;
     const double removed = c->solid - gn_dem_anchored_volume(ctx, dem) - c->loose;
-    return fmax(0.0, removed - 1e-12 * c->solid) * ctx->volume / c->solid; /* less rounding */
+    return fmax(0.0, removed - 1e-12 * c->solid) * ctx->volume /
+           c->solid; /* bounds reduced by rounding */
 }
 
 static int ascending(const void *a, const void *b) {
@@ -268,7 +269,8 @@ gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem, const 
 
 /* --- doubts --- */
 
-/* m below the surface of the rock at the start; NaN: the tool follows forces along the normal. */
+/* Depth below the surface of the rock at the start, m; NaN: the tool follows forces along the
+ * normal. */
 static double depth_at_start(const gn_step_context *ctx, const gn_boundary *boundary,
                              const gn_cutting *c) {
     const size_t tool = tool_of(ctx);

@@ -1,4 +1,4 @@
-/* The tool of a cutting test: its path, its forces, and what it has cut. */
+/* The tool of a cutting test: its path, its forces, and the volume that it has cut. */
 #ifndef GN_LABORATORY_CUTTING_H
 #define GN_LABORATORY_CUTTING_H
 

@@ -12,8 +12,8 @@
 /* Approach of the ends of a test to the specimen (ends.c). */
 struct gn_approach {
     double away[2]; /* 1: the lower (upper) end began away, and was not yet loaded when the other
-                     * was */
-    double gap;     /* m, at the start, of the ends that were away */
+                       end was */
+    double gap;     /* m, gaps at the start of the ends that were away */
     double way;     /* m, travel of both ends when the last of them touched the specimen */
 };
 
@@ -41,8 +41,8 @@ double gn_ends_dilation(const gn_step_context *ctx, const gn_dem *dem, const gn_
  * that are not made yet. */
 double gn_ends_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                    const gn_solids *solids);
-/* That distance, m, if it is more than a particle and less than the height of the specimen along
- * the normal, else that height. */
+/* Returns the distance of the ends, m, if it is more than a particle and less than the height of
+ * the specimen along the normal, else that height. */
 double gn_ends_free(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                     const gn_solids *solids);
 /* Tells whether nothing prevents the ends of a shear test from separating, so that there is no

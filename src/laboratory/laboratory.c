@@ -268,7 +268,8 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     if (!(d->prism || d->sheared) || ctx->scene.source_count) return 0;
     if (t->given.length > 0.0 && !gn_scene_periodic_along(&ctx->scene, way)) {
         sizes[count] = length_along(ctx, dem, "length", t->given.length, way);
-        /* Alternatively the distance between the ends, of sets to a radius at each side. */
+        /* The length may also be the distance between the ends, of sets to a radius at each
+         * side. */
         const double gap = d->sheared ? gn_ends_gap(ctx, dem, boundary, solids) : INFINITY,
                      sides = dem->particles.soa.count ? 2.0 * gn_dem_mean_radius(dem) : 0.0;
         sizes[count].low = fmin(sizes[count].low, fmax(0.0, gap - sides));

@@ -49,7 +49,7 @@ struct gn_bar_section {
     double mean, narrowest; /* m2 */
     double uneven;          /* mean of A times mean of 1/A */
     double length;          /* m, strained length */
-    double waist;           /* 1: narrower than on both sides */
+    double waist;           /* 1: the bar is narrower there than on both sides */
     double guessed;         /* 1: volume and areas are not given by a shape */
     double spread;          /* share by which a slender bar is stiffer */
 };
@@ -89,7 +89,7 @@ typedef enum gn_volume_source {
 /* Returns how the volume of the specimen is determined. */
 gn_volume_source gn_volume_source_of(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids);
-/* Names it: "the shape", "the convex hull of the particles", ... */
+/* Returns its name: "the shape", "the convex hull of the particles", ... */
 const char *gn_volume_source_text(const gn_step_context *ctx, gn_volume_source source);
 
 #endif

@@ -66,7 +66,7 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
     const gn_assembly *a = spectrum->assembly;
     const gn_particles *p = a->particles;
     size_t wall = (size_t)list->wall[c];
-    if (list->touch && wall >= a->wall_count) return false; /* a facet: see `extra` */
+    if (list->touch && wall >= a->wall_count) return false; /* the object is a facet: see `extra` */
     *out = (gn_spring){.i = list->i[c], .j = -1};
     if (removed(p, out->i)) return false;
     const double *x = p->pos + 4 * (size_t)out->i;
@@ -166,7 +166,7 @@ static bool take_inside(const gn_springs *system, gn_spring *member) {
     if (leads_out && gn_spectrum_can_move(system->spectrum, out))
         factor =
             system->all_weights ? 1.0 + system->all_weights[out] / system->all_weights[in] : 2.0;
-    if (i < 0) { /* seen from j */
+    if (i < 0) { /* the spring as seen from j */
         member->arm_i = member->arm_j;
         for (int k = 0; k < 3; k++) member->n[k] = -member->n[k];
         i = j;

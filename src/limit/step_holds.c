@@ -62,7 +62,7 @@ static double block_over(const gn_springs *system, size_t p, double tau) {
     double s[DOFS_MAX * DOFS_MAX], most = 4.0 * tau * tau;
     gn_block m;
     if (system->first[p] == system->first[p + 1])
-        return 1.0; /* no springs, as for all dormant particles */
+        return 1.0; /* there are no springs, as for all dormant particles */
     gn_block_of(system, p, &m);
     double trace = gn_block_at(&m, tau, s);
     if (trace <= most || gn_block_below(m.n, s, most)) return 1.0;
@@ -271,7 +271,8 @@ void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks) {
             z = gn_hash_place(z) + bits +
                 (uint64_t)(lround(4.0 * s.n[0]) + 16 * lround(4.0 * s.n[1]) +
                            256 * lround(4.0 * s.n[2]) + 4096);
-        if (a->particles->pressed) z = gn_hash_place(z) + bits; /* stiffer than at the last check */
+        if (a->particles->pressed)
+            z = gn_hash_place(z) + bits; /* the contact is stiffer than at the last check */
         uint32_t mark = (uint32_t)(gn_hash_place(z) >> 32);
         marks[s.i] = (int32_t)((uint32_t)marks[s.i] + mark);
         if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);

@@ -197,7 +197,7 @@ static bound_part bound_of_block(const gn_springs *system, size_t begin, size_t 
         gn_block_of(system, p, &m);
         double trace = gn_block_at(&m, part.rate, s);
         double rate = part.rate;
-        double most = 4.0 * rate * rate; /* the trace alone decides for many */
+        double most = 4.0 * rate * rate; /* for many particles the trace alone decides */
         bool slower = rate > 0.0 && (trace <= most || gn_block_upper(m.n, s, trace) <= most ||
                                      gn_block_below(m.n, s, most - 2.0 * round_off(&m, trace)));
         if (!slower) rate = block_rate(&m, rate);

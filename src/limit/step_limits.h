@@ -29,9 +29,10 @@ typedef struct gn_spectrum {
     /* [bonds, pairs, wall contacts] sliding contacts, which only resist along their normal; NULL:
      * all stick */
     const uint8_t *slips;
-    const uint8_t *fixed; /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */
-    double dashpots;      /* factor of dashpot coefficients; 0: 1 */
-    bool bonds_alone;     /* only intact bonds are active */
+    const uint8_t
+        *fixed;       /* [particles] bit k: component k (v xyz, w xyz) is prescribed; NULL: none */
+    double dashpots;  /* factor of dashpot coefficients; 0: 1 */
+    bool bonds_alone; /* only intact bonds are active */
     int threads;
 } gn_spectrum;
 
@@ -59,7 +60,7 @@ gneiss_status gn_step_limits(const gn_spectrum *spectrum, double tolerance, gn_s
 /* The result of gn_step_holds. */
 typedef struct gn_step_verdict {
     bool holds;   /* the scheme is stable at the given step */
-    double limit; /* s, if it is not and a limit is requested: a stable step */
+    double limit; /* s, a stable step, if the given one is not and a limit is requested */
 } gn_step_verdict;
 
 /* Tells whether `step` is stable, at a small fraction of the cost of gn_step_limits: sums of

@@ -59,7 +59,7 @@ void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_
         counts[p] = is_held(particles, p, dimension);
         held += counts[p];
     }
-    if (2 * held < count) memset(counts, 1, count); /* almost without bonds */
+    if (2 * held < count) memset(counts, 1, count); /* the body has almost no bonds */
 }
 
 /* Collects the initial centres in the order of the ids, relative to the first one: the

@@ -56,7 +56,7 @@ gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, 
     return GNEISS_OK;
 }
 
-/* Factor of squared distances across the direction. */
+/* Factor of squared distances across the direction `along`. */
 static const double across = 4.0;
 
 /* The result is at least the length of d. */
@@ -176,7 +176,7 @@ static void see(void *context, int32_t other) {
 
 typedef struct cube {
     double width;    /* m, of a voxel */
-    double first[3]; /* m, middle of the first */
+    double first[3]; /* m, middle of the first voxel */
     size_t n[3];
 } cube;
 
@@ -200,7 +200,7 @@ static void middle(const cube *c, size_t i, size_t j, size_t k, double x[3]) {
     for (int a = 0; a < 3; a++) x[a] = c->first[a] + c->width * (double)at[a];
 }
 
-/* Returns the owner of a voxel; of two equally near ones that with the smaller id. */
+/* Returns the owner of a voxel; of two equally near particles the one with the smaller id. */
 static int32_t owner_of(const gn_cell *cell, size_t particle, const double x[3], size_t planes,
                         const double (*plane)[4]) {
     const gn_particles *q = cell->all->particles;

@@ -20,7 +20,7 @@ typedef struct gn_start_grid {
     int32_t *first, *item;
 } gn_start_grid;
 
-/* Makes the grid of all particles p, or of those with of[p]. */
+/* Makes the grid of all particles p for which of[p] is true; NULL: of all. */
 gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                  const bool *of, gn_start_grid *grid, gneiss_error *error);
 void gn_start_grid_free(gn_start_grid *grid);
@@ -42,7 +42,7 @@ typedef struct gn_cell_face {
 } gn_cell_face;
 
 typedef struct gn_cell {
-    const gn_start_grid *all; /* with every particle */
+    const gn_start_grid *all; /* grid with every particle */
     double around; /* m: largest distance of a point of a cell from the surface of its particle */
     double width;  /* m, size of the voxels of fine particles */
     size_t count, capacity; /* faces */

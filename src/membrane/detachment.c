@@ -1,7 +1,7 @@
 /* Transfers the surface of detached particles to those beneath. The faces of the cell of a detached
  * particle towards those that remain become surface: their vector sum is the area that it carried,
- * so that the surface stays closed, encloses what remains, and follows it. All of it refers to the
- * positions at the start. */
+ * so that the surface stays closed, encloses what remains, and follows it. All positions are those
+ * at the start. */
 #include "base/new.h"
 #include "membrane/membrane.h"
 
@@ -28,7 +28,7 @@ static const double inside = -1.0, bare = -2.0, going = -3.0;
 
 enum { NONE = -1, PLANES = 8 };
 
-/* Patches during their transfer: as lists for each particle. */
+/* Patches during their transfer, as lists for each particle. */
 typedef struct transfer {
     const gn_step_context *ctx;
     gn_dem *dem;

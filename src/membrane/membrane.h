@@ -39,7 +39,7 @@ typedef struct gn_patch {
     double rest[9];  /* m3, sum of areas times arms from the middle */
     double size;     /* m2; 0: a face, whose size is the magnitude of its area */
     int32_t owner;   /* id of the particle that carries it; -1: no particle is left */
-    int32_t body;    /* its body among those of the skin at the last update */
+    int32_t body;    /* body of the particle among those of the skin at the last update */
 } gn_patch;
 
 struct gn_membrane {
@@ -136,7 +136,8 @@ double gn_membrane_pressure(const gn_membrane *membrane);
 void gn_membrane_stress(const gn_step_context *ctx, const gn_membrane *membrane, double volume,
                         double stress[9]);
 
-/* m2: area that it covers, at the last update; gn_membrane_area_of: of one body. */
+/* Return the area that the membrane covers at the last update, m2; gn_membrane_area_of: that of one
+ * body. */
 double gn_membrane_area(const gn_dem *dem);
 double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body);
 

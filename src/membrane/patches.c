@@ -68,8 +68,8 @@ static bool determines_gradient(const view *v, double radius, double gradient[9]
 /* State of an update: bodies, the grid of particles that determine the deformation, and the
  * deformation of the skin of each body. */
 typedef struct look {
-    const int32_t *group;        /* NULL: all are one */
-    const gn_start_grid *around; /* NULL: as at the start */
+    const int32_t *group;        /* NULL: all particles are one body */
+    const gn_start_grid *around; /* NULL: the deformation is that of the start */
     double radius;
     double (*whole)[9]; /* [particles] by the leading particle of a body, with several bodies */
 } look;

@@ -325,7 +325,7 @@ static void roll_in_space(roll *v, size_t i) {
     }
 }
 
-/* Tells whether a larger neighbour encloses its sphere. */
+/* Tells whether a larger neighbour encloses the sphere of a particle. */
 static bool is_enclosed(const roll *v, size_t p) {
     for (size_t n = v->start[p]; n < v->start[p + 1]; n++) {
         const size_t k = (size_t)v->neighbour[n];
@@ -348,8 +348,9 @@ static void add_touched(roll *v, size_t p) {
 
 /* --- in the plane --- */
 
-/* Unit vector to the ball, where it is held at an end of what it touches of i, from the middle of
- * its arc between what it touches. Adds what i gets of that to its arms. */
+/* Computes the unit vector from the middle of the ball's arc between its two points of contact to
+ * the ball, which is held at an end (`angle`) of the touched part of i. Adds the share of i in that
+ * arc to its arms. */
 static void middle_of_arc(roll *v, size_t i, double angle, double middle[3]) {
     const double n[3] = {cos(angle), sin(angle), 0.0};
     middle_of_cap(v, i, n, middle);
@@ -398,7 +399,7 @@ static void roll_in_plane(roll *v, size_t i) {
  * deep ones. */
 enum { DIRECTIONS = 256, CELLS = 20000, FEW = 8 };
 
-/* Evenly over the sphere (Fibonacci's spiral) or the circle. */
+/* Directions are evenly distributed over the sphere (Fibonacci's spiral) or the circle. */
 static void direction_of(int k, int dimension, double u[3]) {
     const double golden = M_PI * (3.0 - sqrt(5.0));
     const double z = dimension == 3 ? 1.0 - (2.0 * k + 1.0) / DIRECTIONS : 0.0;

@@ -19,8 +19,8 @@ static const double gn_rolled_layer[GN_ROLLED_LAYERS] = {0.25, 0.75, 1.25, 1.75}
 typedef struct gn_rolled {
     const gn_particles *particles;
     int dimension;
-    double ball;               /* m, its radius */
-    const gn_pair_list *pairs; /* all with a gap below twice the ball's radius */
+    double ball;               /* m, radius of the ball */
+    const gn_pair_list *pairs; /* all pairs with a gap below twice the ball's radius */
     /* [particles] of each layer: m2 outward, as a vector; 2D: 1 m thick */
     double (*area[GN_ROLLED_LAYERS])[3];
     /* [particles] m3, trace of areas times arms from the centre; the enclosed volume is (sum of

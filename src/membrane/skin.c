@@ -24,8 +24,8 @@
 
 /* Selects the particles that carry a membrane. Bonds without moments are pinned joints: a grain on
  * one of them (2D), or on one or two (3D), rotates about its neighbours under a force that does not
- * pass through them, and so do grains attached to it. Such grains, at edges and corners, carry
- * nothing; their part of the surface passes to the nearest supported particle. */
+ * pass through them, and so do grains attached to it. Such grains, at edges and corners, carry no
+ * load; their part of the surface passes to the nearest supported particle. */
 /* Sums over the contacts of a particle with supported ones, for a normal stiffness of 1. */
 typedef struct footing {
     double normal[3];   /* n */

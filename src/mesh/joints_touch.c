@@ -250,7 +250,7 @@ typedef struct touch_search {
     const gn_joint_search *s;
     int32_t node;
     double reach;
-    touch_kind own, across; /* for the node's part; for other parts */
+    touch_kind own, across; /* kinds of contact for the node's part and for other parts */
     bool first;             /* the first of the nodes at its position */
 } touch_search;
 

@@ -15,7 +15,7 @@ typedef struct gn_mesh_source {
     unsigned char *bytes; /* followed by a zero byte */
     size_t size;
     size_t at, end;
-    const char *section; /* for messages, "" before the first */
+    const char *section; /* name for messages, "" before the first section */
     bool binary;         /* the fields are binary, not text */
     bool by_offset;      /* messages give byte offsets instead of lines */
 } gn_mesh_source;
@@ -36,7 +36,7 @@ typedef struct gn_mesh_shown {
 } gn_mesh_shown;
 gn_mesh_shown gn_mesh_show(const gn_mesh_source *in, size_t at);
 
-bool gn_mesh_is_blank(unsigned char c); /* within a line */
+bool gn_mesh_is_blank(unsigned char c); /* tells whether c is a blank within a line */
 bool gn_mesh_is_space(unsigned char c); /* blank or end of a line */
 
 /* Advances to the next row of fields. In text a row is within a line and rows are separated by any

@@ -5,7 +5,7 @@
 
 /* Items with two to four particles each; a width of 8 occurs only with two. */
 typedef struct partial_items {
-    const char *name; /* for messages */
+    const char *name; /* name for messages */
     size_t count;
     int members;
     const int32_t *member[4]; /* [members][count] */

@@ -46,7 +46,7 @@ typedef struct gn_pack_quality {
 #define GN_PACK_MEMBER(name, unit, text) double name;
     GN_PACK_FIGURES(GN_PACK_MEMBER)
 #undef GN_PACK_MEMBER
-    double fabric[9];                            /* at 1 % */
+    double fabric[9];                            /* fabric of contacts at 1 % */
     double radius_edge[GN_PACK_RADIUS_BINS + 1]; /* m */
     int64_t radius_count[GN_PACK_RADIUS_BINS];
     /* Directions of contacts at 1 %, in both senses: angle in the xy plane, and in space also |cos|

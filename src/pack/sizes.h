@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 typedef struct gn_sizes {
-    gn_pack_sizes kind; /* not `fitted` */
+    gn_pack_sizes kind; /* any kind but `fitted` */
     double ratio;       /* largest over smallest, of uniform and normal */
     double variation;   /* standard deviation over the mean, of normal; negative: automatic */
     size_t sieve_count;

@@ -1,5 +1,6 @@
-/* Packings on disk: packing.h5 with all data, packing.txt for other programs, a snapshot for
- * ParaView; and the cache of packings. */
+/* The entrance to packings: gn_pack_obtain takes one from the cache, or makes it (pack.h) and
+ * stores it there. Also packings on disk: packing.h5 with all data, packing.txt for other programs,
+ * a snapshot for ParaView. */
 #ifndef GN_PACK_STORE_H
 #define GN_PACK_STORE_H
 

@@ -160,7 +160,8 @@ gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     n->on = n->packed = false;
     if (!worth_while(ctx, dem, box)) return GNEISS_OK;
     GN_TRY(make_paths(dem, error));
-    find_columns(n, &dem->pairs.contacts, &(gn_uniform){0}); /* no more columns are ever needed */
+    find_columns(n, &dem->pairs.contacts,
+                 &(gn_uniform){0}); /* more columns than these are never needed */
     GN_TRY(make_room(dem, error));
     find_columns(n, &dem->pairs.contacts, &dem->pairs.uniform);
     n->listed = (double)dem->pairs.contacts.soa.count;

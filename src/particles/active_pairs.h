@@ -28,10 +28,10 @@ typedef struct gn_near_column {
 
 enum { GN_NEAR_COLUMNS = 48 };
 
-/* The last steps. */
+/* The lengths of the last steps. */
 typedef struct gn_near_past {
     int known;    /* number of the last steps, at most two, that followed each other */
-    double dt[2]; /* s, of the last one and the one before that */
+    double dt[2]; /* s, length of the last step and the one before that */
 } gn_near_past;
 
 /* Validity of the last search. */
@@ -77,10 +77,10 @@ typedef struct gn_near {
     size_t path_count;
 
     size_t blocks,
-        stride;  /* of pairs in the arrays below: number of blocks, distance between two blocks */
-    size_t room; /* pairs, with padding */
-    size_t streams;  /* number of allocated columns of data */
-    int32_t *i, *j;  /* [room] */
+        stride;     /* number of blocks of pairs in the arrays below, distance between two blocks */
+    size_t room;    /* pairs, with padding */
+    size_t streams; /* number of allocated columns of data */
+    int32_t *i, *j; /* [room] */
     uint16_t *place; /* [room][2] of their rows, see gn_partials */
     double *data;    /* [streams][room] */
     uint8_t *act;    /* [room/GN_NEAR_GROUP] bits: active pairs of a block */

@@ -14,7 +14,7 @@ gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
 /* Ratio of the volume of the bonds to that of the body. */
 typedef struct gn_area_check {
     double filled; /* sum of sections times lengths over dimension times volume: should be 1 */
-    double free;   /* the same for faces without a bond; with polyhedron */
+    double free;   /* the same ratio for faces without a bond; with polyhedron */
     size_t open;   /* particles with such faces */
     double dempack_gamma; /* 40 e/n_c, the value of the source for gamma */
 } gn_area_check;

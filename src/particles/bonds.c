@@ -136,7 +136,7 @@ static bool overlaps_are_free(const gn_step_context *ctx) {
            (s->bonds == GN_SWITCH_ON || made);
 }
 
-/* Pairs that overlap and will have no bond: of other groups, of none, or by more than
+/* Finds the pairs that overlap and will have no bond: of other groups, of none, or by more than
  * bonds.overlap_range. */
 static gneiss_status find_overlaps(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_pair_list *pairs, free_overlaps *overlaps,
@@ -201,7 +201,7 @@ static gneiss_status take_bonds(const gn_step_context *ctx, const gn_dem *dem, g
     return GNEISS_OK;
 }
 
-/* Pairs that are near enough for a bond. */
+/* Returns the query for pairs that are near enough for a bond. */
 static gn_pair_query bond_query(const gn_step_context *ctx, const gn_dem *dem) {
     return (gn_pair_query){&dem->particles,
                            (int)ctx->scene.dimension,
@@ -507,7 +507,7 @@ static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn
     gn_free(fresh);
     GN_TRY(status);
     d->bonds_at_start += (int64_t)pairs->count;
-    gn_free(d->loose); /* found again when lists are made */
+    gn_free(d->loose); /* these pairs are found again when lists are made */
     d->loose = NULL;
     return gn_list_changed(ctx, dem, &d->bonds, error);
 }

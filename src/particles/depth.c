@@ -15,7 +15,8 @@ static double radius(const gn_dem *dem, size_t p) {
  * radius. */
 static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
-    const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
+    const double *x =
+        q->start + 4 * p; /* positions at the start, so that a resumed run finds the same */
     int near = 0, needed = (int)ctx->scene.dimension + 1;
     for (size_t j = 0; j < q->soa.count && near < needed; j++) {
         double reach = 2.0 * radius(dem, p) + radius(dem, j), d[3];

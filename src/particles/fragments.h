@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 typedef struct gn_fragments {
-    double count;   /* of two or more particles; NaN: no bonds */
+    double count;   /* number of fragments of two or more particles; NaN: no bonds */
     double largest; /* share of the particles' volume that the largest has */
 } gn_fragments;
 /* Allocates the scratch of the functions below. To be called when the number of particles is known.

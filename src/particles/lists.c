@@ -70,7 +70,7 @@ enum { PART = 512 };
 static void fill_part(const gn_step_context *ctx, const gn_dem *dem, const gn_pair_list *found,
                       gn_contacts *now, size_t begin, size_t end, size_t *at) {
     int32_t from[PART], *first = now->i, *second = now->j;
-    size_t place = *at; /* in a register, as the ends are */
+    size_t place = *at; /* kept in a register, as the ends are */
     for (size_t c = begin; c < end; c++) {
         int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
         bool known = walk_to(&dem->pairs.contacts, &place, i, j);

@@ -26,9 +26,9 @@ static double direction_cosine(const gn_step_context *ctx, const gn_dem *dem, si
     return d[ctx->scene.test.axis] / *length;
 }
 
-/* Elastic energy density of uniform strain, e direction_cosine the axis and f across it: 1/2 (A e^2
- * + 2 B e f + D f^2), from k_n with the strain component direction_cosine each bond and k_t with
- * that across it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
+/* Elastic energy density of uniform strain, e along the axis and f across it: 1/2 (A e^2
+ * + 2 B e f + D f^2), from k_n with the strain component along each bond and k_t with that across
+ * it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
 static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_estimate *estimate) {
     const gn_contacts *b = &dem->bonds.contacts;
     double A = 0.0, B = 0.0, D = 0.0;

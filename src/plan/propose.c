@@ -281,7 +281,8 @@ static gneiss_status measure_costs(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_solids *solids, gn_plan *plan, gneiss_error *error) {
     gneiss_error refused = {0};
     GN_TRY(gn_cost_measure(ctx, dem, solids, false, &plan->cost[0], error));
-    if (ctx->effects & GN_FX_PRESSURE) return GNEISS_OK; /* always double */
+    if (ctx->effects & GN_FX_PRESSURE)
+        return GNEISS_OK; /* the pressure form is always in double precision */
     gneiss_status status = gn_cost_measure(ctx, dem, solids, true, &plan->cost[1], &refused);
     plan->mixed_known = status == GNEISS_OK;
     if (status == GNEISS_OK || status == GNEISS_ERROR_INPUT) return GNEISS_OK;
@@ -331,6 +332,6 @@ gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, doubl
     plan->reached = q.reached;
     /* If the error cannot be reached, the search comes within a tenth of the least one. */
     if (!q.reached) search_settings(world, plan, 1.1 * q.least.error, &q);
-    plan->best = q.reached ? q.best : plan->current; /* no alternatives */
+    plan->best = q.reached ? q.best : plan->current; /* there are no alternatives */
     return GNEISS_OK;
 }

@@ -1,6 +1,6 @@
 /* Checkpoints hold the whole state that determines the further run, so that a resumed run gives the
- * same bits. The parts of the world have files of their own (checkpoint_dem.c,
- * checkpoint_boundary.c, checkpoint_elements.c). */
+ * same bits. The parts of the world have files of their own (checkpoint_dem.c, checkpoint_flow.c,
+ * checkpoint_boundary.c, checkpoint_elements.c); checkpoint_ranges.c checks what is read. */
 #include "base/error.h"
 #include "base/new.h"
 #include "base/printable.h"

@@ -226,7 +226,7 @@ static double criterion_of(const gn_output_view *view, size_t c) {
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     const gn_law *law = gn_law_of(b->soa.effects);
     gn_law_moments m = moments_of(view, c);
-    gn_contacts now = *b; /* with the pressure around bonds that belongs to these forces */
+    gn_contacts now = *b; /* the pressure around bonds must belong to these forces */
     now.confined = view->seen->list[GN_LIST_BONDS].confined;
     now.confined_f = NULL;
     double share = law->criterion(&now, c, view->normal[c], m.normal, view->shear[c] + m.shear);

@@ -17,8 +17,8 @@ typedef struct gn_output_view {
     double *total, *damping;                /* N and N m, [particles][6]; NULL unless requested */
     gn_fragment_list fragments;             /* empty unless requested */
     int32_t *row;                           /* [particles] row in files, which are sorted by id */
-    int32_t *places; /* of elements, where dormant particles are inside them; NULL: no dormant
-                        particles */
+    int32_t
+        *places; /* elements in which dormant particles are; NULL: there are no dormant particles */
 } gn_output_view;
 
 gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,

@@ -77,8 +77,8 @@ typedef struct gn_progress {
     double time, end;                                           /* s */
     double seconds;                                             /* wall time, all sessions */
     double cpu_seconds;                                         /* of all threads in all sessions */
-    double particle_steps_per_second, contact_steps_per_second; /* of all sessions */
-    double element_steps_per_second;                            /* of all sessions */
+    double particle_steps_per_second, contact_steps_per_second; /* mean of all sessions */
+    double element_steps_per_second;                            /* mean of all sessions */
     double eta;       /* s, to the expected end, or at most to `end` */
     bool eta_at_most; /* a stop condition may end the run before */
     double unbalanced, residual;

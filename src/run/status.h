@@ -4,8 +4,7 @@
 
 #include "run/run.h"
 
-/* Seconds between two files while a run goes on, and until a run that writes none counts as lost.
- */
+/* Seconds between two files during a run, and until a run that writes none counts as lost. */
 enum { GN_STATUS_EVERY = 5, GN_STATUS_LOST = 60 };
 
 /* Replaces status.json in the folder of the run; a failure has no effect. `message`: of the error

@@ -9,7 +9,7 @@
 
 /* ---- ends ---- */
 
-/* All that can be an end. */
+/* Returns the names of all objects that can be an end. */
 static gn_names names_of_ends(const gn_scene *s, const char *wanted) {
     gn_names names = gn_names_for(wanted);
     for (size_t k = 0; k < s->wall_count; k++) gn_names_add(&names, s->walls[k].name);
@@ -41,7 +41,7 @@ static gneiss_status check_end(const check *c, const gn_scene *s, const char *ke
     return GNEISS_OK;
 }
 
-/* Both sides of a test or a gauge. */
+/* Checks both sides of a test or a gauge. */
 static gneiss_status check_sides(const check *c, const gn_scene *s, const char *lower_key,
                                  const gn_test_end *lower, const char *upper_key,
                                  const gn_test_end *upper) {
@@ -451,7 +451,7 @@ static gneiss_status check_tool(const check *c, const gn_scene *s) {
                          "xyz"[t->axis], t -> tool);
 }
 
-/* Chips that fly off are a part of a cut, which therefore goes on without them. */
+/* Chips that fly away are a part of a cut: the test continues without them. */
 static gneiss_status check_cutting(const check *c, gn_scene *s) {
     const gn_test *t = &s->test;
     if (!gn_check_given(c, "domain.lost")) s->lost = GN_LOST_REMOVE;

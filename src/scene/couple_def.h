@@ -11,7 +11,7 @@
 /* An initial plane wave: u = size/2 (1 + cos(2 pi s/length)) along its direction where |s| <
  * length/2, s being the distance from its crest, and v = -speed du/ds. */
 typedef struct gn_pulse {
-    double direction[3];        /* any length */
+    double direction[3];        /* a vector of any length */
     double centre[3];           /* m, a point of the crest */
     double length, size, speed; /* m, m, m/s */
 } gn_pulse;
@@ -55,7 +55,7 @@ typedef struct gn_convert_def {
     double most;   /* largest share of the convertible elements that convert by a limit at one
                       evaluation */
     double relax;  /* mean load over mean contact force; 0: no relaxation */
-    int64_t relax_iterations; /* at most */
+    int64_t relax_iterations; /* largest number of iterations */
     gn_scene_place where;
 } gn_convert_def;
 

@@ -34,8 +34,8 @@ typedef struct gn_test {
     gn_test_end lower, upper;
     gn_test_sizes given; /* a 0 follows from the specimen (docs/scene.md) */
     double centre;       /* radius over that of the disc within which its centre stress is read */
-    int64_t normal;      /* of the plane that a shear test shears, of the surface that a tool cuts:
-                            0 1 2, -1: not given */
+    int64_t normal; /* normal of the plane of a shear test, or of the surface that a tool cuts: 0 1
+                       2, -1: not given */
     char tool[GN_NAME_SIZE];  /* the body that cuts; "": none */
     int64_t blocks;           /* parts of the path of the means */
     double pressure_exponent; /* psi of the pressure along the rim of a disc cutter */

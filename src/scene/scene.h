@@ -60,8 +60,9 @@ typedef enum gn_background_damping {
 
 /* The velocity whose sign nonviscous_component damping opposes. */
 typedef enum gn_damped_velocity {
-    GN_VELOCITY_HALF_STEP, /* that of the last half step */
-    GN_VELOCITY_INSTANT    /* that at the instant: the last half step's plus dt F/(2 m) */
+    GN_VELOCITY_HALF_STEP, /* the velocity of the last half step */
+    GN_VELOCITY_INSTANT /* the velocity at the instant: that of the last half step plus dt F/(2 m)
+                         */
 } gn_damped_velocity;
 
 typedef enum gn_lattice_kind {
@@ -104,12 +105,12 @@ typedef enum gn_contact_arm {
 typedef enum gn_coupling {
     GN_COUPLING_NONE,
     GN_COUPLING_QUADRATIC, /* the bond breaks when the squares of both shares add up to 1 */
-    GN_COUPLING_LINEAR     /* it loses mu_1 f_n under tension as it gains that under pressure */
+    GN_COUPLING_LINEAR /* the strength falls by mu_1 f_n under tension as it rises under pressure */
 } gn_coupling;
 typedef enum gn_confinement { GN_CONFINEMENT_OWN, GN_CONFINEMENT_MEAN } gn_confinement;
 /* The rule gives the elongation (slip in shear) at which a bond has lost all its strength. */
 typedef enum gn_softening {
-    GN_SOFTENING_NONE,   /* it breaks at once */
+    GN_SOFTENING_NONE,   /* the bond breaks at once */
     GN_SOFTENING_ENERGY, /* when it has dissipated a given energy per area */
     GN_SOFTENING_STRAIN, /* at a given strain of its length (in shear: of the root of its area) */
     GN_SOFTENING_RATIO   /* at a given multiple of the elastic limit */
@@ -194,9 +195,9 @@ typedef struct gn_pack_def {
     double height;   /* cylinder, m */
     size_t corner_count;
     double *corners;            /* polygon, [corner_count][2], m */
-    char surface[GN_PATH_SIZE]; /* as written; "" when the shape is another */
+    char surface[GN_PATH_SIZE]; /* path as written; "" when the shape is another */
     char surface_path[GN_PATH_SIZE];
-    char mesh[GN_PATH_SIZE]; /* as written; "" when the shape is another */
+    char mesh[GN_PATH_SIZE]; /* path as written; "" when the shape is another */
     char mesh_path[GN_PATH_SIZE];
     bool has_region; /* Only the part inside a box is packed, to which rectangles and boxes are cut
                         once they are read (check.c). The box is in coordinates of the scene, not
@@ -227,7 +228,7 @@ typedef struct gn_pack_def {
 #define GN_PACKING_FILE "packing.h5"
 
 typedef struct gn_specimen {
-    char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
+    char file[GN_PATH_SIZE]; /* path as written; "" when another source is used */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
     /* Results of another run, or a packing, as written and resolved. */
     char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE];
@@ -300,13 +301,13 @@ typedef struct gn_wall_def {
 typedef struct gn_body_cylinder {
     double diameter, upper_diameter, height; /* m; upper_diameter 0: the same */
     int64_t sides;
-    bool open; /* without end faces */
+    bool open; /* the surface has no end faces */
 } gn_body_cylinder;
 
 /* A rigid body: its surface, its contact parameters and its motion. */
 typedef struct gn_body_def {
     char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* with a material: Hertz contact; "": rigid */
-    char surface[GN_PATH_SIZE];                      /* as written; "" when the shape is another */
+    char surface[GN_PATH_SIZE]; /* path as written; "" when the shape is another */
     char surface_path[GN_PATH_SIZE];
     bool has_box, has_cylinder;
     double box_size[3]; /* m */
@@ -395,7 +396,7 @@ typedef struct gn_element_contact_def {
 
 /* A body of finite elements: exactly one of mesh, rectangle, box, beam. */
 typedef struct gn_element_def {
-    char mesh[GN_PATH_SIZE]; /* as written; "" when another source is used */
+    char mesh[GN_PATH_SIZE]; /* path as written; "" when another source is used */
     char mesh_path[GN_PATH_SIZE];
     gn_scene_place mesh_where;
     double scale; /* lengths in the file times this give metres */
@@ -530,7 +531,7 @@ typedef struct gn_scene {
     gn_scene_place scaling_where;
     gn_policy on_unstable; /* reaction to a step above its limit */
     double end;            /* s */
-    gn_start start;        /* at rest, or where the static analysis ends */
+    gn_start start;        /* the start: at rest, or where the static analysis ends */
     gn_scene_place start_where;
     double start_fraction;  /* fraction of the time of the first break; with GN_START_FIRST_BREAK */
     double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off,
@@ -588,7 +589,7 @@ gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_
                                    size_t override_count, gn_scene *scene, gneiss_error *error);
 
 /* Reads only the keys of a packing: `title`, `dimension`, `specimen`, `output` and `run`. The
- * specimen must be a shape; its material is not looked up. Of other sections only the names are
+ * specimen must be a shape; its material is not searched. Of other sections only the names are
  * checked; their fields stay zero. */
 gneiss_status gn_scene_load_specimen(const char *path, const gn_override *overrides,
                                      size_t override_count, gn_scene *scene, gneiss_error *error);

@@ -486,7 +486,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     if (status == GNEISS_OK) status = gn_check_stages(reader, gn_tree_root(tree));
     for (size_t k = 0; status == GNEISS_OK && !reader->problems->count && k < count; k++) {
         status = read_stage(reader, tree, k ? before : NULL, k, now);
-        if (status == GNEISS_OK) { /* else lists may be missing */
+        if (status == GNEISS_OK) { /* otherwise lists may be missing */
             united |= gn_scene_effects(now);
             presses |= gn_scene_may_compress(now);
             gn_notes_merge_stage(&base->notes, &now->notes);

@@ -11,7 +11,7 @@
 typedef struct gn_stage {
     char name[GN_NAME_SIZE];
     double time;       /* s since its start; negative: no condition */
-    int64_t steps;     /* since its start; negative: no condition */
+    int64_t steps;     /* steps since its start; negative: no condition */
     double strain;     /* strain of the test since the stage's start; 0: no condition */
     double stress;     /* stress of the test, Pa; 0: no condition */
     double peak_drop;  /* fraction of the stage's peak of stress; 0: no condition */

@@ -63,7 +63,7 @@ static size_t block_count(const gn_deal_list *list) {
     return list->partials ? list->partials->blocks : 0;
 }
 
-/* Reserves half as much again: rebuilt lists differ little in length. */
+/* Reserves one and a half times the size: rebuilt lists differ little in length. */
 static bool hold_tasks(gn_deal *deal) {
     deal->tasks = 0;
     for (int l = 0; l < deal->lists; l++) deal->tasks += block_count(&deal->list[l]);

@@ -39,7 +39,7 @@ typedef struct gn_field {
     gn_effects unless; /* absent if all of these are active (0: no such condition) */
     const char *unit;
     const char *text;
-    size_t offset; /* of the pointer in the struct */
+    size_t offset; /* offset of the pointer in the struct */
     /* offset of the double column of which this is the copy in single precision; 0: none */
     size_t single_of;
 } gn_field;

@@ -11,7 +11,7 @@
 typedef struct gn_wall_passed {
     size_t touching; /* nodes of elements on it at the start that no motion holds there */
     size_t behind;   /* largest number of nodes behind it */
-    double deepest;  /* m, of these */
+    double deepest;  /* m, largest depth of these nodes */
     double time;     /* s, first time; 0: from the start */
 } gn_wall_passed;
 

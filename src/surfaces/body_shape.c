@@ -237,7 +237,7 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
             }
         add_cone((const double(*)[3])x, corners, &sum);
     }
-    /* negative for a polygon of the opposite orientation */
+    /* the volume is negative for a polygon of the opposite orientation */
     double sign = sum.volume < 0.0 ? -1.0 : 1.0;
     shape->volume = sign * sum.volume;
     if (!(shape->volume > 1e-12 * pow(size, corners)))

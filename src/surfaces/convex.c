@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Distance of vertices from the plane of their face, over the size of the body: as computed, and
- * after storage with six digits or in single precision, possibly off the origin. */
+/* Tolerances of the distance of vertices from the plane of their face, over the size of the body:
+ * as computed, and after storage with six digits or in single precision, possibly far from the
+ * origin. */
 static const double exact = 1e-12, rounded = 3e-5;
 /* Ratio of height to longest side above which a triangle defines its plane by itself. */
 static const double slender = 1e-3;
@@ -144,8 +145,8 @@ static bool lies_on(const gn_facet_set *set, size_t facet, const double plane[4]
     return true;
 }
 
-/* Averages the normals of all facets in about the plane of this one: the error of a small facet's
- * normal is that of its corners over its height, that of the mean over the size of all. */
+/* Averages the normals of all facets that are nearly in the plane of this one: the error of a small
+ * facet's normal is that of its corners over its height, that of the mean over the size of all. */
 static void mean_normal(const search *state, size_t facet, double n[3]) {
     double near[4], sum[3] = {0, 0, 0}, size;
     normal_of(state->set, facet, near);

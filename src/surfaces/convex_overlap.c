@@ -125,10 +125,11 @@ static size_t cut_there(work *task, int *in, size_t count, const double n[3], do
 }
 
 /* Computes the half space n.x <= at to which a plane of one body cuts a face of the other. Two
- * faces of the same direction part where their planes have equal distances; the second is moved
- * inward by `slack`, m, so that exactly one of two coincident faces counts. For both bodies that is
- * one plane to the bit: if each face were cut at the plane of the other, faces that differ by
- * rounding would part anywhere, and the surface of the overlap would have gaps or count twice. */
+ * faces of the same direction are separated where their planes have equal distances; the second is
+ * moved inward by `slack`, m, so that exactly one of two coincident faces counts. For both bodies
+ * that is one plane to the bit: if each face were cut at the plane of the other, faces that differ
+ * by rounding would be separated anywhere, and the surface of the overlap would have gaps or count
+ * twice. */
 static void part_at(const double mine[4], const double other[4], double slack, double n[3],
                     double *at) {
     bool same_way = gn_dot3(mine, other) > 0.9;
@@ -206,7 +207,7 @@ static void find_near(const work *task, side *body) {
 typedef struct sums {
     double volume, whole; /* V, W */
     double by_volume[6], by_whole[6];
-    double weight, first[3], second[9]; /* over faces, weighted by depth */
+    double weight, first[3], second[9]; /* integrals over faces, weighted by depth */
 } sums;
 
 /* Midpoints of the sides of a triangle, which integrate quadratic functions exactly. */
@@ -433,7 +434,7 @@ static void in_plane(sums *total) {
 
 static bool read_sums(const work *task, sums *total, double least, gn_convex_overlap *overlap) {
     double moment[3];
-    /* Faces of one body only are there if that body lies inside the other, not if two faces
+    /* Faces of one body only exist if that body lies inside the other, not if two faces
      * coincide. */
     bool all = task->of[0].count && task->of[1].count;
     if (!all && !(total->volume > 1e-6 * pow(task->reach, task->dimension))) return false;

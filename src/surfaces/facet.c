@@ -301,9 +301,9 @@ static void across(const gn_facet_near *near, const double m[3], const double v[
 
 /* Adds the forces from rotating normals. Where a normal rotates with the particle, f changes, and
  * the potential with it: with w_i = sum_j f'_ij lambda_j m_j the gradient is k lambda_i (m_i +
- * (rotation of m_i by w_i)/distance). Forces act on the surface where its own rotation does the
- * missing work: w_i along the feature off the point. Together they have no moment about the
- * centre. */
+ * (rotation of m_i by w_i)/distance). The forces act on the surface at the contact point displaced
+ * by the component of w_i along the feature: there the rotation of the surface does the work that
+ * would otherwise be missing. Together they have no moment about the centre. */
 static void lean(const sharing *problem, size_t i, const gn_facet_near *near,
                  gn_facet_contact *out) {
     double w[3] = {0, 0, 0}, along[3], turning[3], slope;

@@ -200,7 +200,8 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
 static void add_end(double radius, double y, double t, double sign, double force[2],
                     double *potential) {
     const double half2 = (radius - y) * (radius + y), v = sqrt(fmax(0.0, half2 - t * t));
-    const double turn = atan2(t, v); /* rounded as v is, so that both cancel where v is small */
+    const double turn =
+        atan2(t, v); /* rounded in the same way as v, so that both cancel where v is small */
     const double gap = radius - y, rest = atan2(t * v * gap, y * v * v + radius * t * t);
     const double depth = radius * asinh(v / hypot(t, y)) - v; /* pi G */
     force[0] += sign * (radius * rest + gap * turn) / pi;

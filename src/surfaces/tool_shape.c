@@ -82,7 +82,8 @@ static void put_corner(const corner *list, size_t count, size_t k, double facet,
     }
 }
 
-/* Adds the points within an edge: alike at the tip, growing away from it elsewhere. */
+/* Adds the points within an edge: equally spaced at the tip, with growing spacing away from it
+ * elsewhere. */
 static void put_edge(point from, point to, bool tip, double facet, chain *c) {
     const double length = distance(from, to);
     if (tip) {
@@ -130,7 +131,8 @@ static gneiss_status make_chain(const corner *list, size_t count, double facet, 
         const point from = c->at[c->count - 1], to = between(list[next].at, list[k].at, end / edge);
         const size_t begin = c->count;
         if (!split || distance(from, to) < 1e-9 * edge) {
-            if (distance(from, to) < 1e-9 * edge) c->count--; /* two roundings touch */
+            if (distance(from, to) < 1e-9 * edge)
+                c->count--; /* the roundings of two corners overlap */
             continue;
         }
         put_edge(from, to, list[k].tip, facet, c);

@@ -483,7 +483,8 @@ static gneiss_status take_in(run_pool *pool, size_t place, int wait_status, gnei
         report_event(pool, "killed", task->run, &task->outcome);
         return GNEISS_OK;
     }
-    if (task->outcome.code == GNEISS_ERROR_INPUT && child.resumed) { /* no usable checkpoint */
+    if (task->outcome.code == GNEISS_ERROR_INPUT &&
+        child.resumed) { /* there is no usable checkpoint */
         task->afresh = true;
         return GNEISS_OK;
     }

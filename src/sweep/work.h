@@ -10,7 +10,7 @@
 typedef struct gn_sweep_progress {
     size_t total, done, failed, running;
     size_t found;     /* completed or failed in an earlier sweep */
-    double seconds;   /* since the start */
+    double seconds;   /* time since the start */
     double eta;       /* s; NaN: unknown */
     size_t last;      /* run of this event */
     const char *what; /* "started", "resumed", "done", "failed", "killed", "lost" (to be computed

@@ -57,7 +57,7 @@ const gn_test_descriptor gn_test_bending = {
     .takes = GN_TAKES(thickness) | GN_TAKES(span) | GN_TAKES(load_span) | GN_TAKES(height) |
              GN_TAKES(notch),
     .needs = GN_TAKES(span),
-    .peak_drop = 0.95, /* for its fracture energy, as in tension */
+    .peak_drop = 0.95, /* the fracture energy needs it, as in tension */
     .shape = beam,
     .area_source = "the force over it is the stress in the fibre below mid-span",
     .readings = GN_READS_LOADED | GN_READS(flexural_strength) | GN_READS(flexural_modulus) |

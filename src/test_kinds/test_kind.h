@@ -104,10 +104,10 @@ typedef struct gn_test_descriptor {
                        its length */
     bool disc;      /* loaded across its diameter, with its faces across z */
     bool beam;      /* the specimen is a beam on two supports */
-    bool tool;      /* without ends: a body moves along the surface of the specimen; strain is its
-                       path over the length, stress its force against the motion over the area */
-    bool sheared;   /* the ends move along a plane, whose normal is a key; strain is their
-                       displacement over their distance along the normal */
+    bool tool;    /* the test has no ends: a body moves along the surface of the specimen; strain is
+                     its path over the length, stress its force against the motion over the area */
+    bool sheared; /* the ends move along a plane, whose normal is a key; strain is their
+                     displacement over their distance along the normal */
     bool periodic_sides; /* the sides are periodic: the box is open along the normal, and its
                             section is the area */
     bool sides_stand;    /* the sides stand beside the specimen along all other directions */
@@ -123,8 +123,8 @@ typedef struct gn_test_descriptor {
     unsigned needs;           /* keys that it requires, a part of these */
     int dimension;            /* 2, 3; 0: either */
     const char *counterpart;  /* name of the kind that is this one in the other dimension */
-    double peak_drop, strain; /* at which a run ends unless the scene says otherwise: share of the
-                                 peak by which stress has fallen, strain; 0: not by it */
+    double peak_drop, strain; /* default conditions at which a run ends: the relative fall of stress
+                                 from its peak; the strain; 0: no such condition */
     const char *study;        /* tests in the study of accuracy that are of this kind; NULL: none */
 
     /* Stress and strain. */

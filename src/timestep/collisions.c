@@ -50,8 +50,8 @@ typedef struct ties {
     double *inverse;  /* 1/kg [particles]: inverse masses */
     bool apart;       /* most bonded particles have lost all of their bonds */
     uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
-    double share;     /* of the steps that contacts of bonded particles have to last; 0: stability
-                       * suffices */
+    double share; /* share of the steps that contacts of bonded particles have to last; 0: stability
+                     suffices */
 } ties;
 
 /* A damaged bond is softer in tension than in compression: within an intact body any of them
@@ -137,7 +137,7 @@ typedef struct fastest {
     int64_t first, second;
     double *factor; /* [particles] receives the factors of the own masses for w^2 <= `most`; NULL:
                        not requested */
-    double most;    /* 1/s2, for all steps */
+    double most;    /* 1/s2, largest w^2 for all steps */
 } fastest;
 
 /* With both masses multiplied by x, w^2 is divided by x. */

@@ -32,10 +32,10 @@ typedef struct whole {
     gn_springs springs;
     gn_spring_operator pull;
     gn_fem_linear linear;
-    size_t dim, dofs, own, count; /* own: unknowns of particles, numbered first */
+    size_t dim, dofs, own, count; /* number of the unknowns of particles, which come first */
     double *moved;                /* [own] velocities of all particles */
     double *moves;                /* [count] above 0: an unknown */
-    double *mode;                 /* [count] the fastest one */
+    double *mode;                 /* [count] the fastest mode */
     gn_whole_limit *limit;        /* the result */
     double (*gradient)[4][3];     /* [ties] with slaved spins: at the present positions */
 } whole;
@@ -209,7 +209,7 @@ static void set_unknowns(const whole *y) {
         const size_t at = y->dofs * (size_t)y->q->place[k];
         for (size_t c = 0; c < (y->gradient ? y->dofs : y->dim); c++) {
             y->moves[at + c] = 0.0;
-            y->springs.scale[at + c] = 1.0; /* springs act on velocities */
+            y->springs.scale[at + c] = 1.0; /* springs contribute for velocities as unknowns */
         }
     }
 }
@@ -314,7 +314,7 @@ static gneiss_status find(const gn_spectrum *spectrum, void *context, gneiss_err
 }
 
 bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids) {
-    /* With conversions it would change with each of them. */
+    /* With conversions the limit would change at each of them. */
     return ctx->scene.has_couple && !gn_converts(ctx) && ctx->scene.estimate == GN_STEP_SHARP &&
            gn_coupled_solid(solids)->form == GN_FEM_DISPLACEMENT;
 }

@@ -61,7 +61,7 @@ static encounter encounter_of(const gn_step_context *ctx, const gn_dem *dem, con
 /* Contacts near a particle. */
 typedef struct surroundings {
     int sides;     /* contacts that are near */
-    double energy; /* J, the largest */
+    double energy; /* J, largest energy */
 } surroundings;
 
 static void find_surroundings(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *k,

@@ -40,10 +40,10 @@ static const double listed_share = 0.989;
 /* The requirements of the step of the run: active springs have to hold it with the safety factor,
  * listed ones just have to hold it. */
 typedef struct wanted {
-    double step;          /* s, of the run */
+    double step;          /* s, step of the run */
     double limit, listed; /* s, limits of the particles alone */
     bool sharp;
-    double *factor, *also; /* [particles] of own masses */
+    double *factor, *also; /* [particles] factors of own masses */
     double *own;           /* [particles][2] unraised inverse mass and moment of inertia */
 } wanted;
 

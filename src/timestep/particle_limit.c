@@ -212,7 +212,7 @@ static gneiss_status find_limit(gn_step_context *ctx, gn_dem *dem, const gn_boun
     const question sharp = {.tolerance = 1e-3, .limit = &ctx->choice.limit};
     if (ctx->scene.estimate != GN_STEP_BOUND && !(ctx->scene.step > 0.0))
         return ask(ctx, dem, boundary, false, &sharp,
-                   error); /* no bound suffices, so that the springs are assembled once */
+                   error); /* no bound suffices: the springs are assembled once */
     GN_TRY(ask(ctx, dem, boundary, false, &(question){.limit = &quick}, error));
     if (!bound_suffices(ctx, dem, quick.bound))
         return ask(ctx, dem, boundary, false, &sharp, error);
@@ -258,7 +258,7 @@ static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_bounda
         GN_TRY(gn_dem_follow_masses(ctx, dem, boundary, solids, zones, ledger, listed, of, &held,
                                     error));
     *q->verdict = (gn_step_verdict){.holds = true};
-    /* They were raised to hold more than that, within the margin for which a block is not
+    /* Masses were raised to hold more than that, within the margin for which a block is not
      * raised. */
     if (q->step * (1.0 + 1e-6) <= held) return GNEISS_OK;
     return ask(ctx, dem, boundary, listed, &about, error);
@@ -284,7 +284,7 @@ static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundar
 static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell,
                                 gneiss_error *error) {
-    /* With elements the particles may be limited less than alone. */
+    /* Beside elements the limit of the particles may be larger than that of particles alone. */
     double known = fmax(trusted(ctx, &ctx->choice.limit), ctx->choice.whole);
     gn_step_verdict verdict = {0};
     question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};

@@ -163,7 +163,7 @@ static const double path_most = 0.25, turn_most = 0.25;
  * %, with 0.06 1.4 %, with 0.03 0.3 %. */
 static const double path_near = 0.05;
 
-/* The largest_value size of a table's values. */
+/* The largest magnitude of a table's values. */
 static double largest_value(const gn_table *t) {
     double most = 0.0;
     for (size_t k = 0; k < t->count; k++) most = fmax(most, fabs(t->value[k]));
@@ -298,7 +298,7 @@ void gn_walls_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
     }
 }
 
-/* The largest_value root of fall t^2 + speed t = way, s. */
+/* The largest root of fall t^2 + speed t = way, s. */
 static double time_for(double way, double speed, double fall) {
     double root = speed + sqrt(speed * speed + 4.0 * fall * way);
     return root > 0.0 ? 2.0 * way / root : (double)INFINITY;

@@ -76,7 +76,8 @@ static double without(const gn_dem *dem, double rate, double other) {
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
-/* With slaved spins elements limit it too, unless the limit of the coupled system is known. */
+/* With slaved spins elements limit the step too, unless the limit of the coupled system is
+ * known. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double step) {
     const double share = gn_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
@@ -114,7 +115,7 @@ static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_bound
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, false, whole, error));
     ctx->choice.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(ctx, dem, solids, whole->sharp));
-    /* Slaved spins: elements may be much smaller than the particles that they rotate. */
+    /* With slaved spins elements may be much smaller than the particles that they rotate. */
     if (zones->state.turned > 0.0) *limit = fmin(*limit, gn_nonviscous_share(ctx) * whole->sharp);
     return GNEISS_OK;
 }
@@ -302,12 +303,11 @@ static gneiss_status check_whole(gn_step_context *ctx, gn_dem *dem, const gn_bou
     double needed = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99);
     *fine = ctx->dt <= 0.99 * ctx->choice.listed;
     if (*fine && isfinite(needed))
-        ctx->choice.listed_holds = needed; /* only changes have to be checked from now
-                                            * on */
+        ctx->choice.listed_holds = needed; /* from now on only changes have to be checked */
     return GNEISS_OK;
 }
 
-/* Finds the limit anew after nodes have lost mass with removed particles. */
+/* Computes the limit again after nodes have lost mass with removed particles. */
 static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                    const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     if (!(ctx->choice.whole < 0.0)) return GNEISS_OK;

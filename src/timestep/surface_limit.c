@@ -178,7 +178,8 @@ static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_
     gn_law_spring s = law_spring(ctx, dem, c, 1.0);
     double k = fmax(s.kn, s.kt), at[3], row[6];
     double mass =
-        1.0 / dem->particles.vel[4 * c->particle + 3]; /* the mass of the dashpot is less */
+        1.0 /
+        dem->particles.vel[4 * c->particle + 3]; /* the effective mass of the dashpot is smaller */
     for (int a = 0; a < 3; a++) at[a] = x[a] + c->contact.arm[a] - b->position[a];
     for (int a = 0; a < 3; a++) {
         const double unit[3] = {a == 0, a == 1, a == 2};

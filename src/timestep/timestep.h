@@ -111,7 +111,7 @@ gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
 gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                            gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                            bool *due, gneiss_error *error);
-/* Finds it for contacts that have rotated since. */
+/* Finds the limit for contacts that have rotated since the last check. */
 gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
                                   gneiss_error *error);
@@ -135,7 +135,8 @@ gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_
 /* Discards the results about lists and collisions. */
 void gn_dem_limit_anew(gn_step_context *ctx);
 
-/* Raises masses, if the scene asks for it, from the step that the world has found without. */
+/* Raises masses, if the scene requests it, starting from the step that the world has found without
+ * raised masses. */
 gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                   gneiss_error *error);

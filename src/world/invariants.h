@@ -12,8 +12,8 @@ static inline void gn_world_assert_lists(const gn_step_context *ctx, const gn_de
     (void)boundary;
 }
 #else
-/* Just after lists were made (or read): numbers, order, padding, partial sums, and that no contact
- * is missing. */
+/* Checks lists that were just made or read: numbers, order, padding, partial sums, and that no
+ * contact is missing. */
 void gn_world_assert_lists(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary);
 #endif

@@ -1,4 +1,5 @@
-/* When the neighbour lists of the particles are rebuilt, and the order of the work. */
+/* Rebuilds the lists of the particles (gn_dem_refresh, called by refresh.c): removal, sources,
+ * sorting, then the pairs. */
 #include "base/error.h"
 #include "base/new.h"
 #include "boundary/boundary.h"

@@ -85,7 +85,7 @@ void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
     gn_dem_moved(ctx, dem, &walls);
 }
 
-/* --- at another state than the last --- */
+/* --- forces without a step --- */
 
 void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure) {
     const double past = world->ctx.dt_past;
@@ -107,7 +107,7 @@ void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure) {
     if (world->ctx.effects & GN_FX_PRESCRIBED) gn_reactions_sum(&world->ctx, &world->dem);
 }
 
-/* --- what came of it --- */
+/* --- readings --- */
 
 static void book_contacts(const gn_dem_sums *sums, gn_energy *energy) {
 #define X(name, text) energy->name += sums->contacts.name + sums->walls.name;

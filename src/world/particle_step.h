@@ -18,10 +18,10 @@ gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
 gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
 /* Rebuilds the lists. */
 gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
-/* All that follows from records and lists, which were read. */
+/* Makes all that follows from records and lists that were read from a file. */
 gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
                              gneiss_error *error);
-/* Computes the forces of the instant, and moves all blocks that no exchange holds, in one sweep. */
+/* Computes the forces of the instant, and moves all blocks that no feature holds, in one sweep. */
 void gn_dem_forces(gn_world *world, bool measure);
 /* Moves the held blocks, and computes the sums of the step. */
 void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure);
@@ -44,7 +44,7 @@ gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_bo
 void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
                   const gn_motion_args *motion);
 
-/* Moves the particles that an exchange had wait. */
+/* Moves the held blocks of particles. */
 void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion);
 
 #endif

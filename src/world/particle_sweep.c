@@ -1,4 +1,5 @@
-/* The parallel part of a step: contacts, walls, motion. Work distribution: sched/deal.h. */
+/* The parallel part of a step. The dealer (sched/deal.h) calls work_on_contacts for blocks of
+ * contacts, and move for a block of particles once all of its contacts are done. */
 #include "base/timer.h"
 #include "boundary/boundary.h"
 #include "drive/box.h"

@@ -1,4 +1,5 @@
-/* When the lists of the world are made anew, and in which order. */
+/* Decides in every step whether the lists are rebuilt (gn_world_refresh_lists), and rebuilds those
+ * of all parts in their order (gn_world_rebuild). */
 #include "particles/refresh.h"
 #include "base/error.h"
 #include "base/timer.h"

@@ -1,6 +1,8 @@
-/* One step of the model: lists, forces of all parts, motion, and the ledger. Each part implements
- * its own share (particle_step.h, boundary.h, solids.h); features that only some scenes use are
- * hooked into the places of frame/feature.h. */
+/* One step of the model (gn_world_step): lists, forces of all parts, motion, and the ledger.
+ * Particles move in the sweep that computes their forces (gn_dem_forces); `move` moves the blocks
+ * that a feature held back, walls and bodies. Each part implements its own share (particle_step.h,
+ * boundary.h, solids.h); features that only some scenes use are hooked into the places of
+ * frame/feature.h. */
 #include "base/error.h"
 #include "base/timer.h"
 #include "boundary/boundary.h"
@@ -101,7 +103,7 @@ static gneiss_status finish(gn_world *world, watch *time, gneiss_error *error) {
 
 static gneiss_status find_forces(gn_world *world, watch *time, gneiss_error *error) {
     GN_TRY(gn_features_run(world, GN_HOOK_BEFORE_FORCES, error));
-    /* Blocks that no feature holds move with their forces. */
+    /* Also moves every block that no feature holds, as soon as its forces are complete. */
     gn_dem_forces(world, world->ctx.measure || world->ctx.sums);
     start(time);
     gn_boundary_forces(&world->ctx, &world->dem, &world->boundary);

@@ -145,7 +145,7 @@ static gneiss_status choose_kernels(gn_step_context *ctx, gneiss_error *error) {
     gneiss_status status = gn_kernel_set_choose(gn_isa_name(ctx->scene.isa), &ctx->kernels, error);
     gn_scene_place where = ctx->scene.isa_where;
     if (status != GNEISS_OK && ctx->scene.isa != GN_ISA_AUTO) {
-        gn_fail_context(error, "run."); /* else the environment's is at fault */
+        gn_fail_context(error, "run."); /* otherwise an environment variable is at fault */
         if (where.line)
             gn_fail_context(error, "%s:%d:%d: ", ctx->scene.source, where.line, where.column);
     }

@@ -78,7 +78,7 @@ void gn_world_delete(gn_world **world);
 gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box,
                                gneiss_error *error);
 
-/* Goes over to a stage of the scene, between two steps; the step is chosen anew (stages.c). */
+/* Enters a stage of the scene, between two steps; the step is chosen again (stages.c). */
 gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error);
 
 /* Chooses the step as at the start. */
@@ -89,7 +89,7 @@ gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error);
  * are those at its end. GNEISS_ERROR_UNSTABLE: the state is the last computed one. */
 gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error);
 
-/* Makes the lists of all parts anew (refresh.c); at the start, forms bonds as well. */
+/* Rebuilds the lists of all parts (refresh.c); at the start, forms bonds as well. */
 gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
 
 /* Restores null particles, padding, partial and block sums after the records of a checkpoint were

@@ -124,7 +124,7 @@ static gneiss_status check_inside(const gn_step_context *ctx, const gn_dem *dem,
     const gn_particles *q = &dem->particles;
     char at[GN_POINT_SIZE];
     size_t next = 0;
-    for (size_t p = 0; p < q->soa.count; p++) { /* still sorted by their ids */
+    for (size_t p = 0; p < q->soa.count; p++) { /* particles are still sorted by their ids */
         if (next < ties->count && ties->tie[next].id == q->id[p]) {
             next++;
             continue;

@@ -154,6 +154,6 @@ double gn_coupled_returned_share(const gn_step_context *ctx, const gn_solids *so
     const gn_energy *e = &ledger->reading;
     const double there = e->stored_at_start + fabs(e->work_prescribed) + fabs(e->work_applied) +
                          fabs(e->work_gravity) + fabs(e->work_walls);
-    const double least = 1e-3 * e->passed; /* which rounding is in, generously */
+    const double least = 1e-3 * e->passed; /* generously above rounding */
     return there > least ? gn_coupled_returned(ctx, solids, k) / there : NAN;
 }

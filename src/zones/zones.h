@@ -53,8 +53,8 @@ gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boun
 /* Refuses contact laws that do not support contacts of a weight below 1. */
 gneiss_status gn_zones_check_law(const gn_step_context *ctx, gneiss_error *error);
 
-/* Their part of a step, with coupled != NULL. Holds the blocks of their particles and nodes when
- * lists are made. */
+/* The zones' part of a step, with coupled != NULL. Holds the blocks of their particles and nodes
+ * when lists are made. */
 gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                             gn_zones *zones, gneiss_error *error);
 /* Hands the forces of particles to nodes, or adds those of springs to both. */

@@ -107,7 +107,7 @@ class Deck:
         self.lines += [f"{n + 1}, {k + 1}, {exact(force[n, k])}" for n, k in zip(*np.nonzero(force))]
 
     def static(self, force, watch, stress=False):
-        """A linear static step; displacements of the set `watch`, and stresses of all elements if asked for."""
+        """A linear static step; displacements of the set `watch`, and stresses of all elements if requested."""
         self.lines += ["*STEP", "*STATIC"]
         self.forces(force)
         self.lines += [f"*NODE PRINT, NSET={watch}", "U"]
@@ -116,9 +116,8 @@ class Deck:
         self.lines.append("*END STEP")
 
     def explicit(self, time, gravity, most=1000000):
-        """An explicit step of that duration under gravity[3]; displacements of all nodes at its end. ccx 2.20 steps at
-        its own stable increment whatever is asked for (Result.increment), and stops at once when DIRECT is given or
-        the least increment is left out."""
+        """An explicit step of that duration under gravity[3]; displacements of all nodes at its end. ccx 2.20 uses its own stable increment whatever
+        is requested (Result.increment), and stops at once when DIRECT is given or the least increment is left out."""
         size = float(np.linalg.norm(gravity))
         self.lines += [f"*STEP, INC={most}", "*DYNAMIC, EXPLICIT",
                        f"{exact(time)}, {exact(time)}, {exact(1e-6 * time)}",

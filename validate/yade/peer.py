@@ -247,8 +247,8 @@ def complete_fresh(real):
 
 
 def ends_along(i):
-    """1/kg with which both ends of a contact give way along its normal, and m/s2 by which their weights open it: prescribed
-    components take part in neither."""
+    """The inverse mass of both ends of a contact along its normal, 1/kg, and the acceleration by which their weights open it, m/s2: prescribed
+    components contribute to neither."""
     n, inverse, opens = i.geom.normal, 0.0, 0.0
     for k, sign in ((i.id1, -1), (i.id2, 1)):
         free = [a for a, c in enumerate("xyz") if c not in states[k].blockedDOFs]
