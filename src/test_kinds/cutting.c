@@ -244,5 +244,5 @@ const gn_test_descriptor gn_test_cutting = {
     .figures = {{GN_READING_normal_force, "normal force"},
                 {GN_READING_rolling_force, "rolling force"},
                 {GN_READING_cutting_coefficient, "cutting coefficient"},
-                {GN_READING_specific_energy_removed, "specific energy"}},
+                {GN_READING_specific_energy, "specific energy"}},
 };
