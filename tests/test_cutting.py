@@ -176,6 +176,9 @@ def the_section_of_a_chisel_is_its_width_times_the_depth(folder):
     closes(folder)
     energy = reading(folder, "rolling_force") / (15e-3 * 5e-3)
     assert abs(reading(folder, "specific_energy") / energy - 1) < 1e-12
+    h = history(folder)  # of the stress, too, and `check` prints it
+    assert np.allclose(h["stress"], h["rolling_force"] / (15e-3 * 5e-3), rtol=1e-12)
+    assert "area 7.5e-05 m2" in gneiss("check", write_scene(folder, BLOCK)).stdout
     absent = summary(folder)["absent"]
     assert "tensile_strength" in absent["predicted_peak_evans"] and "no closed form" in absent["predicted_coefficient"]
 
