@@ -385,7 +385,7 @@ static void a_rolling_sphere_stops_where_resistance_says(void **state) {
 }
 
 /* On an incline the sphere rests if tan phi <= mu_r, else it rolls with (5/7) g (sin phi - mu_r cos
- * phi). / */
+ * phi). */
 static void resistance_holds_a_sphere_on_an_incline(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++)

@@ -233,7 +233,7 @@ typedef struct gn_fem_limit {
     double sharp_low;      /* s: 2/sqrt(Ritz value + residual), never below `bound` */
     /* id of the element with the largest share of the energy of the fastest mode */
     int32_t sharp_element;
-    int32_t sharp_node; /* id of the node with the largest share of it */
+    int32_t sharp_node; /* id of the node with the largest share of that energy */
     int iterations;     /* Lanczos vectors */
     double frequency;   /* w_max, rad/s */
 } gn_fem_limit;

@@ -42,8 +42,9 @@ typedef struct grid {
     const gn_dem *dem;
     const gn_event *events;
     const gn_bursts *bursts;
-    int32_t *parent, *before; /* [events]: the first of its burst; the one before it in its cell */
-    int32_t *latest;          /* [mask + 1] */
+    int32_t *parent,
+        *before;     /* [events] the first event of the burst; the previous event in the cell */
+    int32_t *latest; /* [mask + 1] */
     size_t mask;
     double size[3];  /* m, of a cell */
     int64_t most[3]; /* cells round a periodic box; 0: any number */

@@ -58,8 +58,9 @@ static void settle(gn_scene *scene, const gn_extent *extent) {
     double unit = ldexp(1.0, exponent);
     for (int64_t a = 0; a < scene->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
-        scene->origin[a] =
-            fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* the key has this bound */
+        scene->origin[a] = fabs(whole) <= GN_PLACE_MOST
+                               ? whole
+                               : middle[a]; /* the range of the key has this bound */
     }
 }
 

@@ -374,7 +374,7 @@ static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn
     double left = 0.0, mass = 0.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double part =
-            left_by(ctx, solids, zone, e); /* the volume is that of the elements' own weight */
+            left_by(ctx, solids, zone, e); /* the volume has the elements' own weight */
         left += part / (1.0 - part) * b->density[b->elements.material[e]] * b->elements.volume[e];
     }
     for (size_t k = 0; k < c->ties.count; k++) {
