@@ -24,7 +24,7 @@ static double end_and_number(const char *scene_text, bool *balanced, size_t *num
         assert_ok(gn_run_advance(&run, 1.0, NULL, &error), &error);
     *balanced = strstr(run.stop_reason, "unbalanced") != NULL;
     const double time = run.world.ctx.time;
-    *number = gn_world_present(&run.world.dem);
+    *number = gn_dem_present_count(&run.world.dem);
     gn_run_free(&run);
     return time;
 }

@@ -184,7 +184,7 @@ static void looking_at_the_forces_changes_nothing(void **state) {
         gn_observed seen;
         gneiss_error error;
         uint64_t before = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
-        assert_int_equal(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, &error), GNEISS_OK);
+        assert_int_equal(gn_dem_observe(&w->ctx, &w->dem, &w->box, &seen, &error), GNEISS_OK);
         assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == before);
         assert_null(gn_contacts_row(&w->dem.bonds.contacts));
         const double *row = gn_contacts_row(&seen.list[GN_LIST_BONDS]);

@@ -115,7 +115,7 @@ static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
         }
     }
     assert_true(asleep > mixed && mixed > 0);
-    assert_int_equal(asleep + gn_world_present(&w->dem), q->soa.count);
+    assert_int_equal(asleep + gn_dem_present_count(&w->dem), q->soa.count);
     for (int l = 0; l < 2; l++)
         for (size_t c = 0; c < lists[l]->soa.count; c++)
             assert_false(gn_is_dormant(&w->dem, (size_t)lists[l]->i[c]) ||
@@ -329,8 +329,8 @@ static void convert_small(const block *s, field *motion, const double near[3]) {
     const whole after = whole_of(w);
     assert_int_equal(w->outcome.halt[0], 0);
     assert_true(gn_elements_left_count(&w->solids) < elements);
-    assert_true(gn_world_present(&w->dem) > 0 &&
-                gn_world_present(&w->dem) < w->dem.particles.soa.count);
+    assert_true(gn_dem_present_count(&w->dem) > 0 &&
+                gn_dem_present_count(&w->dem) < w->dem.particles.soa.count);
     assert_near(after.mass, before.mass, 1e-12 * before.mass);
     for (int a = 0; a < 3; a++) assert_near(after.momentum[a], before.momentum[a], 1e-12 * size);
     assert_driven_go_on(w, 3.0);
@@ -439,8 +439,8 @@ static void the_limit_of_active_particles_is_that_of_the_full_operator(void **st
         const block s = {.cells = {space ? 20 : 40, space ? 4 : 8, 4}, .space = space};
         gn_world *w = block_of(&s);
         convert(w, -1e-3, space ? 3e-3 : 9e-3, -1e-3, space ? 3e-3 : 9e-3);
-        assert_true(gn_world_present(&w->dem) >= 64 &&
-                    3 * gn_world_present(&w->dem) <= w->dem.particles.soa.count);
+        assert_true(gn_dem_present_count(&w->dem) >= 64 &&
+                    3 * gn_dem_present_count(&w->dem) <= w->dem.particles.soa.count);
         gn_step_limit all = {.bound = w->ctx.choice.limit.bound};
         assert_int_equal(
             gn_dem_with_spectrum(&w->ctx, &w->dem, &w->boundary, false, find_with_all, &all, NULL),
@@ -477,7 +477,7 @@ static void a_corner_and_an_edge_convert(void **state) {
             convert(w, from, from + 2e-3, 0.0, 2e-3);
         assert_true(gn_elements_left_count(&w->solids) < elements);
         assert_true(gn_elements_left_count(&w->solids) > 0);
-        assert_true(gn_world_present(&w->dem) > 0);
+        assert_true(gn_dem_present_count(&w->dem) > 0);
         run_steps(w, 100);
         gn_energy e = measured_step(w);
         assert_near(gn_energy_stored(&e), 0.0, 1e-15);
@@ -494,7 +494,7 @@ static void all_of_a_body_can_convert(void **state) {
     const whole before = whole_of(w);
     convert(w, 0.0, 30e-3, 0.0, 1.0);
     assert_int_equal(gn_elements_left_count(&w->solids), 0);
-    assert_int_equal(gn_world_present(&w->dem), 30 * 16);
+    assert_int_equal(gn_dem_present_count(&w->dem), 30 * 16);
     run_steps(w, 200);
     const whole after = whole_of(w);
     gn_energy e = measured_step(w);
@@ -534,7 +534,7 @@ static void elements_convert_where_their_stress_is_beyond_the_limit(void **state
         set_elements(w, part_ways, &speed);
         while (w->ctx.time < 6e-3 / sqrt(modulus / density)) run_steps(w, 1);
         assert_int_equal(gn_elements_left_count(&w->solids) < 2 * 30 * 8, reached);
-        assert_int_equal(gn_world_present(&w->dem) > 0, reached);
+        assert_int_equal(gn_dem_present_count(&w->dem) > 0, reached);
         if (reached) assert_false(any_element_between(w, 14e-3, 16e-3));
         assert_true(any_element_between(w, 30e-3, 60e-3));
         world_end(w);
@@ -596,7 +596,7 @@ static void assert_halted(gn_world *w, const double low[3], const double high[3]
     assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
     if (!strstr(w->outcome.halt, words)) fail_msg("%s", w->outcome.halt);
     assert_int_equal(gn_elements_left_count(&w->solids), elements);
-    assert_int_equal(gn_world_present(&w->dem), 0);
+    assert_int_equal(gn_dem_present_count(&w->dem), 0);
     assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == before);
     for (size_t n = 0; n < w->solids.elements[0]->solid.nodes.soa.count; n++)
         assert_true(w->solids.elements[0]->solid.nodes.blend[2 * n] == 1.0);

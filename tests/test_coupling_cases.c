@@ -21,7 +21,7 @@ static double (*stresses(gn_world *w))[6] {
     gn_observed seen;
     gn_output_view view;
     double(*stress)[6] = calloc(w->dem.particles.soa.count + 1, sizeof *stress);
-    if (gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, &error) != GNEISS_OK ||
+    if (gn_dem_observe(&w->ctx, &w->dem, &w->box, &seen, &error) != GNEISS_OK ||
         gn_output_view_make(w, &seen, &view, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)

@@ -168,8 +168,8 @@ static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const double sharp = gn_world_sharp_limit(&w->ctx, &w->solids),
-                     bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
+        const double sharp = gn_timestep_sharp_limit(&w->ctx, &w->solids),
+                     bound = gn_timestep_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
         const double sides = fmin(w->ctx.choice.limit.sharp, w->solids.elements[0]->limit.sharp);
         const gn_whole_limit *whole = gn_coupled_whole(&w->ctx, &w->zones);
         assert_non_null(whole);
@@ -205,7 +205,7 @@ static double energy_at(const model *m, double part, int steps) {
     char time[96];
     gneiss_error error = {0};
     gn_world *w = made(m, NULL, NULL);
-    double limit = gn_world_sharp_limit(&w->ctx, &w->solids), grown = 0.0;
+    double limit = gn_timestep_sharp_limit(&w->ctx, &w->solids), grown = 0.0;
     const double space = w->ctx.scene.dimension == 3 ? 1.0 : 0.0;
     world_end(w);
     snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
@@ -255,7 +255,7 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const double sharp = gn_world_sharp_limit(&w->ctx, &w->solids);
+        const double sharp = gn_timestep_sharp_limit(&w->ctx, &w->solids);
         assert_near(w->ctx.stable, sharp, 1e-12 * sharp);
         assert_near(w->ctx.dt, w->ctx.scene.safety * sharp, 1e-12 * sharp);
         world_end(w);
@@ -271,8 +271,8 @@ static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
         double sides =
             gn_limit_of_all(&w->ctx, &w->dem, &w->solids, &w->zones, w->ctx.choice.stable);
         print_message("# %s: %.3f of what each holds\n", models[k].name,
-                      gn_world_sharp_limit(&w->ctx, &w->solids) / sides);
-        assert_true(gn_world_sharp_limit(&w->ctx, &w->solids) > 1.01 * sides);
+                      gn_timestep_sharp_limit(&w->ctx, &w->solids) / sides);
+        assert_true(gn_timestep_sharp_limit(&w->ctx, &w->solids) > 1.01 * sides);
         world_end(w);
     }
 }
@@ -294,8 +294,8 @@ static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
     for (int k = 0; k < MODELS; k++) {
         gn_world *a = made(&models[k], NULL, "run: {threads: 1}\n"),
                  *b = made(&models[k], NULL, "run: {threads: 2}\n");
-        assert_true(gn_world_sharp_limit(&a->ctx, &a->solids) ==
-                        gn_world_sharp_limit(&b->ctx, &b->solids) &&
+        assert_true(gn_timestep_sharp_limit(&a->ctx, &a->solids) ==
+                        gn_timestep_sharp_limit(&b->ctx, &b->solids) &&
                     a->ctx.dt == b->ctx.dt);
         world_end(a);
         world_end(b);
@@ -312,7 +312,7 @@ static double damped_energy(const char *more, double part, int steps) {
     s.rest = "damping: {contact: {restitution: 0.5}}\nrun: {threads: 1}\n";
     gn_world *w = strip_of(&s);
     const double limit = w->ctx.stable;
-    assert_true(limit <= gn_world_sharp_limit(&w->ctx, &w->solids) * (1.0 + 1e-12));
+    assert_true(limit <= gn_timestep_sharp_limit(&w->ctx, &w->solids) * (1.0 + 1e-12));
     world_end(w);
     snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
     s.time = time;
@@ -459,8 +459,8 @@ static void small_elements_that_turn_particles_are_in_bound_and_step(void **stat
     for (int k = 0; k < TURNED; k++) {
         const model *m = &turned_models[k];
         gn_world *w = made(m, NULL, NULL);
-        const double sharp = gn_world_sharp_limit(&w->ctx, &w->solids),
-                     bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
+        const double sharp = gn_timestep_sharp_limit(&w->ctx, &w->solids),
+                     bound = gn_timestep_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
         const double sides = gn_limit_of_all(&w->ctx, &w->dem, &w->solids, &w->zones,
                                              w->ctx.choice.stable),
                      stable = w->ctx.stable;

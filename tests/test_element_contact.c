@@ -428,7 +428,7 @@ static void compare_bits(gn_world *make(void), int64_t steps, int64_t rebuilds) 
     stopped.world = *two;
     stopped.history_interval = 1;
     stopped.snapshot_span = 1.0;
-    if (gn_history_begin(&stopped.world, &stopped.history, &error) != GNEISS_OK ||
+    if (gn_history_create_columns(&stopped.world, &stopped.history, &error) != GNEISS_OK ||
         gn_checkpoint_write(&stopped, saved, &error) != GNEISS_OK ||
         gn_checkpoint_load(saved, NULL, 0, &resumed, &error) != GNEISS_OK)
         fail_msg("%s", error.message);

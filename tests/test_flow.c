@@ -50,7 +50,7 @@ static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
         no_two_touch(w);
     }
     assert_true(w->dem.flow.sources[0].full == 0.0);
-    assert_int_equal(gn_world_present(&w->dem), (int)w->dem.flow.sources[0].number);
+    assert_int_equal(gn_dem_present_count(&w->dem), (int)w->dem.flow.sources[0].number);
     world_end(w);
 }
 
@@ -250,7 +250,8 @@ static void momentum_and_energy_pass_from_source_to_sink(void **state) {
     double mass = 0.0, v2 = 4.25;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (w->dem.particles.vel[4 * p + 3] > 0.0) mass += 1.0 / w->dem.particles.vel[4 * p + 3];
-    assert_true(o->number > 250.0 && s->number == o->number + (double)gn_world_present(&w->dem));
+    assert_true(o->number > 250.0 &&
+                s->number == o->number + (double)gn_dem_present_count(&w->dem));
     /* Sums of some 400 terms. */
     assert_close(s->mass, o->mass + mass, 1e-13);
     assert_close(s->momentum[2], o->momentum[2] - 2.0 * mass, 1e-12);
@@ -273,7 +274,7 @@ static void a_region_takes_what_is_wholly_inside(void **state) {
               "sets: [{name: a, select: {all: true}, initial_velocity: [0, 0, 0.01]}]\n" ENDLESS);
     assert_true(w->dem.flow.sinks[0].number ==
                 1.0); /* the sink removes one particle at the start */
-    assert_int_equal(gn_world_present(&w->dem), 2);
+    assert_int_equal(gn_dem_present_count(&w->dem), 2);
     run_until(w, 0.04);
     assert_true(w->dem.flow.sinks[0].number == 1.0);
     run_until(w, 0.08); /* 0.5 mm left at 10 mm/s; checked when lists are made */
@@ -317,7 +318,7 @@ static void a_plane_that_counts_takes_nothing(void **state) {
     assert_true(w->dem.flow.sinks[0].number == -1.0 && w->dem.flow.sinks[0].mass < 0.0);
     run_until(w, 0.45); /* all particles are below */
     assert_true(w->dem.flow.sinks[0].number == 1.0);
-    assert_int_equal(gn_world_present(&w->dem), 2);
+    assert_int_equal(gn_dem_present_count(&w->dem), 2);
     world_end(w);
 }
 
@@ -371,7 +372,7 @@ static void ids_stay_unique_and_rows_do_not_pile_up(void **state) {
               "sinks: [{name: o, plane: {point: [0, 0, -0.02], normal: [0, 0, -1]}}]\n" ENDLESS);
     run_until(w, 0.25);
     const gn_particles *q = &w->dem.particles;
-    size_t present = gn_world_present(&w->dem);
+    size_t present = gn_dem_present_count(&w->dem);
     assert_true(w->dem.flow.sinks[0].number > 1000.0);
     assert_true(q->soa.count < 2 * present);
     assert_true((double)w->dem.ids == w->dem.flow.sources[0].number);
@@ -534,7 +535,7 @@ static void stages_go_on_with_what_came(void **state) {
     gn_world *w = &run.world;
     while (w->ctx.time < 0.06) ok(gn_run_steps(&run, 10, &error), &error);
     assert_int_equal(w->stages.now, 1);
-    assert_true(gn_world_present(&w->dem) > 100);
+    assert_true(gn_dem_present_count(&w->dem) > 100);
     assert_int_equal(w->dem.prescribed.count, 1);
     assert_near(gn_set_travel(&w->ctx, &w->dem, &w->solids, 0, 2), 0.03,
                 0.002); /* the source inserts from the first step of the stage on */

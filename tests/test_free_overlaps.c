@@ -156,7 +156,7 @@ static void a_wall_or_body_inside_particles_at_the_start_is_warned_of(void **sta
         gn_world *w = world_of("%s", t->s);
         gn_overlap overlap[1];
         gneiss_error error = {0};
-        assert_ok(gn_world_overlaps(&w->ctx, &w->dem, &w->boundary, overlap, &error), &error);
+        assert_ok(gn_boundary_overlaps(&w->ctx, &w->dem, &w->boundary, overlap, &error), &error);
         assert_true(gn_overlap_bursts(&w->ctx, &w->dem, &w->boundary, &w->box, overlap, said,
                                       sizeof said) == cases[k / 2].warned);
         world_end(w);

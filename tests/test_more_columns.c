@@ -238,7 +238,7 @@ static void a_new_column_goes_from_one_precision_to_the_other(void **state) {
     gn_contacts_to_single(&w->dem.pairs.contacts, &w->dem.particles, (const double[3]){0, 0, 0}, 1);
     assert_int_equal(check_contacts(w, &w->dem.pairs.contacts, 1.0),
                      w->dem.pairs.contacts.soa.count);
-    assert_int_equal(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, &error), GNEISS_OK);
+    assert_int_equal(gn_dem_observe(&w->ctx, &w->dem, &w->box, &seen, &error), GNEISS_OK);
     assert_true(seen.list[GN_LIST_PAIRS].worn && !seen.list[GN_LIST_PAIRS].worn_f);
     assert_int_equal(check_contacts(w, &seen.list[GN_LIST_PAIRS], 1.0),
                      w->dem.pairs.contacts.soa.count);

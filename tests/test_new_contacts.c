@@ -519,7 +519,7 @@ static void a_given_step_that_does_not_resolve_collisions_warns(void **state) {
             "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]\n"
             "law: {stiffness: uniform}\ntime: {end: 1, step: %g}\nrun: {threads: 1}\n",
             fine ? 1e-7 : 1e-5);
-        gn_world_step_warning(&w->ctx, warning, sizeof warning);
+        gn_timestep_warning(&w->ctx, warning, sizeof warning);
         if (fine) assert_string_equal(warning, "");
         if (!fine) assert_non_null(strstr(warning, "time.contact_steps"));
         assert_close(w->ctx.dt, fine ? 1e-7 : 1e-5, 1e-15);

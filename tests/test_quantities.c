@@ -184,7 +184,7 @@ static void columns_follow_the_table(void **state) {
                              : world_of(scene, 3, "cubic", ", 4", 0, 1);
         gn_history h;
         gneiss_error error = {0};
-        assert_int_equal(gn_history_begin(w, &h, &error), GNEISS_OK);
+        assert_int_equal(gn_history_create_columns(w, &h, &error), GNEISS_OK);
         const char *there[] = {"step",
                                "strain_xy",
                                "wall_low_force_y",

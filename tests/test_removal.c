@@ -87,7 +87,7 @@ static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     gn_history h;
     double damage[3];
     run_until_lost(w, 1);
-    assert_int_equal(gn_history_begin(w, &h, &error), GNEISS_OK);
+    assert_int_equal(gn_history_create_columns(w, &h, &error), GNEISS_OK);
     assert_int_equal(gn_history_record_step(w, &h, &error), GNEISS_OK);
     assert_true(column(&h, "bonds_intact") == 1.0 && column(&h, "damage") == 0.0);
     assert_true(column(&h, "broken_tension") == 0.0 && column(&h, "broken_shear") == 0.0);

@@ -9,7 +9,7 @@ static double largest_residual(gn_world *w, int64_t count) {
     gneiss_error error = {0};
     gn_history h;
     double largest = 0.0;
-    if (gn_history_begin(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_history_create_columns(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
     for (int64_t k = 0; k < count; k++) {
         if (gn_history_record_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
         largest = fmax(largest, fabs(gn_energy_residual(&w->ledger.reading)));

@@ -161,7 +161,7 @@ static void follows(const char *particles, double top, const char *damping) {
                 if (gn_world_step(w, false, &error) != GNEISS_OK) fail_msg("%s", error.message);
                 const gn_wall *lid = &w->boundary.walls[1];
                 double share =
-                    fmin(shares[r], gn_world_servo_relaxation(&w->ctx, &w->dem, &w->boundary, 1));
+                    fmin(shares[r], gn_wall_servo_relaxation(&w->ctx, &w->dem, &w->boundary, 1));
                 if (w->ctx.time < 0.11) continue;
                 droop = v * w->ctx.dt * lid->stiffness / share;
                 most = fmax(most, fabs(lid->force[2] - 5.0));

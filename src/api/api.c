@@ -375,10 +375,10 @@ gneiss_status gneiss_world_limits(const gneiss_world *world, gneiss_limits *limi
     GN_TRY(gn_api_require(world, "world", error));
     GN_TRY(gn_api_require(limits, "limits", error));
     const gn_world *w = &world->run.world;
-    *limits = (gneiss_limits){w->ctx.dt, w->ctx.stable, gn_world_sharp_limit(&w->ctx, &w->solids),
-                              gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones),
-                              w->ctx.scene.has_specimen ? w->ctx.choice.limit.literature
-                                                        : (double)INFINITY};
+    *limits = (gneiss_limits){
+        w->ctx.dt, w->ctx.stable, gn_timestep_sharp_limit(&w->ctx, &w->solids),
+        gn_timestep_bound(&w->ctx, &w->dem, &w->solids, &w->zones),
+        w->ctx.scene.has_specimen ? w->ctx.choice.limit.literature : (double)INFINITY};
     return GNEISS_OK;
 }
 

@@ -72,7 +72,7 @@ static gneiss_status read_particles_or_bonds(const gn_world *world, bool particl
                                              gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
-    GN_TRY(gn_world_observe(&world->ctx, &world->dem, &world->box, &seen, error));
+    GN_TRY(gn_dem_observe(&world->ctx, &world->dem, &world->box, &seen, error));
     gneiss_status status = gn_output_view_make(world, &seen, &view, error);
     if (status == GNEISS_OK) {
         const gn_output_source of = particles ? gn_output_particles(&view) : gn_output_bonds(&view);

@@ -180,7 +180,7 @@ void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary
         if (a != body && b != body) continue;
         gn_body_spring spring = spring_of(ctx, a, b);
         gn_touch_side side = spring.side;
-        double alpha = spring.damping / gn_world_nonviscous_share(ctx);
+        double alpha = spring.damping / gn_nonviscous_share(ctx);
         double square = gn_body_pair_square(ctx, boundary, a, b), across = 0.0, whole = 0.0;
         double give = square / (stiffest * side.stiffness);
         if (side.friction > 0.0 && side.kratio > 0.0) across = side.stiffness / side.kratio * give;

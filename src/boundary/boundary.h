@@ -143,7 +143,7 @@ void gn_walls_take_velocities(const gn_step_context *ctx, gn_boundary *boundary)
 double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                     size_t row);
 /* The largest share of the missing force that a servo wall takes up in a step and is stable. */
-double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, size_t wall);
+double gn_wall_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, size_t wall);
 
 #endif

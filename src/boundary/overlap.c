@@ -163,9 +163,9 @@ static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
     }
 }
 
-gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, gn_overlap *overlap,
-                                gneiss_error *error) {
+gneiss_status gn_boundary_overlaps(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, gn_overlap *overlap,
+                                   gneiss_error *error) {
     memset(overlap, 0, boundary->surface_count * sizeof *overlap);
     if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
     measure_touches(ctx, dem, boundary, overlap);

@@ -18,9 +18,9 @@ typedef struct gn_overlap {
 } gn_overlap;
 
 /* Finds the overlap of every surface at the present positions: overlap [surfaces]. */
-gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, gn_overlap *overlap,
-                                gneiss_error *error);
+gneiss_status gn_boundary_overlaps(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, gn_overlap *overlap,
+                                   gneiss_error *error);
 /* Counts the particles whose centre is inside a body with a closed surface; *first: the first of
  * them. */
 gneiss_status gn_body_holds(const gn_dem *dem, const gn_boundary *boundary, size_t body,
@@ -29,7 +29,7 @@ gneiss_status gn_body_holds(const gn_dem *dem, const gn_boundary *boundary, size
 gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_t wall);
 /* Tells whether a wall, a body or elements that are no end of the test overlap particles at the
  * start, under stress that nothing inside the specimen balances; `text` then says which. `overlap`
- * as of gn_world_overlaps. */
+ * as of gn_boundary_overlaps. */
 bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_periodic_box *box, const gn_overlap *overlap, char *text,
                        size_t size);

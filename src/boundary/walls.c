@@ -338,8 +338,8 @@ static double springs_of(const gn_step_context *ctx, const gn_dem *dem, const gn
     return sum + gn_body_walls_pressing(ctx, boundary, k, false);
 }
 
-double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, size_t wall) {
+double gn_wall_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, size_t wall) {
     double stiffness = boundary->walls[wall].stiffness, most = gn_servo_share(ctx, dem);
     bool dashpots = dem->damping_fraction > 0.0;
     if (!dashpots || !(stiffness > 0.0)) return most;
@@ -417,7 +417,7 @@ static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_bou
                            size_t k) {
     const gn_servo *servo = &ctx->scene.walls[k].servo;
     gn_wall *wall = &boundary->walls[k];
-    double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(ctx, dem, boundary, k));
+    double relaxation = fmin(servo->relaxation, gn_wall_servo_relaxation(ctx, dem, boundary, k));
     gn_servo_look look = {.wanted = gn_wall_wanted(ctx, boundary, k, ctx->time),
                           .found = -gn_dot3(wall->force, wall->normal),
                           .most = servo->max_velocity};

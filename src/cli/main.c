@@ -187,8 +187,8 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
                              gneiss_error *error) {
     char light[GNEISS_MESSAGE_SIZE];
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
-    if (*gn_world_light_body(&run->world.ctx, &run->world.dem, &run->world.boundary, light,
-                             sizeof light))
+    if (*gn_timestep_light_body(&run->world.ctx, &run->world.dem, &run->world.boundary, light,
+                                sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (run->world.ctx.step == 0 &&
         gn_scale_doubts(&run->world.ctx, &run->world.dem, &run->world.boundary, &run->world.solids,

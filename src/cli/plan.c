@@ -100,7 +100,7 @@ static void print_kernels(const gn_world *world) {
 
 /* Prints the reasons why the step's limit is below that of the springs in contact. */
 static void print_lowered(const gn_world *world) {
-    double share = gn_world_nonviscous_share(&world->ctx), particles = world->ctx.choice.stable;
+    double share = gn_nonviscous_share(&world->ctx), particles = world->ctx.choice.stable;
     if (world->solids.count) return;
     if (share < 1.0)
         printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
@@ -156,13 +156,13 @@ static void print_contacts_to_come(const gn_world *world) {
     else
         printf("  collisions       none that need to be resolved\n");
     if (world->ctx.effects & GN_FX_BONDS && world->ctx.effects & GN_FX_ENERGY &&
-        world->ctx.scene.step == 0.0 && gn_world_is_underdamped(&world->ctx, &world->dem))
+        world->ctx.scene.step == 0.0 && gn_timestep_is_underdamped(&world->ctx, &world->dem))
         printf("  debris           undamped: once bonds have broken, wedged particles may need "
                "steps up to four times shorter\n");
     if (world->ctx.choice.listed < INFINITY)
         printf("  near contacts    %.6g s is the stability limit with all of them in contact\n",
                world->ctx.choice.listed);
-    if (*gn_world_step_warning(&world->ctx, text, sizeof text)) printf("  warning: %s\n", text);
+    if (*gn_timestep_warning(&world->ctx, text, sizeof text)) printf("  warning: %s\n", text);
 }
 
 static void print_mass_scaling(const gn_world *world) {
@@ -186,7 +186,7 @@ static void print_mass_scaling(const gn_world *world) {
 static void print_servos(const gn_world *world) {
     for (size_t k = 0; k < world->ctx.scene.wall_count; k++) {
         const gn_wall_def *wall = &world->ctx.scene.walls[k];
-        double most = gn_world_servo_relaxation(&world->ctx, &world->dem, &world->boundary, k);
+        double most = gn_wall_servo_relaxation(&world->ctx, &world->dem, &world->boundary, k);
         if (!wall->servo.active || wall->servo.relaxation <= most) continue;
         printf("  servo            wall '%.60s': relaxation %.3g%s instead of %g, which would be "
                "unstable with this step (a smaller time.safety allows more)\n",
@@ -210,9 +210,9 @@ static void print_step(const gn_world *world) {
     gn_print_element_limits(world);
     gn_print_whole_limit(world);
     print_servos(world);
-    if (world->solids.count && gn_world_nonviscous_share(&world->ctx) < 1.0)
+    if (world->solids.count && gn_nonviscous_share(&world->ctx) < 1.0)
         printf("  less             %.3f for non-viscous damping, which stiffens the fastest mode\n",
-               gn_world_nonviscous_share(&world->ctx));
+               gn_nonviscous_share(&world->ctx));
 }
 
 gneiss_status gn_plan_seconds(gn_world *world, double *seconds, gneiss_error *error) {
@@ -469,7 +469,7 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
         GN_TRY(print_on_bodies(world, k, warnings, error));
     }
     char light[GNEISS_MESSAGE_SIZE];
-    if (*gn_world_light_body(&world->ctx, &world->dem, &world->boundary, light, sizeof light)) {
+    if (*gn_timestep_light_body(&world->ctx, &world->dem, &world->boundary, light, sizeof light)) {
         printf("  warning: %s\n", light);
         (*warnings)++;
     }
@@ -485,7 +485,7 @@ static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss
     char text[GNEISS_MESSAGE_SIZE];
     GN_FREED gn_overlap *overlaps = NULL;
     GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
-    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
+    GN_TRY(gn_boundary_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
     GN_TRY(print_bodies(world, overlaps, warnings, error));
     if (gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary, &world->box, overlaps, text,
                           sizeof text)) {
@@ -525,8 +525,8 @@ static void print_section(const gn_world *world) {
                "%% too low, as stresses spread gradually\n",
                100.0 * x->spread);
     const gn_test *test = &world->ctx.scene.test;
-    const double mean = world->ctx.volume / gn_world_side(&world->ctx, &world->solids,
-                                                          test->axis < 0 ? 0 : (int)test->axis);
+    const double mean = world->ctx.volume / gn_tested_side(&world->ctx, &world->solids,
+                                                           test->axis < 0 ? 0 : (int)test->axis);
     const bool given = gn_scene_test(&world->ctx.scene)->prism &&
                        (test->given.area > 0.0 || test->given.diameter > 0.0);
     if (given && !world->ctx.scene.has_couple && fabs(world->ctx.test_area / mean - 1.0) > 0.02)

@@ -142,7 +142,7 @@ static const char by_collisions[] = "collisions";
 /* Returns which part determines the present step. */
 static const char *side_of(const gn_world *world) {
     const gn_step_choice *choice = &world->ctx.choice;
-    const double share = gn_world_nonviscous_share(&world->ctx),
+    const double share = gn_nonviscous_share(&world->ctx),
                  elements = gn_elements_stable(&world->solids);
     const int32_t p = choice->limit.sharp_id;
     if (is_near(world->ctx.dt, choice->resolution.step)) return by_collisions;
@@ -187,8 +187,7 @@ static const double equal_ratio = 0.95;
 
 /* Any particle may become active as a crack grows, including the one with the shortest period. */
 static void find_least(const gn_world *world, trial *t) {
-    const double all =
-        gn_world_nonviscous_share(&world->ctx) * world->ctx.scene.safety * t->all.sharp;
+    const double all = gn_nonviscous_share(&world->ctx) * world->ctx.scene.safety * t->all.sharp;
     t->least = t->later;
     if (world->ctx.scene.step > 0.0 || fmin(all, t->collision) >= t->least) return;
     t->least = fmin(all, t->collision);

@@ -72,7 +72,7 @@ static double bytes_of_history(const gn_world *world) {
     gn_history columns;
     double bytes = 0.0, capacity = 256.0;
     while (capacity < rows) capacity *= 2.0;
-    if (gn_history_begin(world, &columns, NULL) == GNEISS_OK)
+    if (gn_history_create_columns(world, &columns, NULL) == GNEISS_OK)
         bytes = (double)columns.column_count * (8.0 * (1.5 * capacity + rows) + sizeof(gn_column));
     gn_history_free(&columns);
     return world->ctx.scene.history_rows > 0 ? bytes : 0.0;
@@ -155,7 +155,7 @@ typedef struct time_span {
 static gneiss_status take_steps(gn_world *world, time_span *span, bool *over, gneiss_error *error) {
     double start = gn_now();
     for (int k = 0; k < STEPS_BETWEEN_CLOCK_READS && !*over; k++) {
-        span->particles += (double)gn_world_present(&world->dem);
+        span->particles += (double)gn_dem_present_count(&world->dem);
         gneiss_status status = gn_world_step(world, false, error);
         *over = status == GNEISS_ERROR_UNSTABLE || world->ctx.time >= world->ctx.scene.end;
         if (status != GNEISS_ERROR_UNSTABLE) GN_TRY(status);
@@ -190,7 +190,7 @@ static double number_by(const gn_world *world, size_t k, double time) {
 }
 
 static double present_by(const gn_world *world, double time) {
-    double sum = (double)gn_world_present(&world->dem);
+    double sum = (double)gn_dem_present_count(&world->dem);
     for (size_t k = 0; k < world->ctx.scene.source_count; k++)
         sum += number_by(world, k, time) - world->dem.flow.sources[k].number;
     return sum;
@@ -226,7 +226,7 @@ gneiss_status gn_plan_flow_try(gn_world *world, gn_plan_flow *flow, gneiss_error
     fit_cost(half, &a, &b);
     flow->tried = world->ctx.time;
     flow->step = world->ctx.dt;
-    flow->present = gn_world_present(&world->dem);
+    flow->present = gn_dem_present_count(&world->dem);
     flow->seconds = half[0].seconds + half[1].seconds;
     double left = fmax(0.0, world->ctx.scene.end - world->ctx.time), part = left / PIECES;
     for (int k = 0; k < PIECES; k++)

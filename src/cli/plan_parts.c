@@ -254,8 +254,9 @@ void gn_print_whole_limit(const gn_world *world) {
     printf("  both together\n  sharp limit      %.6g s  (Lanczos, %d vectors)\n", whole->sharp,
            whole->iterations);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit\n",
-           gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones),
-           gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones) / whole->sharp);
+           gn_timestep_bound(&world->ctx, &world->dem, &world->solids, &world->zones),
+           gn_timestep_bound(&world->ctx, &world->dem, &world->solids, &world->zones) /
+               whole->sharp);
     printf("  set by           %s; its mode lies to %.0f %% in particles, to %.0f %% in elements, "
            "to %.0f %% in zones\n",
            gn_whole_culprit(whole, text, sizeof text), 100.0 * whole->share[GN_SIDE_PARTICLES],

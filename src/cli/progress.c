@@ -190,12 +190,12 @@ static void print_limits(const gn_world *world) {
     }
     printf(" = %.2f of the stability limit %.4g s (", world->ctx.dt / world->ctx.stable,
            world->ctx.stable);
-    if (gn_world_sharp_limit(&world->ctx, &world->solids) == INFINITY)
+    if (gn_timestep_sharp_limit(&world->ctx, &world->solids) == INFINITY)
         printf("of contacts to come: there are no contacts yet");
     else
         printf("undamped: sharp %.4g s, rigorous bound %.4g s",
-               gn_world_sharp_limit(&world->ctx, &world->solids),
-               gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones));
+               gn_timestep_sharp_limit(&world->ctx, &world->solids),
+               gn_timestep_bound(&world->ctx, &world->dem, &world->solids, &world->zones));
     if (world->ctx.scene.has_specimen && world->ctx.choice.limit.literature < INFINITY)
         printf(", one-spring estimate of the literature %.4g s",
                world->ctx.choice.limit.literature);
@@ -221,7 +221,7 @@ static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
             warn_of_inside("behind wall", scene->walls[k].name,
                            gn_wall_overlap(&world->dem, &world->boundary, k).inside);
     GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
-    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
+    GN_TRY(gn_boundary_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
     for (size_t k = 0; k < world->boundary.surface_count; k++)
         if (k < scene->body_count)
             warn_of_inside("inside body", scene->bodies[k].name, overlaps[k].inside);

@@ -127,7 +127,7 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
 static gneiss_status note_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     gn_run *run = context;
     (void)so_far;
-    return gn_history_still(&run->world, &run->history, error);
+    return gn_history_record_state(&run->world, &run->history, error);
 }
 
 static const char *test_refusal(const gn_scene *scene) {

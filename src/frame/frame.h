@@ -75,7 +75,7 @@ void gn_user_point(const gn_step_context *ctx, const double point[3], double out
 double gn_finest_reach(double radius);
 
 /* Returns the fraction of the limit that remains with non-viscous damping; 1 without it. */
-double gn_world_nonviscous_share(const gn_step_context *ctx);
+double gn_nonviscous_share(const gn_step_context *ctx);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_check_duration(const gn_step_context *ctx, gneiss_error *error);

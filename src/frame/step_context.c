@@ -40,7 +40,7 @@ static double scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
     return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
 }
 
-double gn_world_nonviscous_share(const gn_step_context *ctx) {
+double gn_nonviscous_share(const gn_step_context *ctx) {
     return scene_nonviscous_share(&ctx->scene, ctx->effects);
 }
 

@@ -129,7 +129,7 @@ static void hold(report *r, const char *key, double given, double low, double hi
 static size_t along_beam(const gn_step_context *ctx, const gn_solids *solids) {
     size_t axis = (size_t)ctx->scene.test.axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
     if (ctx->scene.dimension == 2) return 1 - axis;
-    return gn_world_side(ctx, solids, (int)a) >= gn_world_side(ctx, solids, (int)b) ? a : b;
+    return gn_tested_side(ctx, solids, (int)a) >= gn_tested_side(ctx, solids, (int)b) ? a : b;
 }
 
 static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -164,7 +164,7 @@ static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                         const char *key, double given, size_t axis, report *r) {
     const gn_pack_def *pack = &ctx->scene.specimen.pack;
-    double low = gn_world_side(ctx, solids, (int)axis), high = low;
+    double low = gn_tested_side(ctx, solids, (int)axis), high = low;
     if (!(given > 0.0)) return;
     /* Extent of the elements, or of the body with its particles, which protrude a little. */
     if (ctx->scene.has_couple) {

@@ -219,7 +219,7 @@ double gn_ends_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
 double gn_ends_free(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                     const gn_solids *solids) {
     const int normal = (int)ctx->scene.test.normal;
-    const double height = gn_world_side(ctx, solids, normal),
+    const double height = gn_tested_side(ctx, solids, normal),
                  gap = gn_ends_gap(ctx, dem, boundary, solids),
                  least = dem->particles.soa.count ? 2.0 * gn_dem_mean_radius(dem) : 0.0;
     return gap > least && gap < height ? gap : height;
@@ -280,7 +280,7 @@ static double end_gap(const gn_step_context *ctx, const gn_boundary *boundary,
 static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
     const double count = (double)dem->particles.soa.count, d = (double)ctx->scene.dimension;
     if (!(count > 0.0))
-        return touching_elements * gn_world_side(ctx, solids, (int)ctx->scene.test.axis);
+        return touching_elements * gn_tested_side(ctx, solids, (int)ctx->scene.test.axis);
     if (ctx->effects & GN_FX_BONDS) return touching * gn_dem_mean_radius(dem);
     return pow(ctx->volume / count, 1.0 / d);
 }

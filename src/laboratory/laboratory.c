@@ -26,7 +26,7 @@
 static double mean_section(const gn_step_context *ctx, const gn_solids *solids, int axis) {
     double section = ctx->volume / (ctx->upper[axis] - ctx->lower[axis]);
     for (int a = 0; ctx->scene.has_couple && a < (int)ctx->scene.dimension; a++)
-        if (a != axis) section *= gn_world_side(ctx, solids, a) / (ctx->upper[a] - ctx->lower[a]);
+        if (a != axis) section *= gn_tested_side(ctx, solids, a) / (ctx->upper[a] - ctx->lower[a]);
     return section;
 }
 
@@ -44,7 +44,7 @@ static double prism_length(const gn_step_context *ctx, const gn_dem *dem,
     double lower, upper;
     bool away[2];
     gn_ends_gaps(ctx, dem, boundary, solids, &lower, &upper, away);
-    double length = gn_world_side(ctx, solids, (int)ctx->scene.test.axis);
+    double length = gn_tested_side(ctx, solids, (int)ctx->scene.test.axis);
     if (ctx->effects & GN_FX_BONDS || !dem->particles.soa.count) return length;
     return length + (away[0] ? 0.0 : lower) + (away[1] ? 0.0 : upper);
 }
@@ -343,7 +343,7 @@ void gn_tested_extent(const gn_step_context *ctx, const gn_solids *solids, doubl
     if (ctx->scene.has_couple) gn_elements_extent(solids, lower, upper);
 }
 
-double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis) {
+double gn_tested_side(const gn_step_context *ctx, const gn_solids *solids, int axis) {
     double lower[3], upper[3];
     gn_tested_extent(ctx, solids, lower, upper);
     return upper[axis] - lower[axis];
@@ -546,7 +546,7 @@ double gn_section_by_mean(const gn_step_context *ctx, const gn_dem *dem, const g
     if (!(x->narrowest > pointed * x->mean)) return NAN;
     if (dem->particles.soa.count && x->waist != 0.0) return NAN;
     if (x->guessed != 0.0) return 1.0;
-    return ctx->test_area * gn_world_side(ctx, solids, (int)ctx->scene.test.axis) / ctx->volume;
+    return ctx->test_area * gn_tested_side(ctx, solids, (int)ctx->scene.test.axis) / ctx->volume;
 }
 
 gn_volume_source gn_volume_source_of(const gn_step_context *ctx, const gn_dem *dem,

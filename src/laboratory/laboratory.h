@@ -42,7 +42,7 @@ gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
 void gn_tested_extent(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
                       double upper[3]);
 
-double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis);
+double gn_tested_side(const gn_step_context *ctx, const gn_solids *solids, int axis);
 
 /* Sections across the axis of the strained part of a specimen (laboratory.c). 0: uniform. */
 struct gn_bar_section {

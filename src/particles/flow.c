@@ -217,7 +217,7 @@ void gn_flow_row(const gn_step_context *ctx, gn_dem *dem) {
     }
 }
 
-size_t gn_world_present(const gn_dem *dem) {
+size_t gn_dem_present_count(const gn_dem *dem) {
     size_t count = 0;
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         count += gn_particle_is_active(&dem->particles, p);

@@ -79,7 +79,7 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
 /* To be called when a row of the history was written. */
 void gn_flow_row(const gn_step_context *ctx, gn_dem *dem);
 /* Returns the number of particles in the model. */
-size_t gn_world_present(const gn_dem *dem);
+size_t gn_dem_present_count(const gn_dem *dem);
 
 uint64_t gn_flow_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);
 

@@ -55,9 +55,9 @@ gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
     return status;
 }
 
-gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_periodic_box *box, gn_observed *observed,
-                               gneiss_error *error) {
+gneiss_status gn_dem_observe(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_periodic_box *box, gn_observed *observed,
+                             gneiss_error *error) {
     *observed = (gn_observed){0};
     gneiss_status status = GNEISS_OK;
     for (int l = 0; status == GNEISS_OK && l < GN_LIST_COUNT; l++)

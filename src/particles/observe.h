@@ -22,9 +22,9 @@ gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
 typedef struct gn_observed {
     gn_contacts list[GN_LIST_COUNT];
 } gn_observed;
-gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_periodic_box *box, gn_observed *observed,
-                               gneiss_error *error);
+gneiss_status gn_dem_observe(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_periodic_box *box, gn_observed *observed,
+                             gneiss_error *error);
 void gn_observed_free(gn_observed *observed);
 
 /* Returns the mean radius over all rows of particles, m. */

@@ -146,7 +146,7 @@ static gneiss_status time_spells(gn_world *world, gn_history *history, double sp
 static gneiss_status time_world(gn_world *world, timed *found, gneiss_error *error) {
     gn_history history;
     double with_row = 0.0;
-    GN_TRY(gn_history_begin(world, &history, error));
+    GN_TRY(gn_history_create_columns(world, &history, error));
     gneiss_status status = time_spells(world, NULL, 5e-3, &found->step, error);
     if (status == GNEISS_OK) status = time_spells(world, &history, 2e-3, &with_row, error);
     gn_history_free(&history);

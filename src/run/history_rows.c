@@ -31,7 +31,8 @@ static gneiss_status add_columns(const gn_world *world, const gn_quantity_place 
     return GNEISS_OK;
 }
 
-gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneiss_error *error) {
+gneiss_status gn_history_create_columns(const gn_world *world, gn_history *history,
+                                        gneiss_error *error) {
     gn_quantity_place at = {0};
     *history = (gn_history){0};
     while (gn_quantity_next(world, &at)) GN_TRY(add_columns(world, &at, history, error));
@@ -174,7 +175,7 @@ gneiss_status gn_history_record_last_step(gn_world *world, gn_history *history,
     return GNEISS_OK;
 }
 
-gneiss_status gn_history_still(gn_world *world, gn_history *history, gneiss_error *error) {
+gneiss_status gn_history_record_state(gn_world *world, gn_history *history, gneiss_error *error) {
     GN_FREED double *row = NULL;
     GN_TRY(gn_new(&row, history->column_count, "columns of the history", error));
     note_passed(world);

@@ -7,7 +7,8 @@
 #include "world/world.h"
 
 /* Creates the columns that the scene requires (docs/results.md). */
-gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneiss_error *error);
+gneiss_status gn_history_create_columns(const gn_world *world, gn_history *history,
+                                        gneiss_error *error);
 
 /* Takes one step and appends the row of the instant at which it starts: positions are read before
  * the step, forces and energies after it. */
@@ -19,6 +20,6 @@ gneiss_status gn_history_record_last_step(gn_world *world, gn_history *history,
                                           gneiss_error *error);
 
 /* Appends the row of a given state of the world, with the energies as last read. */
-gneiss_status gn_history_still(gn_world *world, gn_history *history, gneiss_error *error);
+gneiss_status gn_history_record_state(gn_world *world, gn_history *history, gneiss_error *error);
 
 #endif

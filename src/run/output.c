@@ -102,7 +102,7 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_e
     gn_observed seen;
     gn_output_view view;
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
-    GN_TRY(gn_world_observe(&run->world.ctx, &run->world.dem, &run->world.box, &seen, error));
+    GN_TRY(gn_dem_observe(&run->world.ctx, &run->world.dem, &run->world.box, &seen, error));
     gneiss_status status = gn_output_view_make(&run->world, &seen, &view, error);
     if (status == GNEISS_OK) {
         status = write_snapshot(run, &view, before, error);
@@ -379,7 +379,7 @@ static gneiss_status put_state(const gn_world *world, gn_h5 *file, gneiss_error 
     GN_FREED_BY(gn_observed_free) gn_observed seen = {0};
     GN_FREED_BY(gn_output_view_free) gn_output_view view = {0};
     if (!world->dem.particles.soa.count && !(world->ctx.effects & GN_FX_BONDS)) return GNEISS_OK;
-    GN_TRY(gn_world_observe(&world->ctx, &world->dem, &world->box, &seen, error));
+    GN_TRY(gn_dem_observe(&world->ctx, &world->dem, &world->box, &seen, error));
     GN_TRY(gn_output_view_make(world, &seen, &view, error));
     const gn_output_source particles = gn_output_particles(&view), bonds = gn_output_bonds(&view);
     if (world->dem.particles.soa.count) GN_TRY(gn_output_put(&particles, file, error));
@@ -462,7 +462,7 @@ static void summary_counts(const gn_world *world, size_t contacts, gn_json *json
     bool flows = gn_scene_has_flow(&world->ctx.scene);
     gn_json_integer(
         json, "particles",
-        (int64_t)(flows ? gn_world_present(&world->dem) : world->dem.particles.soa.count));
+        (int64_t)(flows ? gn_dem_present_count(&world->dem) : world->dem.particles.soa.count));
     if (gn_converts(&world->ctx))
         gn_json_integer(json, "asleep", (int64_t)gn_dormant_count(&world->dem));
     GN_JSON_NUMBERS(
@@ -482,12 +482,12 @@ static void summary_counts(const gn_world *world, size_t contacts, gn_json *json
 }
 
 static void summary_step(const gn_world *world, gn_json *json) {
-    GN_JSON_NUMBERS(
-        json, {"steps", (double)world->ctx.step}, {"time", world->ctx.time}, {"dt", world->ctx.dt},
-        {"dt_limit", world->ctx.stable},
-        {"dt_limit_sharp", gn_world_sharp_limit(&world->ctx, &world->solids)},
-        {"dt_limit_bound", gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones)},
-        {"dt_resolution", world->ctx.choice.resolution.step});
+    GN_JSON_NUMBERS(json, {"steps", (double)world->ctx.step}, {"time", world->ctx.time},
+                    {"dt", world->ctx.dt}, {"dt_limit", world->ctx.stable},
+                    {"dt_limit_sharp", gn_timestep_sharp_limit(&world->ctx, &world->solids)},
+                    {"dt_limit_bound",
+                     gn_timestep_bound(&world->ctx, &world->dem, &world->solids, &world->zones)},
+                    {"dt_resolution", world->ctx.choice.resolution.step});
 }
 
 /* Reports the mass that was added for a longer step. */
@@ -572,7 +572,7 @@ static void summary_cost(const gn_run *run, gn_json *json) {
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_observed seen;
-    GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
+    GN_TRY(gn_dem_observe(&w->ctx, &w->dem, &w->box, &seen, error));
     size_t contacts = 0;
     for (int l = 0; l < GN_LIST_COUNT; l++) contacts += touching(&seen.list[l]);
     gn_observed_free(&seen);

@@ -257,7 +257,7 @@ static void read_box(const gn_world *world, size_t k, double *value) {
     copy3(value, world->ctx.period);
 }
 READ(unbalanced, world->ledger.unbalanced)
-READ(particles, (double)gn_world_present(&world->dem))
+READ(particles, (double)gn_dem_present_count(&world->dem))
 READ(added_kinetic, gn_dem_added_kinetic(&world->dem))
 
 static double broken(const gn_world *world) {

@@ -30,7 +30,7 @@ struct gn_run_read {
 gneiss_status gn_run_begin_history(gn_run *run, gneiss_error *error) {
     run->read = calloc(1, sizeof *run->read);
     if (!run->read) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings");
-    return gn_history_begin(&run->world, &run->history, error);
+    return gn_history_create_columns(&run->world, &run->history, error);
 }
 
 void gn_run_end_history(gn_run *run) {

@@ -453,7 +453,7 @@ typedef struct beginning {
 static gneiss_status note_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     const beginning *b = context;
     gn_world *w = &b->run->world;
-    gneiss_status status = gn_history_still(w, &b->run->history, error); /* 0 steps done */
+    gneiss_status status = gn_history_record_state(w, &b->run->history, error); /* 0 steps done */
     if (status != GNEISS_OK || !b->watch) return status;
     return b->watch->state(b->watch->context, so_far, error);
 }

@@ -132,7 +132,7 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_step(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!*gn_world_step_warning(&run->world.ctx, text, sizeof text)) return;
+    if (!*gn_timestep_warning(&run->world.ctx, text, sizeof text)) return;
     gn_warn(list, "time_step", "%s", text);
 }
 

@@ -60,7 +60,7 @@ typedef struct ties {
  * energy of a body that oscillates undamped was wrong by 2 to 15 %. Close packings have that
  * many steps anyway. */
 static double share_of_bonds(const gn_step_context *ctx, const gn_dem *dem) {
-    return ctx->effects & GN_FX_SOFTENING && gn_world_is_underdamped(ctx, dem) ? 0.5 : 0.0;
+    return ctx->effects & GN_FX_SOFTENING && gn_timestep_is_underdamped(ctx, dem) ? 0.5 : 0.0;
 }
 
 /* Marks in `adrift` the particles that have lost all of their bonds, or all but one. Returns
@@ -169,7 +169,7 @@ static gn_resolution resolution_of(const gn_step_context *ctx, const fastest *f)
 /* Tells whether collisions are hardly damped: a restitution c of 0.95 or more, at which the errors
  * of thousands of collisions add up. Non-viscous damping of coefficient a makes the force 1 + a
  * times as large during approach and 1 - a during separation: c^2 = (1 - a)/(1 + a). */
-bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem) {
+bool gn_timestep_is_underdamped(const gn_step_context *ctx, const gn_dem *dem) {
     bool active = ctx->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return dem->damping_least < 0.0163 && !(active && ctx->scene.background_coefficient > 0.051);
 }
@@ -190,7 +190,7 @@ static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, 
                                  double **sum, gneiss_error *error) {
     const gn_contacts *k = &dem->pairs.contacts;
     *sum = NULL;
-    if (!gn_world_is_underdamped(ctx, dem) || !k->soa.count) return GNEISS_OK;
+    if (!gn_timestep_is_underdamped(ctx, dem) || !k->soa.count) return GNEISS_OK;
     GN_TRY(gn_new(sum, dem->particles.soa.count, "crowds", error));
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
@@ -510,7 +510,7 @@ gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
                                gn_resolution *resolution, gneiss_error *error) {
     flight f = {.resolved = {0.0, 1.0, -1, -1, NULL, 0.0}};
     GN_TRY(find_flight(ctx, dem, boundary, &f, error));
-    double alpha = dem->damping_fraction / gn_world_nonviscous_share(ctx);
+    double alpha = dem->damping_fraction / gn_nonviscous_share(ctx);
     *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));
     *resolution = resolution_of(ctx, &f.resolved);
     return GNEISS_OK;

@@ -94,7 +94,7 @@ gneiss_status gn_debris_find(gn_step_context *ctx, gn_dem *dem, bool *some, gnei
     const size_t n = dem->particles.soa.count;
     *some = false;
     if (broken(dem) == ctx->choice.broken_without_debris || ctx->scene.step > 0.0 ||
-        !gn_world_is_underdamped(ctx, dem))
+        !gn_timestep_is_underdamped(ctx, dem))
         return GNEISS_OK;
     uint8_t *left = gn_alloc(n + 1);
     if (!left) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);

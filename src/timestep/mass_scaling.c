@@ -172,8 +172,7 @@ static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boun
 
 static gneiss_status refuse(const gn_step_context *ctx, const gn_solids *solids, double step,
                             gneiss_error *error) {
-    double elements =
-        ctx->scene.safety * gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
+    double elements = ctx->scene.safety * gn_nonviscous_share(ctx) * gn_elements_stable(solids);
     gn_scene_place at = ctx->scene.scaling_where;
     if (elements < step)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -235,7 +234,7 @@ gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary
                 .sharp = s->estimate == GN_STEP_SHARP};
     ctx->choice.scaling.unscaled = ctx->dt;
     if (q.step <= ctx->dt) return GNEISS_OK;
-    double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
+    double elements = gn_nonviscous_share(ctx) * gn_elements_stable(solids);
     q.limit = gn_limit_needed(ctx, dem, solids, zones, q.step / s->safety);
     q.listed = gn_limit_needed(ctx, dem, solids, zones, q.step / listed_share);
     if (s->safety * elements < q.step || !isfinite(q.limit))

@@ -76,7 +76,7 @@ static gn_spectrum spectrum_of(const gn_step_context *ctx, double reach,
     s.extra = d->surface;
     s.extra_count = d->surface_count;
     s.fixed = d->fixed;
-    s.dashpots = 1.0 / gn_world_nonviscous_share(ctx);
+    s.dashpots = 1.0 / gn_nonviscous_share(ctx);
     s.threads = ctx->threads;
     return s;
 }

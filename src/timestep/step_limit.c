@@ -49,15 +49,14 @@ static double partner_limit(const gn_step_context *ctx, const gn_dem *dem, const
     double bodies =
         together(dem, limit_of(ctx->choice.surface_rate), limit_of(zones->state.rate[0]));
     if (!(ctx->choice.vertex_rate > 0.0)) return bodies;
-    double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
+    double elements = gn_nonviscous_share(ctx) * gn_elements_stable(solids);
     return fmin(bodies, together(dem, elements, limit_of(ctx->choice.vertex_rate)));
 }
 
 /* Bodies and elements do not touch each other. */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double particles) {
-    double share = gn_world_nonviscous_share(ctx),
-           turned = turned_limit(dem, zones, share * particles);
+    double share = gn_nonviscous_share(ctx), turned = turned_limit(dem, zones, share * particles);
     double elements =
         together(dem, share * gn_elements_stable(solids), limit_of(zones->state.rate[1]));
     return fmin(together(dem,
@@ -68,7 +67,7 @@ double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_s
 
 double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem, double particles) {
     double rate = fmax(ctx->choice.surface_rate, ctx->choice.vertex_rate);
-    return together(dem, gn_world_nonviscous_share(ctx) * particles, limit_of(rate));
+    return together(dem, gn_nonviscous_share(ctx) * particles, limit_of(rate));
 }
 
 /* Returns the rate, 1/s, that the limit `other` leaves of a rate. */
@@ -81,7 +80,7 @@ static double without(const gn_dem *dem, double rate, double other) {
  * known. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double step) {
-    const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
+    const double share = gn_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
     double left = without(dem, 1.0 / step, partner_limit(ctx, dem, solids, zones));
     if (isfinite(own)) left /= 1.0 / together(dem, 1.0, own);
     if (isfinite(own) && !(ctx->choice.whole > 0.0))
@@ -96,7 +95,7 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem, cons
     double stiffer = 1.0;
     for (size_t k = 0; k < solids->count; k++)
         stiffer = fmax(stiffer, solids->elements[k]->stiffening);
-    return together(dem, gn_world_nonviscous_share(ctx) * whole / stiffer,
+    return together(dem, gn_nonviscous_share(ctx) * whole / stiffer,
                     limit_of(ctx->choice.surface_rate));
 }
 
@@ -117,8 +116,7 @@ static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_bound
     ctx->choice.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(ctx, dem, solids, whole->sharp));
     /* With slaved spins elements may be much smaller than the particles that they rotate. */
-    if (zones->state.turned > 0.0)
-        *limit = fmin(*limit, gn_world_nonviscous_share(ctx) * whole->sharp);
+    if (zones->state.turned > 0.0) *limit = fmin(*limit, gn_nonviscous_share(ctx) * whole->sharp);
     return GNEISS_OK;
 }
 
@@ -155,7 +153,7 @@ static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *de
     char key[48];
     while (source < s->source_count && !(f->sources[source].number > 0.0)) source++;
     while (sink < s->sink_count && !(f->sinks[sink].number > 0.0)) sink++;
-    if (source == s->source_count || sink == s->sink_count || gn_world_present(dem) > 0)
+    if (source == s->source_count || sink == s->sink_count || gn_dem_present_count(dem) > 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: required, because no moving part of the model limits it",
                        gn_scene_at(s, s->time_where, "time.step").text);
@@ -206,9 +204,9 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
     }
     set_step(ctx, dem, ctx->scene.step);
     if (ctx->dt <= limit || ctx->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
-    if (isfinite(gn_world_bound(ctx, dem, solids, zones)))
+    if (isfinite(gn_timestep_bound(ctx, dem, solids, zones)))
         snprintf(bound, sizeof bound, "; the rigorous bound without damping is %.6g s",
-                 gn_world_bound(ctx, dem, solids, zones));
+                 gn_timestep_bound(ctx, dem, solids, zones));
     return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                    "%s: expected at most %.6g s (stability limit at step %lld, "
                    "set by %s%s), found %.6g s = %.3f of the limit "
@@ -421,7 +419,7 @@ gneiss_status gn_timestep_check_after_breaks(gn_step_context *ctx, gn_dem *dem,
                                              gn_zones *zones, int64_t broken_before,
                                              gneiss_error *error) {
     const int64_t all = dem->bonds_at_start, now = dem->broken_tension + dem->broken_shear;
-    if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(ctx, dem))
+    if (now == broken_before || 2 * now < all || !gn_timestep_is_underdamped(ctx, dem))
         return GNEISS_OK;
     if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
     return check_again(ctx, dem, boundary, solids, zones, error);
@@ -437,7 +435,7 @@ gneiss_status gn_timestep_update_reported_limit(gn_step_context *ctx, gn_dem *de
     return limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
 }
 
-double gn_world_sharp_limit(const gn_step_context *ctx, const gn_solids *solids) {
+double gn_timestep_sharp_limit(const gn_step_context *ctx, const gn_solids *solids) {
     if (ctx->choice.whole > 0.0) return ctx->choice.whole;
     double limit = ctx->scene.has_specimen ? ctx->choice.limit.sharp : INFINITY;
     for (size_t k = 0; k < solids->count; k++)
@@ -445,8 +443,8 @@ double gn_world_sharp_limit(const gn_step_context *ctx, const gn_solids *solids)
     return limit;
 }
 
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      const gn_zones *zones) {
+double gn_timestep_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                         const gn_zones *zones) {
     double limit = ctx->scene.has_specimen ? ctx->choice.limit.bound : INFINITY,
            elements = INFINITY;
     for (size_t k = 0; k < solids->count; k++)
@@ -456,7 +454,7 @@ double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_so
                 together(dem, together(dem, elements, limit_of(zones->state.rate[1])), turned));
 }
 
-const char *gn_world_step_warning(const gn_step_context *ctx, char *text, size_t size) {
+const char *gn_timestep_warning(const gn_step_context *ctx, char *text, size_t size) {
     char contact[160];
     *text = '\0';
     if (ctx->scene.step == 0.0) return text;

@@ -109,8 +109,8 @@ static double particle_square(const gn_step_context *ctx, const gn_dem *dem, dou
     return fmax(stiffness * give, !hertz && bound > 0.0 ? 4.0 / (bound * bound) : 0.0);
 }
 
-const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, char *text, size_t size) {
+const char *gn_timestep_light_body(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, char *text, size_t size) {
     const double far = 1e3;
     double hertz = ctx->effects & GN_FX_HERTZ ? hertz_stiffness(ctx, dem) : 0.0;
     double particles = particle_square(ctx, dem, hertz);
@@ -189,7 +189,7 @@ static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_
     add_rolling(ctx, dem, boundary, c, k, block);
     scaled_row(b, at, c->contact.n, row);
     add_row(block->damp, row,
-            2.0 * dem->damping_fraction / gn_world_nonviscous_share(ctx) * sqrt(s.kn * mass));
+            2.0 * dem->damping_fraction / gn_nonviscous_share(ctx) * sqrt(s.kn * mass));
 }
 
 static double largest(const double block[36]) {
@@ -240,7 +240,7 @@ typedef struct wall_damping {
 } wall_damping;
 
 static double damping_of(const gn_step_context *ctx, const wall_damping *d) {
-    double alpha = d->fraction / gn_world_nonviscous_share(ctx);
+    double alpha = d->fraction / gn_nonviscous_share(ctx);
     double least = d->whole > 0.0 ? d->whole : d->most;
     return least > 0.0 ? 2.0 * alpha * sqrt(d->stiffness / least) * d->most : 0.0;
 }

@@ -20,9 +20,9 @@ double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_s
                        const gn_zones *zones, double particles);
 /* Return the least of the limits, s, of the particles and of all bodies of elements, each alone and
  * undamped. */
-double gn_world_sharp_limit(const gn_step_context *ctx, const gn_solids *solids);
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      const gn_zones *zones);
+double gn_timestep_sharp_limit(const gn_step_context *ctx, const gn_solids *solids);
+double gn_timestep_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                         const gn_zones *zones);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
 gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
@@ -55,7 +55,7 @@ void gn_timestep_lower(gn_step_context *ctx, gn_dem *dem, double dt);
 void gn_timestep_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
 /* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
  * need a smaller one. "": there is none. */
-const char *gn_world_step_warning(const gn_step_context *ctx, char *text, size_t size);
+const char *gn_timestep_warning(const gn_step_context *ctx, char *text, size_t size);
 
 /* Lowers *dt (s) of the coming step such that no vertex of a body moves farther than a quarter of
  * the smallest radius, and no body rotates by more than a quarter of a radian, or 0.01 with
@@ -84,20 +84,20 @@ gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error);
 /* Tells whether collisions are hardly damped. */
-bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem);
+bool gn_timestep_is_underdamped(const gn_step_context *ctx, const gn_dem *dem);
 /* Steps that a collision must last. */
 double gn_timestep_contact_steps(const gn_step_context *ctx);
 /* Names the two bodies of the shortest collision. */
 const char *gn_resolution_text(const gn_step_context *ctx, char *text, size_t size);
 
-/* Sets *some if collisions are hardly damped (gn_world_is_underdamped), the step is automatic, and
- * a particle has lost all of its bonds or all but one. */
+/* Sets *some if collisions are hardly damped (gn_timestep_is_underdamped), the step is automatic,
+ * and a particle has lost all of its bonds or all but one. */
 gneiss_status gn_debris_find(gn_step_context *ctx, gn_dem *dem, bool *some, gneiss_error *error);
 
 /* Names the free body whose contacts need steps a thousand times shorter than those of all other
  * parts, because it is light or stiff. "": there is none. */
-const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, char *text, size_t size);
+const char *gn_timestep_light_body(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, char *text, size_t size);
 
 /* Finds the displacements that bring the linearised system into equilibrium with `load`, see
  * gn_equilibrium_solve. `slips`: see gn_spectrum, `rate`: gn_viscosity. */

@@ -159,7 +159,7 @@ static double carried(const gn_dem *dem, const gn_boundary *boundary, double *co
 }
 
 void gn_dem_balance(const gn_dem *dem, const gn_boundary *boundary, gn_balance *balance) {
-    const double particles = (double)gn_world_present(dem) - (double)dem->prescribed.count;
+    const double particles = (double)gn_dem_present_count(dem) - (double)dem->prescribed.count;
     const double resultant = dem->done.motion.resultant;
     double count, force = carried(dem, boundary, &count);
     balance->force = force > 0.0 ? force / count : 0.0;

@@ -65,7 +65,7 @@ static bool extent_along(const gn_dem *dem, int axis, double *lower, double *upp
  * may be as far from walls as from each other. */
 static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, double between) {
     if (ctx->effects & GN_FX_BONDS) return gn_dem_mean_radius(dem);
-    return pow(between / (double)gn_world_present(dem), 1.0 / (double)ctx->scene.dimension);
+    return pow(between / (double)gn_dem_present_count(dem), 1.0 / (double)ctx->scene.dimension);
 }
 
 bool gn_space_closed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -73,7 +73,7 @@ bool gn_space_closed(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
     const int dimension = (int)ctx->scene.dimension;
     span side[3];
     *now = *start = 1.0;
-    if (!ctx->scene.has_specimen || !gn_world_present(dem)) return false;
+    if (!ctx->scene.has_specimen || !gn_dem_present_count(dem)) return false;
     for (int a = 0; a < dimension; a++) {
         side[a] = span_along(ctx, boundary, box, a);
         if (!(side[a].now > 0.0 && side[a].start > 0.0)) return false;
