@@ -270,7 +270,7 @@ static void a_gmsh_file_becomes_a_body(void **state) {
     body_end(solid);
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void assert_refused(gn_fem_spec spec, gn_mesh mesh, const char *part) {
     gn_fem_solid solid;

@@ -191,7 +191,7 @@ static void restitution_hardly_depends_on_the_step(void **state) {
     }
 }
 
-/* --- across it --- */
+/* --- tangential forces --- */
 
 /* The surface slides throughout: impulses mu (1 + e) m v_n across. */
 static void oblique_impacts_slide_by_coulomb(void **state) {

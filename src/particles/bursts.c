@@ -123,7 +123,7 @@ static gneiss_status join_all(const gn_step_context *ctx, const gn_dem *dem,
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", list->count);
 }
 
-/* --- what they come to --- */
+/* --- sums of bursts --- */
 
 static void add(const gn_step_context *ctx, const gn_dem *dem, gn_burst *burst,
                 const gn_event *event) {

@@ -88,7 +88,7 @@ static gneiss_status raise(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
     return GNEISS_OK;
 }
 
-/* --- what comes later --- */
+/* --- changes of masses during a run --- */
 
 /* Raises the mass and moment of inertia of a particle at its present velocities; returns the
  * kinetic energy that this takes. */

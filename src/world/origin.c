@@ -155,7 +155,7 @@ gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *erro
     return gn_origin_shift(world, error);
 }
 
-/* --- what is lost even so --- */
+/* --- remaining rounding --- */
 
 /* The spacing of doubles. */
 static double rounding(double x) {

@@ -25,7 +25,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- making it --- */
+/* --- creation --- */
 
 void gn_coupled_free(gn_coupled *coupled) {
     if (!coupled) return;
@@ -463,7 +463,7 @@ gneiss_status gn_zones_elements_moved(const gn_step_context *ctx, gn_dem *dem,
     return GNEISS_OK;
 }
 
-/* --- both ways to it --- */
+/* --- creation at the start and after a conversion --- */
 
 static gneiss_status prepare(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                              gn_coupled **q, gneiss_error *error) {
