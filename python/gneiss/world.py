@@ -279,7 +279,7 @@ class World:
         until     a time (s, or '2 ms') or a function(world) that is asked every `every` steps: stops there instead, without finishing
         progress  a bar, with tqdm if that is installed
 
-        Returns `progress`, as the property.
+        Returns the property `progress`.
         """
         end = None if until is None or callable(until) else seconds_of(until)
         going, stop = True, None
