@@ -656,6 +656,8 @@ def bodies_are_cut_where_the_slice_is(folder):
     assert abs(length.sum() - 16) < 1e-12 and len(beside()._cut(5.0, False)) == 0, segments  # perimeter of 2 x 6 m
     low, high = beside().bounds(np.zeros(3), np.ones(3))
     assert (low == 0).all() and (high == [2, 6, 4]).all(), (low, high)
+    low, high = beside().bounds(np.zeros(3), np.ones(3), most=2.5)  # a tool that is larger than the specimen is shown in part
+    assert (low == 0).all() and (high == [2, 3.5, 3.5]).all(), (low, high)
 
 
 def folds_of_bodies_are_drawn(folder):

@@ -80,11 +80,11 @@ class Beside:
         if len(vertex) == len(self.vertex):
             self.vertex = self.turn(vertex)
 
-    def bounds(self, lower, upper):
-        """Returns the limits of the picture extended to contain the bodies, by at most half of the largest of its sizes."""
+    def bounds(self, lower, upper, most=np.inf):
+        """Returns the limits of the picture extended to contain the bodies, by at most `most` on each side."""
         if not len(self.facet):
             return lower, upper
-        used, most = self.vertex[np.unique(self.facet)], 0.5 * (upper - lower).max()
+        used = self.vertex[np.unique(self.facet)]
         return (np.minimum(lower, np.maximum(used.min(axis=0), lower - most)),
                 np.maximum(upper, np.minimum(used.max(axis=0), upper + most)))
 

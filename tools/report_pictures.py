@@ -34,6 +34,10 @@ def extend_of(values, norm):
     return {(True, True): "both", (True, False): "min", (False, True): "max"}.get(beyond, "neither")
 
 
+# A body beside a bonded specimen, such as a disc cutter, is shown up to this share of the size of the specimen away from it.
+SHARE_OF_TOOL = 0.5
+
+
 class Specimen:
     """Final state without removed particles, with the axis of the test upward: right, up, toward the viewer."""
 
@@ -120,7 +124,8 @@ class Specimen:
 
     def window(self):
         """Left, right, bottom and top of the slice and of 2D pictures, m."""
-        lower, upper = self.beside.bounds(self.lower, self.upper)
+        most = SHARE_OF_TOOL * (self.upper - self.lower).max() if self.has_bonds else np.inf
+        lower, upper = self.beside.bounds(self.lower, self.upper, most)
         margin = MARGIN * (upper - lower)[:2].max()
         low, high = lower[:2] - margin, upper[:2] + margin
         return low[0], high[0], low[1], high[1]
@@ -196,8 +201,8 @@ class Surface:
         self.panes = specimen.beside.panes(specimen.lower, specimen.upper)
         beside = np.vstack([self.beside.vertex[np.unique(self.beside.facet)], self.panes.reshape(-1, 3)])
         beside = ((beside - middle) @ turn.T)[:, :2]
-        if specimen.has_bonds and specimen.count:  # a large tool is shown in part
-            most = 0.5 * np.ptp(framed, axis=0).max()
+        if specimen.has_bonds and specimen.count:
+            most = SHARE_OF_TOOL * np.ptp(framed, axis=0).max()
             beside = np.clip(beside, framed.min(axis=0) - most, framed.max(axis=0) + most)
         self.low = np.vstack([framed - specimen.radius[:, None], beside]).min(axis=0)
         self.high = np.vstack([framed + specimen.radius[:, None], beside]).max(axis=0)
