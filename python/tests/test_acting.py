@@ -261,6 +261,15 @@ def velocities_are_set_as_a_whole_and_refused_in_part(folder):
 
 
 @fact
+def velocities_before_the_first_step_are_stored_at_the_start(folder):
+    with gneiss.World(PAIR) as world:
+        world.velocities = [3.0, 0.0, 0.0]
+        world.run()
+        kinetic = 0.5 * world.particles.mass.sum() * 9.0
+        assert abs(world.energy["stored_at_start"] / kinetic - 1) < 1e-12 and world.energy["work_user"] == 0
+
+
+@fact
 def a_motion_that_is_set_drives_its_wall(folder):
     with gneiss.World(LATTICE) as world:
         world.step(10)

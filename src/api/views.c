@@ -337,8 +337,7 @@ gneiss_status gneiss_world_energy_instant(const gneiss_world *world, int64_t *st
         return GNEISS_OK;
     }
     const size_t last = history->row_count - 1;
-    if (gn_history_column(history, "energy_residual")[last] !=
-        gn_energy_residual(&ledger->reading))
+    if (gn_history_column(history, "energy_residual")[last] != gn_energy_residual(&ledger->reading))
         return GNEISS_OK;
     *step = (int64_t)gn_history_column(history, "step")[last];
     *time = gn_history_column(history, "time")[last];
