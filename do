@@ -373,7 +373,7 @@ check_gcc() {
 # Only read, not compiled: clang's warnings come from reading, and the sanitizers' build compiles and links with it.
 check_clang() {
     CC=clang CXX=clang++ configure build-check-clang --buildtype=release -Dwerror=true || return 1
-    "$ninja" --quiet -C "$root/build-check-clang" src/accuracy/slopes_table.c src/cli/commit.c || return 1 # sources that are made
+    "$ninja" --quiet -C "$root/build-check-clang" src/accuracy/slopes_table.c src/cli/{commit,key_pages}.c || return 1 # sources that are made
     "$python" "$root/tools/only_read.py" "$root/build-check-clang/compile_commands.json"
 }
 

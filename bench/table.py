@@ -216,7 +216,7 @@ def rank(entry, sets):
 
 
 def merge(target, parts):
-    """The conditions of the first, the results of all."""
+    """A file with the conditions of the first file and the results of all."""
     merged = None
     for part in parts:
         with open(part, encoding="utf-8") as f:

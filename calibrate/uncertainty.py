@@ -44,8 +44,8 @@ def prediction(values, centre):
 
 
 def measured_slopes(search, evaluation, seeds):
-    """d outputs/d parameters in scaled coordinates by finite differences on common packings. Modulus and tension have those of similarity:
-    E and strengths are proportional to them. `ratio` acts on the elastic constants alone: its effect on strengths is the search's."""
+    """d outputs/d parameters in scaled coordinates by finite differences on common packings. Derivatives by modulus and tension follow from similarity:
+    E and strengths are proportional to them. `ratio` acts on the elastic constants alone: its effect on strengths is that found by the search."""
     slopes, material = search.slopes.copy(), search.material
     for column, parameter in enumerate(search.free):
         if parameter in ("modulus", "tension"):

@@ -96,7 +96,7 @@ static inline void write_mesh(const fixture *f, const char *name, int dimension,
     fclose(out);
 }
 
-/* ---- what must hold ---- */
+/* ---- required properties ---- */
 
 /* All particles inside the body and, brute force, no two overlapping. */
 static inline void check_whole(const gn_scene *scene, const gn_pack_result *r) {

@@ -20,7 +20,7 @@ static void step(gn_world *w) {
     measured_step(w);
 }
 
-/* --- what they weigh --- */
+/* --- mass and inertia --- */
 
 static int by_size(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
@@ -490,7 +490,7 @@ static void a_resumed_run_gives_the_same_bits(void **state) {
     free(s);
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void refuse(const char *bodies, const char *const *parts, int count) {
     char scene_text[2048];

@@ -251,7 +251,7 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     end_resumed_alike(straight, stopped, 2000);
 }
 
-/* --- what has no stiffness --- */
+/* --- bodies without a stiffness --- */
 
 static const char *warning(const gn_run *run, gn_warnings *list, const char *name) {
     gneiss_error error = {0};

@@ -320,7 +320,7 @@ static void polygons_meet_in_the_plane(void **state) {
     }
 }
 
-/* --- what does not meet --- */
+/* --- pairs without contact --- */
 
 static void bodies_that_pass_through_bodies_are_known(void **state) {
     (void)state;

@@ -10,7 +10,7 @@ static const char head[] =
     "run: {threads: 1}\n";
 #define STEPS "time: {step: 1e-3, end: 1}\n"
 
-/* --- what they weigh --- */
+/* --- mass and inertia --- */
 
 static void a_weight_may_be_given(void **state) {
     (void)state;
@@ -304,7 +304,7 @@ static void a_paddle_stirs_grains(void **state) {
     unlink(saved);
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void refuse(const char *body, const char *key, const char *what) {
     char scene_text[1024];

@@ -18,7 +18,7 @@ static double worst_residual(gn_world *w, int64_t steps) {
     return worst;
 }
 
-/* --- what vertices have of the stiffness --- */
+/* --- parts of the stiffness --- */
 
 static void parts_do_not_depend_on_how_faces_are_cut(void **state) {
     (void)state;

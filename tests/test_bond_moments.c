@@ -517,7 +517,7 @@ static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
         }
 }
 
-/* --- with everything else --- */
+/* --- with all other options --- */
 
 /* A block hits a floor with all options of contacts. Its bonds break in every mode, and some of its
  * particles leave the domain. */

@@ -389,7 +389,7 @@ static void a_layer_that_is_sheared_has_the_same_bits(void **state) {
     }
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void expect_refused(const char *sides, const char *more, const char *message) {
     text *t = calloc(1, sizeof *t);

@@ -743,7 +743,7 @@ def a_reader_that_goes_away_does_not_end_a_run(folder):
     assert state_hash(folder) == state_hash(ucs())
 
 
-# --- what is written --------------------------------------------------------------------------------------
+# --- output files -----------------------------------------------------------------------------------------
 
 @fact
 def results_have_units_and_descriptions(folder):

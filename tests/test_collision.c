@@ -178,7 +178,7 @@ enum { RADIUS_MM = 10 };
 static const double g = 10.0, mu = 0.25, v0 = 1.0, kn = 1e8;
 
 /* A sphere (disc) on the floor with its weight balanced by the overlap slides along x with v0 and
- * spin w0 about the axis that rolls. / */
+ * spin w0 about the axis that rolls. */
 static gn_world *slider(int dimension, double spin0, double *mass) {
     double r = 1e-3 * RADIUS_MM, m = dimension == 3 ? sphere_mass(2500, r) : disc_mass(2500, r);
     *mass = m;

@@ -191,7 +191,7 @@ static void a_zone_that_is_passed_carries_all_of_the_stress(void **state) {
     world_end(w);
 }
 
-/* --- what is kept while it moves --- */
+/* --- invariants --- */
 
 /* Linear momentum is conserved to rounding at all times; energy is conserved including what
  * conversions book, apart from half a step of work at each. */
@@ -876,7 +876,7 @@ static void a_row_at_a_conversion_counts_both_sides_after_it(void **state) {
     run_end(run);
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void assert_refused(const block *s, const char *from, const char *to, const char *words) {
     text *t = text_of(s);

@@ -124,7 +124,7 @@ static void conversions_keep_both_momenta(void **state) {
             }
 }
 
-/* --- what jumps --- */
+/* --- changes at conversions --- */
 
 static void fly(const double *x, const void *of, double u[3], double v[3]) {
     const double *way = of;
@@ -300,7 +300,7 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
     assert_near(alike, quotient, 1e-5 * quotient);
 }
 
-/* --- what made what is booked --- */
+/* --- causes of the booked energy --- */
 
 static gn_world *lattice_of(double stiffer, double kratio, const char *more) {
     return world_of(

@@ -137,7 +137,7 @@ static void a_wave_passes_from_particles_to_elements(void **state) {
     assert_true(returned_of(20e-3, 120e-3, true) <= 1e-3);
 }
 
-/* --- what is kept --- */
+/* --- conserved quantities --- */
 
 static void add_momentum(const gn_world *w, bool nodes, double sum[6], double *size) {
     const bool lumped = w->ctx.scene.couple.constraint == GN_COUPLE_LUMPED,
@@ -272,7 +272,7 @@ static void assert_refused(const strip *s, const char *from, const char *to, con
     free(t);
 }
 
-/* --- what a scene of waves needs besides --- */
+/* --- waves in a scene --- */
 
 /* The pulse starts in elements (0 to 7 mm), or in particles (13 to 20 mm), beside a zone. */
 static void a_pulse_is_under_way_at_the_start(void **state) {
@@ -433,7 +433,7 @@ static void a_zone_is_weighed(void **state) {
     world_end(w);
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void invalid_zones_are_refused(void **state) {
     (void)state;

@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-/* --- what is read --- */
+/* --- readings --- */
 
 static void stretch(const double *x, const void *of, double u[3], double v[3]) {
     const double *strain = of;
@@ -244,7 +244,7 @@ static void a_zone_across_two_materials_keeps_energy(void **state) {
     world_end(w);
 }
 
-/* --- what is lost --- */
+/* --- lost particles and bonds --- */
 
 /* A strip that flies through the end of the domain: particles are at its front. */
 static gn_run *flying(const char *couple, int threads) {

@@ -197,7 +197,7 @@ static void springs_of_a_zone_do_not_depend_on_how_the_step_is_given(void **stat
     assert_true(stiffness[0] > 0.0 && stiffness[0] == stiffness[1]);
 }
 
-/* --- what it is worth --- */
+/* --- sharpness of the limit --- */
 
 /* Returns the energy after a number of steps at a fraction of the sharp limit, over that at the
  * start; INFINITY if the run failed. */

@@ -18,7 +18,7 @@ static gn_cut ring(double diameter, double tip, double depth, double spacing) {
 }
 
 /* The values were computed by hand for a rock of 147.3 and 10.2 MPa and a uniform pressure, with
- * the digits that are listed. / */
+ * the digits that are listed. */
 static void the_model_of_disc_cutters_gives_the_worked_table(void **state) {
     (void)state;
     static const struct {

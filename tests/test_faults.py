@@ -76,7 +76,7 @@ def a_snapshot_on_a_full_disk_is_followed_by_a_checkpoint(folder):
 def a_full_disk_without_room_for_a_checkpoint_says_that_there_is_none(folder):
     done = faulty("run", LATTICE, "--out", folder, "--quiet", write=".hdf.tmp:28", open="checkpoint:28")
     expect(done, 3, "No space left", "no checkpoint of it", "there is no checkpoint")
-    assert not os.listdir(folder), os.listdir(folder)
+    assert os.listdir(folder) == ["status.json"], os.listdir(folder)
 
 
 @fact
@@ -133,15 +133,19 @@ def allocations(out, *arguments):
 
 
 def out_of_memory(folder, arguments, numbers, all_later=""):
-    out = os.path.join(folder, "out")
+    out, without_status = os.path.join(folder, "out"), 0
     for number in numbers(allocations(out, *arguments)):
         shutil.rmtree(out)
         os.mkdir(out)
         done = faulty(*arguments, "--out", out, "--quiet", "--threads", 2, alloc=f"{number}{all_later}")
-        assert done.returncode == 4 and "out of memory" in done.stderr, (number, done.returncode, done.stderr)
         names = os.listdir(out)
         assert not [name for name in names if name.endswith(".tmp")], (number, names)
+        if done.returncode == 0 and "summary.json" in names:
+            without_status += 1  # a status file that cannot be written has no effect; it takes some twenty allocations
+            continue
+        assert done.returncode == 4 and "out of memory" in done.stderr, (number, done.returncode, done.stderr)
         assert "summary.json" not in names, (number, "a folder that looks finished")
+    assert without_status <= 12, without_status
 
 
 SMALL = ("run", LATTICE, "--set", "time.end=0.05 ms", "--set", "output.snapshots=1", "--set", "output.history_rows=5")

@@ -223,7 +223,7 @@ static void two_materials_meet_with_the_same_stress(void **state) {
         assert_close(solid->elements.mu[e], lame_mu(&both[x > 1.0]), 1e-14);
     }
     /* Under uniaxial strain both halves carry the same stress when strains are inversely
-     * proportional to moduli. / */
+     * proportional to moduli. */
     for (size_t n = 0; n < solid->nodes.soa.count; n++) {
         double *x = solid->nodes.pos + 4 * n;
         x[0] += 3e-7 * fmin(x[0], 1.0) + 1e-7 * fmax(x[0] - 1.0, 0.0);
@@ -270,7 +270,7 @@ static void a_gmsh_file_becomes_a_body(void **state) {
     body_end(solid);
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void assert_refused(gn_fem_spec spec, gn_mesh mesh, const char *part) {
     gn_fem_solid solid;

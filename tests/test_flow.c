@@ -380,7 +380,7 @@ static void ids_stay_unique_and_rows_do_not_pile_up(void **state) {
     world_end(w);
 }
 
-/* --- everything beside it --- */
+/* --- with all other options --- */
 
 /* A block on a floor, bonded or of grains that resist rolling (which exclude each other); grains of
  * different sizes fall on it, roll off and leave. */

@@ -191,7 +191,7 @@ static void restitution_hardly_depends_on_the_step(void **state) {
     }
 }
 
-/* --- across it --- */
+/* --- tangential forces --- */
 
 /* The surface slides throughout: impulses mu (1 + e) m v_n across. */
 static void oblique_impacts_slide_by_coulomb(void **state) {
@@ -385,7 +385,7 @@ static void a_rolling_sphere_stops_where_resistance_says(void **state) {
 }
 
 /* On an incline the sphere rests if tan phi <= mu_r, else it rolls with (5/7) g (sin phi - mu_r cos
- * phi). / */
+ * phi). */
 static void resistance_holds_a_sphere_on_an_incline(void **state) {
     (void)state;
     for (int hertz = 0; hertz < 2; hertz++)

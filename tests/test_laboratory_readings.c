@@ -39,7 +39,7 @@ static void absent_for(const gn_readings *r, gn_reading which, const char *reaso
 
 /* The stress rises to 100 Pa over a strain of 1 in three straight lines (slopes 80, 120 and 100
  * with corners at 35 and 65 Pa), then falls to 20. One bond per row breaks from half of the rise
- * on; the volume is least at 0.75. / */
+ * on; the volume is least at 0.75. */
 static double stress_at(double e) {
     return e < 0.4375 ? 80 * e : e < 0.6875 ? 35 + 120 * (e - 0.4375) : 65 + 100 * (e - 0.6875);
 }

@@ -162,7 +162,7 @@ static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
     world_end(w);
 }
 
-/* --- what comes later --- */
+/* --- changes during a run --- */
 
 /* Two bonded pairs in a line, one of which collides with the other: the two spheres in the middle
  * then have twice as many springs. */

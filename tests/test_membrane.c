@@ -278,7 +278,7 @@ static void the_pressure_is_held_where_a_block_bulges(void **state) {
     world_end(w);
 }
 
-/* --- what breaks off --- */
+/* --- detached parts --- */
 
 static void cut_out(gn_world *w, bool (*part)(const gn_particles *q, size_t p)) {
     const gn_particles *q = &w->dem.particles;

@@ -136,7 +136,7 @@ static void four_particles_are_enough(void **state) {
     }
 }
 
-/* ---- what is asked for ---- */
+/* ---- requested properties ---- */
 
 static gn_pack_quality figures_of(const fixture *f, int dimension, const char *specimen) {
     gn_scene s = scene_in(f->dir, dimension, "%s", specimen);

@@ -64,7 +64,7 @@ def check_whole_files(out, particles):
                 json.load(file)
 
 
-# --- what is written --------------------------------------------------------------------------------------
+# --- output files -----------------------------------------------------------------------------------------
 
 @fact
 def the_text_has_the_same_doubles_as_packing_h5(folder):
@@ -209,7 +209,7 @@ def a_temporary_file_that_another_process_writes_is_left_alone(folder):
     assert not [name for name in os.listdir(out) if name.endswith(".tmp")], "temporary files are left"
 
 
-# --- what is printed --------------------------------------------------------------------------------------
+# --- printed output ---------------------------------------------------------------------------------------
 
 @fact
 def figures_are_printed(folder):

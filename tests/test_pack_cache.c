@@ -330,7 +330,7 @@ static void a_surface_that_is_gone_is_an_error_that_names_it(void **state) {
     gn_scene_free(&s);
 }
 
-/* ---- what is kept, and where ---- */
+/* ---- contents and place of the cache ---- */
 
 static void off_writes_nothing(void **state) {
     const fixture *f = *state;

@@ -220,7 +220,8 @@ static void bonds_along_the_axis_break_at_their_strength_over_their_stiffness(vo
     gn_estimate e;
     gn_world *w = lattice("");
     assert_int_equal(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &e, &error), GNEISS_OK);
-    /* R_n/(k_n L) = 1000/(1e8 0.002), as half of the bonds have it; those across are not stretched.
+    /* R_n/(k_n L) = 1000/(1e8 0.002), because half of the bonds are stretched; the bonds across are
+     * not.
      */
     assert_near(e.breaking_strain, 5e-3, 1e-12);
     gn_world_free(w);

@@ -128,7 +128,7 @@ def an_end_is_made_of_things_that_are_there_and_each_once(folder):
         expect(gneiss("check", write_scene(folder, bending(lower))), 2, pattern)
 
 
-# --- what can be read -------------------------------------------------------------------------------------
+# --- available readings -----------------------------------------------------------------------------------
 
 def between(cells, sides=None, **more):
     """A block between two walls along y and, with `sides`, two more along x that move in by that times as much."""

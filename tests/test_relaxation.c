@@ -97,7 +97,7 @@ static bool is_free(const gn_world *w, size_t p) {
     return is_active(w, p) && !is_tied(w, p);
 }
 
-/* --- what is left, counted anew --- */
+/* --- remaining imbalance, computed independently --- */
 
 /* Returns the mean magnitude of the resultants of springs on free particles, with moments over the
  * radius, over the mean force of their contacts. */
@@ -246,7 +246,7 @@ static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
     if (!(moves > 0.4 && moves < 0.6)) fail_msg("%g", moves);
 }
 
-/* --- what is in balance --- */
+/* --- states in balance --- */
 
 /* The lattice is in balance except for the force at the edge of a zone, spacing/(4 width) of that
  * of a bond, because the rows beside the edge are half a spacing away; at a corner this force comes

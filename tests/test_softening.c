@@ -273,7 +273,7 @@ static void pressing_leaves_a_permanent_stretch(void **state) {
     end(t);
 }
 
-/* --- what the ledger keeps --- */
+/* --- energy ledger --- */
 
 /* All modes at once, in steps of all sizes: work is stored or lost up to rounding, except for the
  * steps in which the compressive part of a damaged bond closes or opens, whose error is small. */

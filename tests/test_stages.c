@@ -115,7 +115,7 @@ static char *joined(const char *first, const char *second, const char *third) {
     return s;
 }
 
-/* --- what a stage is --- */
+/* --- properties of a stage --- */
 
 static void one_stage_has_the_bits_of_none(void **state) {
     (void)state;
@@ -1008,7 +1008,7 @@ static void a_run_begins_where_another_ended(void **state) {
     assert_true(strncmp(error.message, "s.yaml:1:18: specimen.from: ", 28) == 0);
 }
 
-/* --- what is refused --- */
+/* --- refused input --- */
 
 static void refused(const char *stages, const char *expected) {
     gn_run run;

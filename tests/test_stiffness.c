@@ -232,7 +232,7 @@ static void a_row_of_bonds_with_moments_bends_as_a_beam(void **state) {
     world_end(w);
 }
 
-/* --- loose parts, and what has no constants --- */
+/* --- loose parts, and bodies without constants --- */
 
 /* A slab with a gap above it in a periodic box resists only strain along it; a single particle and
  * a single pair in the gap have no stiffness. */

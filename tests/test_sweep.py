@@ -70,7 +70,7 @@ def start(*arguments):
     return subprocess.Popen(command(*arguments), env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-# --- what is run ------------------------------------------------------------------------------------------
+# --- runs of a sweep --------------------------------------------------------------------------------------
 
 @fact
 def every_run_is_the_one_that_set_gives(folder):
@@ -258,7 +258,7 @@ def every_point_of_a_sample_goes_with_every_list_and_seed(folder):
     assert len({tuple(run.items()) for run in runs}) == 12
 
 
-# --- what is kept -----------------------------------------------------------------------------------------
+# --- kept files -------------------------------------------------------------------------------------------
 
 FRICTIONS = {"parameters": {"materials.block.friction": [0.1, 0.2, 0.3]}}
 
@@ -733,7 +733,7 @@ def jobs_says_how_many_runs_there_are_at_a_time(folder):
     assert process.returncode == 0 and most == 3, most
 
 
-# --- what cannot be read ----------------------------------------------------------------------------------
+# --- unreadable input -------------------------------------------------------------------------------------
 
 BROKEN = [  # (text after the line `scene: ...`, message)
     ("parameters: {materials.block.frictoin: [0.1]}", r":2:14: parameters.materials.block.frictoin: unknown key; did you mean 'friction'"),

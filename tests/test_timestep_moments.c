@@ -1,5 +1,5 @@
 /* The stable step with bonds that carry moments: closed forms, and all springs assembled
- * independently. / */
+ * independently. */
 #include "timestep_specimen.h"
 
 #include "base/random.h"

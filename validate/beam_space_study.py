@@ -155,7 +155,7 @@ class Beam:
         return self.adaptive(1e6, CHOSEN[0][1], f"-{1e3 * end:g}", **{"time.end": end})
 
 
-# --- what elements have to have -----------------------------------------------------------------------------------
+# --- meshes and elements ------------------------------------------------------------------------------------------
 
 def bar(seed):
     """A bar of particles with the section of the beam, twice as long as high, pulled at its ends; no bond breaks."""

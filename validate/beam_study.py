@@ -58,7 +58,7 @@ def body(shape, radius, seed, contact):
             "bonds": {"interaction_range": 0.1, "passive_gaps": True}, "run": {"seed": seed, "threads": 1}}
 
 
-# --- what a packing makes of its contacts -----------------------------------------------------------------------
+# --- properties of packings -------------------------------------------------------------------------------------
 
 STRIP = (0.025, 0.0375)  # m, the first as wide as the ligament
 
@@ -211,7 +211,7 @@ def beside(value, low, high):
     return "in" if off == 0.0 else f"{100 * off:+.0f} %"
 
 
-# --- a hinge, to hold the model against ---------------------------------------------------------------------------
+# --- a hinge model for comparison ---------------------------------------------------------------------------------
 
 def linear(energy, tensile=TENSILE):
     """Openings and stresses at the corners of a softening law."""

@@ -305,7 +305,7 @@ def large_part():
                                           "at 1 % of strain"], rows, QUICK, missing)
 
 
-# --- what the source leaves open --------------------------------------------------------------------------------
+# --- choices that the source does not state ---------------------------------------------------------------------
 
 def choices_part():
     count = 500 if QUICK else 1500

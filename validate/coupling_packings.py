@@ -10,7 +10,7 @@ SPEED = np.sqrt(MODULUS / DENSITY)
 BIN = 2e-3  # m: width over which positions and velocities of a packing are averaged
 
 
-# --- what a mesh cannot take ------------------------------------------------------------------------------------
+# --- waves that a mesh cannot transmit --------------------------------------------------------------------------
 
 def short_waves(length, side):
     """Parts of the energy of a pulse 1 + cos of `length` in a medium without dispersion: (above the cut-off 2 c/h of the mesh, returned by an abrupt

@@ -65,7 +65,7 @@ def beam(radius):
     return study.run(f"large-beam/beam-{1e3 * radius:g}", written(radius), {"output.history_rows": 300, "output.snapshots": 2})
 
 
-# --- what particles alone would be --------------------------------------------------------------------------------
+# --- cost of particles alone --------------------------------------------------------------------------------------
 
 COARSE = 4e-3  # m: a box of these spheres is planned; number and step scale exactly
 

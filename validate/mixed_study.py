@@ -194,7 +194,7 @@ def leaning(found, beam):
     return [*angles, f"{1e3 * crack[-1, 0]:.0f} of {1e3 * beam.ligament:.0f}" if len(crack) else "-"]
 
 
-# --- what a rigid hinge says --------------------------------------------------------------------------------------
+# --- forces of a rigid hinge ----------------------------------------------------------------------------------------
 
 def hinged(beam, degrees, energy=None):
     """Load (N) at which a straight crack from the notch opens as a hinge about its upper end, which leans towards the load: that end is where the moment of the

@@ -523,7 +523,7 @@ def peer_table(runner, document, size):
     document.picture(figure, "peers-coordination", "Coordination number against the gap up to which pairs count")
 
 
-# --- all of it ----------------------------------------------------------------------------------------------
+# --- main program -------------------------------------------------------------------------------------------
 
 
 def arguments():

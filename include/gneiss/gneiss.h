@@ -87,14 +87,14 @@ GNEISS_API void gneiss_scene_free(gneiss_scene *scene);
 /* A key of scene files. */
 typedef struct gneiss_key {
     char path[128];    /* "materials[].friction"; [] stands for an element of a list */
-    char value[256];   /* what it takes, in words: "number, Pa, in (0, inf)", "on, off" */
+    char value[256];   /* accepted values, in words: "number, Pa, in (0, inf)", "on, off" */
     char fallback[64]; /* default as written in a file; "": none */
     const char *kind;  /* "number", "integer", "text", "choice", "vector", "spin", "table",
                           "numbers",  "rows", "names", "tree", "section", "list" */
     const char *unit;  /* SI unit of numbers; "1": none */
-    const char *word;  /* instead of a value, such as "auto"; "": none */
+    const char *word;  /* word accepted instead of a value, such as "auto"; "": none */
     const char *text;  /* meaning, one line */
-    int32_t required;  /* 1: its section is an error without it */
+    int32_t required;  /* 1: a section without the key is an error */
 } gneiss_key;
 
 /* Writes the key at a place in the list of all, sections before the keys in them. The texts are

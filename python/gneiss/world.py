@@ -321,7 +321,7 @@ class World:
         until     a time (s, or '2 ms') or a function(world) that is asked every `every` steps: stops there instead, without finishing
         progress  a bar, with tqdm if that is installed
 
-        Returns `progress`, as the property. Ctrl-C ends it between two steps, with a checkpoint if there is an output folder.
+        Returns the property `progress`. Ctrl-C ends the run between two steps, with a checkpoint if there is an output folder.
         """
         end = None if until is None or callable(until) else seconds_of(until)
         going, stop = True, None

@@ -199,7 +199,7 @@ static void note_size(gn_error_causes *causes, const gn_test_groups *groups, con
 
 static void note_damping(gn_error_causes *causes, const gn_test_groups *groups,
                          const char *reading) {
-    const double from = 0.4; /* above it strength hardly depends on it */
+    const double from = 0.4; /* above this value strength hardly depends on the argument */
     const gn_slope *little = gn_slope_find(groups->study, reading, "little damping", false);
     if (groups->damping < 0.0)
         gn_causes_note(causes,

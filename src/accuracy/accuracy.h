@@ -34,7 +34,7 @@ typedef struct gn_test_groups {
 typedef struct gn_error_cause {
     const char *name;
     double error;
-    bool measured; /* measured in this run; else estimated by the study's law */
+    bool measured; /* true: measured in this run; false: estimated by the study's law */
     double bias;   /* signed part of the error: positive, the reading is too large; 0: none */
 } gn_error_cause;
 

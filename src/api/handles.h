@@ -20,7 +20,7 @@ typedef struct gn_api_hook {
     double *times;     /* [time_count] s */
     size_t time_count, next;
     gneiss_force *force;  /* NULL: removed */
-    gneiss_record record; /* particles or nodes, on which it acts */
+    gneiss_record record; /* particles or nodes, on which the field acts */
     double stiffness;     /* N/m */
     void *context;
 } gn_api_hook;
@@ -35,7 +35,7 @@ typedef struct gn_api_hooks {
     size_t count;
     gn_api_hook *hook;      /* [count] */
     double *load;           /* [load_count][6] N, N m: sum of all fields on particles, then nodes */
-    double *force, *moment; /* [load_count][3] of one of them */
+    double *force, *moment; /* [load_count][3] work data of one of them */
     size_t load_count;      /* particles and nodes */
     double lightest[2];     /* 1/kg: largest inverse mass of particles, nodes */
 } gn_api_hooks;

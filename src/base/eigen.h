@@ -16,7 +16,7 @@ void gn_eigen_symmetric(int n, double *a, double *values, double *vectors);
 typedef void gn_operator(const void *context, const double *x, double *y);
 
 typedef struct gn_eigen_top {
-    double value;    /* Ritz value; it exceeds the largest eigenvalue by round-off at most */
+    double value;    /* Ritz value; the value exceeds the largest eigenvalue by round-off at most */
     double residual; /* |S x - value x| of the unit Ritz vector x: an eigenvalue is this close */
     int vectors;     /* number of products S x */
 } gn_eigen_top;

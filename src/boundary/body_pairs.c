@@ -542,7 +542,7 @@ void gn_body_pairs_work(const gn_step_context *ctx, gn_boundary *boundary) {
     for (size_t k = 0; k < p->count; k++) contact(ctx, boundary, &p->pair[k]);
 }
 
-/* --- what lies where --- */
+/* --- overlaps for checks --- */
 
 gneiss_status gn_bodies_overlap_of(const gn_step_context *ctx, const gn_boundary *boundary,
                                    size_t a, size_t b, gn_bodies_overlap *to, gneiss_error *error) {

@@ -389,7 +389,7 @@ void gn_body_walls_work(const gn_step_context *ctx, gn_boundary *boundary) {
             boundary->walls[n].stiffness += gn_body_walls_pressing(ctx, boundary, n, true);
 }
 
-/* --- what a servo finds --- */
+/* --- stiffness for servo walls --- */
 
 static bool is_loaded(const gn_wall_contacts *q, size_t c) {
     return gn_dot3(q->row + 8 * c, q->row + 8 * c) > 0.0;
@@ -431,7 +431,7 @@ double gn_body_walls_within(const gn_step_context *ctx, const gn_boundary *bound
     return sum;
 }
 
-/* --- what lies where --- */
+/* --- overlaps for checks --- */
 
 gn_body_overlap gn_body_walls_overlap(const gn_step_context *ctx, const gn_boundary *boundary,
                                       size_t body, size_t wall) {

@@ -202,7 +202,7 @@ void gn_boundary_balance(const gn_step_context *ctx, const gn_boundary *boundary
         add_body(ctx, &ctx->scene.bodies[k], &boundary->bodies[k], balance);
 }
 
-/* --- all of it --- */
+/* --- hash and sums of the part --- */
 
 uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h) {
     h = gn_soa_hash(&gn_wall_contact_record, &boundary->contacts, h);

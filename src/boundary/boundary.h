@@ -19,7 +19,7 @@
 #include <stdint.h>
 
 typedef struct gn_wall {
-    double point[3], start[3]; /* m; a point of the plane, and where it began */
+    double point[3], start[3]; /* m; a point of the plane, and its position at the start */
     double normal[3];          /* unit, to the particles */
     double velocity[3];        /* m/s, over the interval that led here */
     double force[3];           /* N, of the particles on the wall at the last evaluation */
@@ -49,7 +49,7 @@ typedef struct gn_holder {
 
 struct gn_boundary {
     gn_wall_contacts contacts; /* contacts of particles with walls and facets */
-    int32_t *first;            /* [particles + 1] their first row */
+    int32_t *first;            /* [particles + 1] first row of each particle */
     gn_contact_sums *sums;     /* per block of particles */
 
     gn_wall *walls;       /* [scene.wall_count] */

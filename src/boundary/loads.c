@@ -101,7 +101,7 @@ static unsigned driven(const gn_dem *dem, size_t p) {
     return dem->prescribed.mask[dem->particles.slot[p]];
 }
 
-/* --- all of it --- */
+/* --- loads of all particles --- */
 
 static void complete(const gn_step_context *ctx, const gn_dem *dem, size_t p, double *total,
                      double *damping) {

@@ -138,7 +138,7 @@ void gn_key_example(const gn_key *key, int dimension, char *text, size_t size) {
     }
 }
 
-/* ---- the lines around it ---- */
+/* ---- surrounding lines ---- */
 
 static const gn_key *key_named(const gn_section *section, const char *name, size_t length) {
     for (size_t k = 0; k < section->key_count; k++)

@@ -232,7 +232,7 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
 
 static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *error) {
     bool shown = false;
-    const bool over = run->finished; /* such a run is left as it is */
+    const bool over = run->finished; /* a finished run is not changed */
     gneiss_status status = advance(options, run, &shown, error);
     if (status != GNEISS_OK && shown) gn_end_progress_line(options);
     if (!over) gn_status_write(run, status, error->message);
@@ -632,7 +632,8 @@ int main(int argc, char **argv) {
     spin_briefly(argv);
     give_back_large_blocks();
     (void)atexit(report_library_exit);
-    omp_set_dynamic(0); /* no result depends on it, but the speed does: OMP_DYNAMIC is ignored */
+    omp_set_dynamic(
+        0); /* results do not depend on it, but the speed does: OMP_DYNAMIC is ignored */
     gneiss_error error = {0};
     gn_options options;
     bool done = false;

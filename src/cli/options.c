@@ -321,7 +321,7 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
 static gneiss_status no_option(char **argv, gneiss_error *error) {
     const char *given = argv[optind - 1];
     char name[96], advice[GN_ADVICE_SIZE] = "";
-    if (optopt >= OPT_OUT) /* a long option without a value: it was given one */
+    if (optopt >= OPT_OUT) /* a long option without a value was given one */
         return gn_fail(error, GNEISS_ERROR_INPUT, "%.*s: expected no value, found '%.200s'",
                        (int)strcspn(given, "="), given, given + strcspn(given, "=") + 1);
     if (optopt) /* a short option, perhaps one of several */

@@ -251,7 +251,7 @@ static gneiss_status print_all_but_memory(gn_world *world, double *coming, gneis
     char text[32];
     double seconds;
     print_effects(world);
-    if (!world->ctx.scene.stage_count) gn_print_idle(world); /* another stage may need it */
+    if (!world->ctx.scene.stage_count) gn_print_idle(world); /* another stage may need the effect */
     printf("storage\n");
     if (world->ctx.scene.has_specimen) print_particle_storage(world);
     for (size_t k = 0; k < world->solids.count; k++) {

@@ -34,7 +34,7 @@ typedef struct trial {
     size_t elements;     /* left after further conversions */
     int fronts;          /* behind the first conversion */
     double part;         /* fraction of the load at the last front */
-    char halt[512];      /* why the first conversion ends the run; "": it does not */
+    char halt[512];      /* reason why the first conversion ends the run; "": it does not end */
     char stop[512];      /* why a further one does */
 } trial;
 

@@ -421,7 +421,7 @@ gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *e
     return GNEISS_OK;
 }
 
-/* ---- effects that a scene uses although they change nothing in it ---- */
+/* ---- idle effects ---- */
 
 /* --- certain cases --- */
 

@@ -25,7 +25,7 @@
 static const double default_strain = 1e-5, strain_most = 0.1;
 /* Particles of a shape below which one thread is used unless the scene gives a number. */
 static const size_t particles_shared = 50000;
-enum { STATES = 20 }; /* readings use those up to half of the largest stress */
+enum { STATES = 20 }; /* readings use the rows up to half of the largest stress */
 
 /* Readings of a test that are elastic constants. */
 #define CONSTANTS(X)                                                                               \
@@ -50,7 +50,7 @@ typedef struct outcome {
     gn_network network;
     double strain;               /* strain of the test */
     bool unseated;               /* walls load the specimen and no strain at the peak is known */
-    const gn_readings *readings; /* the run owns them; NULL: no test */
+    const gn_readings *readings; /* readings, owned by the run; NULL: no test */
     char absent[GNEISS_MESSAGE_SIZE];
     int64_t solutions, iterations; /* of both */
     double start;                  /* gn_now() */

@@ -209,7 +209,7 @@ void gn_conversion_halt_without_mass(const gn_conversion *conversion, const doub
              missing[1]);
 }
 
-/* --- what may not go --- */
+/* --- elements that may not convert --- */
 
 /* [nodes][2] kg: the mass that the remaining elements would contribute to their nodes at full
  * weight, and the mass that they and the particles in them contribute with the weights found. */
@@ -294,7 +294,7 @@ gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bo
     return GNEISS_OK;
 }
 
-/* --- what is only watched --- */
+/* --- motions that only record --- */
 
 /* Marks the nodes [nodes] of elements that only a recording motion keeps from converting, then the
  * motions [motions]. */

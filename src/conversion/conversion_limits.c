@@ -23,7 +23,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- what converts --- */
+/* --- elements to convert --- */
 
 /* Returns the fraction of the limits below which elements need no evaluation: the most loaded
  * element so far exceeds it. */

@@ -270,7 +270,7 @@ static bool scale_masses(const gn_conversion *conversion, gn_scaled scaled,
     return true;
 }
 
-/* --- all of it --- */
+/* --- restoring the invariants --- */
 
 /* If the weights of few particles change, these cannot make up for the mass of the elements. */
 static gneiss_status check_mass(const gn_conversion *conversion, const gn_tally *before,

@@ -84,7 +84,7 @@ static rigid rigid_of(const gn_conversion *conversion, takers chosen) {
     return r;
 }
 
-/* --- what it does --- */
+/* --- effect of the rigid motion --- */
 
 /* Evaluates the components of the rigid motion at a position, for one axis. */
 static void share_of(const rigid *r, const double *x, size_t a, double b[6]) {
@@ -161,7 +161,7 @@ static void change(const rigid *r) {
             q->spin[4 * p + (r->dimension == 3 ? k - 3 : 2)] += r->motion[k] / r->size;
 }
 
-/* --- what is missing --- */
+/* --- missing momentum --- */
 
 /* Missing momentum. Of the angular momentum about the origin only the part beside the rigid motion
  * of the particles with scaled masses is restored, together with this part of the momentum alone.
@@ -260,7 +260,7 @@ static lack lack_of(const gn_conversion *conversion, const gn_tally *before, gn_
     return l;
 }
 
-/* --- making up for it --- */
+/* --- restoring the momentum --- */
 
 /* Finds the rigid motion with the missing momentum and this part of the angular momentum; false if
  * the receivers are too few, in a line, or held. */
@@ -332,7 +332,7 @@ void gn_conversion_keep_momentum(const gn_conversion *conversion, const gn_tally
     all->missed += !taken;
 }
 
-/* --- what jumped --- */
+/* --- remaining changes --- */
 
 /* kg m2 of the polar moment. */
 static double polar_of(size_t dimension, const gn_tally *own) {

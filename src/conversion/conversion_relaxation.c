@@ -167,7 +167,7 @@ typedef struct relaxation {
     unsigned components;
     double ratio, moving; /* mean load over mean contact force; number of movable particles */
     double rounding;      /* N */
-    double energy, size;  /* J: of the links, less the work of m a; sum of magnitudes */
+    double energy, size;  /* J: energy of the links, minus the work of m a; sum of magnitudes */
     int iterations;
     bool stopped_by_bond_failure,
         unsupported; /* a particle is held, because a bond would break; because it is unsupported */

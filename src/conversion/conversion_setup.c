@@ -161,7 +161,7 @@ static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *d
     return GNEISS_OK;
 }
 
-/* --- what is in the box --- */
+/* --- properties of the box --- */
 
 /* Mean side of the bounding boxes of elements in the box of the scene; their mass, kg. */
 static double measure_elements(const gn_fem_solid *solid, const uint8_t *kind,
@@ -409,7 +409,7 @@ gneiss_status gn_conversion_deactivate_all(const gn_step_context *ctx, gn_dem *d
     return keep_difference(ctx, dem, boundary, solids, converted, error);
 }
 
-/* --- all of them active --- */
+/* --- all particles active --- */
 
 gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *limit,
                                   gneiss_error *error) {

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- what an element may do --- */
+/* --- states of elements --- */
 
 void gn_front_kinds(const gn_fem_solid *solid, const gn_convert_def *def, const uint8_t *driven,
                     uint8_t *kind) {

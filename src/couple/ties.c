@@ -159,7 +159,7 @@ static bool find(const gn_fem_solid *solid, const grid *cells, const double *x, 
     return true;
 }
 
-/* --- all of them --- */
+/* --- all ties --- */
 
 static int by_id(const void *a, const void *b) {
     const gn_tie *x = a, *y = b;

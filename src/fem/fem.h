@@ -228,12 +228,12 @@ gneiss_status gn_fem_surface(const gn_fem_solid *solid, const char *group, int32
 
 typedef struct gn_fem_limit {
     double bound;          /* s, never above the limit of the solid linearised at its start */
-    int32_t bound_element; /* id of the element that determines it */
+    int32_t bound_element; /* id of the element that determines the bound */
     double sharp;          /* s: 2/w_max by Lanczos */
     double sharp_low;      /* s: 2/sqrt(Ritz value + residual), never below `bound` */
     /* id of the element with the largest share of the energy of the fastest mode */
     int32_t sharp_element;
-    int32_t sharp_node; /* id of the node with the largest share of it */
+    int32_t sharp_node; /* id of the node with the largest share of that energy */
     int iterations;     /* Lanczos vectors */
     double frequency;   /* w_max, rad/s */
 } gn_fem_limit;

@@ -10,7 +10,7 @@ typedef struct gn_fem_linear {
     int dimension, strains;
     double *scale;     /* [nodes][dimension] M^-1/2, 0 for prescribed components */
     double *moved;     /* [nodes][dimension] scratch of the operator */
-    double *stiffness; /* [nodes] sum over its elements of the traces of their blocks at it */
+    double *stiffness; /* [nodes] sum over the elements of a node of the traces of their blocks */
     double *gradient;  /* pressure form: [nodes][4] projected gradient of q, and q */
     double *pressure;  /* pressure form: [nodes] scratch */
 } gn_fem_linear;

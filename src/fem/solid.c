@@ -338,7 +338,7 @@ static gneiss_status make_elements(builder *maker, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- all of it --- */
+/* --- the solid --- */
 
 gneiss_status gn_fem_set_environment(gn_fem_solid *solid, const double gravity[3],
                                      gn_effects damping, double coefficient, gneiss_error *error) {

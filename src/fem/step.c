@@ -76,7 +76,7 @@ static void move(void *context, size_t block) {
         solid->pressure_kernel[1](&k->pressure, r.begin, r.end, &solid->pressure_sums[block]);
 }
 
-/* --- all of it --- */
+/* --- all blocks --- */
 
 static work prepare(gn_fem_solid *solid, double dt, bool measure) {
     work k = {.solid = solid, .measure = measure};

@@ -10,9 +10,9 @@
 /* Parts add their values: particles first, whose mean contact force the others use. */
 typedef struct gn_balance {
     double ratio; /* mean resultant over mean contact force; the largest of all parts */
-    double force; /* N, mean over contacts that carry load; 0: none does */
+    double force; /* N, mean over contacts that carry load; 0: no contact does */
     bool carries; /* a contact carries load, or elements are stressed */
-    bool falls;   /* something accelerates without any contact that could support it */
+    bool falls;   /* some object accelerates without any contact that could support it */
 } gn_balance;
 
 #endif

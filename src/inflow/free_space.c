@@ -81,7 +81,7 @@ static gneiss_status make_cells(gn_room *r, const double lower[3], const double 
     return GNEISS_OK;
 }
 
-/* --- what is there --- */
+/* --- existing spheres --- */
 
 /* Adds a sphere and its images within `reach` of the box. */
 static gneiss_status collect(gn_room *r, const double *x, const double lower[3],

@@ -164,7 +164,7 @@ static size_t mark_gone(const gn_step_context *ctx, const gn_dem *dem, int32_t *
     return count;
 }
 
-/* --- what their contacts held --- */
+/* --- energy of their contacts --- */
 
 /* A particle leaves at the end of a step, when velocities are those of the half step before and its
  * contacts will not be evaluated at the present positions. So a contact removes the energy that its

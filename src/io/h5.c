@@ -73,7 +73,7 @@ static void *image_stay(void *to, const void *from, size_t size, H5FD_file_image
 }
 
 static herr_t image_release(void *data, H5FD_file_image_op_t op, void *udata) {
-    (void)data, (void)op, (void)udata; /* gn_h5_image owns it */
+    (void)data, (void)op, (void)udata; /* gn_h5_image owns the memory */
     return 0;
 }
 static void *image_udata_copy(void *udata) {
@@ -295,7 +295,7 @@ gneiss_status gn_h5_commit(gn_h5 **handle, gn_durability durability, gneiss_erro
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be completed in memory");
     else if (H5Fclose(file->id) < 0)
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be closed in memory");
-    else if (file->id = -1, file->image.exhausted) /* HDF5 does not always report it */
+    else if (file->id = -1, file->image.exhausted) /* HDF5 does not always report this failure */
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to write it", file->path);
     else {
         status = gn_atomic_write(&file->target, file->image.data, file->image.size, error);

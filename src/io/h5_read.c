@@ -143,7 +143,7 @@ static gneiss_status get_values(const gn_h5 *file, const char *name, gn_type typ
     hid_t set;
     GN_TRY(open_checked(file, name, type, shape, &set, error));
     size_t row, bytes, rows = shape.size[0];
-    (void)gn_h5_shape_bytes(type, shape, &row, &bytes); /* open_checked has verified that it fits */
+    (void)gn_h5_shape_bytes(type, shape, &row, &bytes); /* open_checked has verified the size */
     bool packed = stride == 0 || stride == row || rows <= 1;
     void *buffer = packed ? data : gn_alloc(bytes);
     gneiss_status status = GNEISS_OK;

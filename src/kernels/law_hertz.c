@@ -119,7 +119,7 @@ gn_law_spring gn_hertz_spring(const gn_contacts *list, size_t c, double overlap)
                            list->cn ? list->cn[c] * sqrt(kn) : 0.0};
 }
 
-/* --- what a contact holds --- */
+/* --- forces and energy of a contact --- */
 
 /* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
 static double value_of(const double *column, const float *single, size_t at) {

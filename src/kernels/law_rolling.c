@@ -31,7 +31,7 @@ static void set_hertz(const gn_law_model *model, const gn_law_pair *pair, gn_con
     add_roll(pair, list, c);
 }
 
-/* --- what a contact holds --- */
+/* --- forces and energy of a contact --- */
 
 /* Returns moments with the stiffness kr, that of a contact at its largest overlap for the limit of
  * the step. */

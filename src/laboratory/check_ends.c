@@ -91,7 +91,7 @@ static reach reach_of(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     return r;
 }
 
-/* --- what is wrong --- */
+/* --- errors --- */
 
 static gneiss_status fail(const gn_step_context *ctx, int way, const reach *lower,
                           const reach *upper, const char *what, gneiss_error *error) {

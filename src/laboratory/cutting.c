@@ -185,7 +185,7 @@ gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_b
     return GNEISS_OK;
 }
 
-/* --- what was cut --- */
+/* --- volume of the cut --- */
 
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     if (!(c->solid > 0.0)) return 0.0;

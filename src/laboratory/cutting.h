@@ -25,8 +25,8 @@ struct gn_cutting {
     double begin, end; /* m: path of the means */
     double loose;      /* m3 of particles that were not anchored when the tool began to move */
     double solid;      /* m3 of all particles at the start */
-    double impulse[GN_CUT_AXES];          /* N s, of the half step after the last instant too */
-    double seen[GN_CUT_AXES];             /* N s, at the last instant */
+    double impulse[GN_CUT_AXES];          /* N s, including the half step after the last instant */
+    double seen[GN_CUT_AXES];             /* N s, up to the last instant */
     double rim[GN_RIM_BINS][GN_CUT_AXES]; /* N, sums over the samples */
     double samples;
 };

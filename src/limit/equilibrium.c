@@ -449,7 +449,7 @@ static void iterate(cg *solver, double tolerance, double *u, gn_equilibrium *fou
     found->residual = first > 0.0 ? sqrt(now.left / first) : 0.0;
 }
 
-/* --- what was made before --- */
+/* --- reuse of the preconditioner --- */
 
 /* Tells whether a particle has contacts that the blocks do not include. */
 static bool touches_more(const cg *solver) {

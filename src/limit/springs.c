@@ -46,7 +46,7 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     /* Not (distance >= rest), so that a NaN is an active spring and is detected. */
     if (!intact && distance >= most) return false;
     *out = (gn_spring){.i = i, .j = j};
-    double at = intact ? distance : fmin(distance, rest); /* the distance at which it closes */
+    double at = intact ? distance : fmin(distance, rest); /* distance at which the contact closes */
     double half = spectrum->arm_factor * (at - x[3] - y[3]);
     out->arm_i = x[3] + half;
     out->arm_j = y[3] + half;

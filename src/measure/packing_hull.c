@@ -23,7 +23,7 @@ static void packing_extent(const gn_particles *particles, double lower[3], doubl
     }
 }
 
-/* --- what lies inside --- */
+/* --- exclusion of inner particles --- */
 
 /* Qhull takes seconds for the points of 1e5 spheres, nearly all of which are well inside:
  * half-spaces n.x <= offset whose intersection lies within the hull exclude these beforehand. */

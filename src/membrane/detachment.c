@@ -34,7 +34,7 @@ typedef struct transfer {
     gn_dem *dem;
     gn_membrane *membrane;
     gn_start_grid left, all;
-    bool *of; /* [particles] those that remain */
+    bool *of; /* [particles] true for particles that remain */
     gn_cell cell;
     gn_patch *patch;
     int32_t *next, *head; /* [capacity], [particles] */

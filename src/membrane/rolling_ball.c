@@ -28,7 +28,7 @@ typedef struct roll {
     hidden *hidden; /* hidden arcs of the present circle */
     size_t hidden_count;
     bool *bounded; /* [particles] neighbours hide parts of its sphere */
-    bool *touched; /* [particles] the ball touches it */
+    bool *touched; /* [particles] true if the ball touches the particle */
     double
         *direction; /* [particles] sr, solid angle of directions from which the ball can touch it */
 } roll;

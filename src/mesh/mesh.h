@@ -35,7 +35,7 @@ typedef struct gn_mesh_elements {
 typedef struct gn_mesh {
     size_t node_count;
     double *node;            /* [node_count][3], m; gn_alloc'ed */
-    gn_mesh_elements points; /* only points that belong to groups */
+    gn_mesh_elements points; /* points, only those that belong to groups */
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
     gn_mesh_group *groups; /* groups by dimension, then tag; gn_alloc'ed */

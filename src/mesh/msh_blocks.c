@@ -15,7 +15,7 @@
 
 /* A group of an element; `row` is the element into which it is merged. */
 typedef struct named_group {
-    int64_t row, element, order; /* order: among the groups of this element */
+    int64_t row, element, order; /* order among the groups of this element */
     int32_t group;
 } named_group;
 

@@ -14,7 +14,7 @@ enum {
     GN_FACET_CREASE_0 = 1, /* re-entrant edge, which can be nearer than its facets */
     GN_FACET_TIP_0 = 8,    /* corner with a re-entrant edge, which can be nearer than its facets */
     GN_FACET_PINCHED_0 = 64, /* two sheets of the boundary meet in this corner only */
-    GN_FACET_NEEDLE = 512    /* almost no area: its edges replace it */
+    GN_FACET_NEEDLE = 512    /* almost no area: edges replace the facet */
 };
 
 /* A facet. Edge k runs from corner k to corner k + 1. A segment has corners 0 and 1 and no

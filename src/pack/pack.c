@@ -93,7 +93,7 @@ typedef struct job {
     gn_fit *fit;
     schedule plan;
     gn_pack_stage stage;
-    int planned, started; /* limit of iterations in total, and those before this stage */
+    int planned, started; /* limit of iterations in total; iterations before this stage */
     size_t trace_capacity;
     double begin;
     bool out_of_time, enough, given_up, no_memory;

@@ -88,7 +88,7 @@ static gneiss_status measure_radii(const gn_packing *packing, int dimension, dou
 typedef struct tally {
     double lenses, overlap_sum, distance_sum;
     size_t at_01, at_1, at_5, overlaps;
-    double *overlap;   /* [pairs] those that overlap, in order */
+    double *overlap;   /* [pairs] overlaps of the pairs that overlap, in order */
     int32_t *contacts; /* [particles] at 1 % */
 } tally;
 

@@ -20,7 +20,7 @@ typedef struct source {
     int dimension;
     uint64_t drawn; /* random numbers used */
     double spread;  /* sigma of the logarithm of the radius */
-    double widest;  /* bound of that logarithm */
+    double widest;  /* bound of the logarithm */
     double lower[3], upper[3];
     const gn_mesh_elements *elements; /* elements of a mesh shape; NULL: none */
     double *weight;                   /* [elements->count] running sum of wanted particles */

@@ -387,7 +387,7 @@ static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts
                                        block->act, block->groups);
 }
 
-/* --- the kernel on them --- */
+/* --- kernel calls --- */
 
 /* Returns the list that the kernel works on: the packed columns of a block. */
 static gn_contacts packed(const gn_near *near, const gn_contacts *list,

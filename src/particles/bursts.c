@@ -42,8 +42,9 @@ typedef struct grid {
     const gn_dem *dem;
     const gn_event *events;
     const gn_bursts *bursts;
-    int32_t *parent, *before; /* [events]: the first of its burst; the one before it in its cell */
-    int32_t *latest;          /* [mask + 1] */
+    int32_t *parent,
+        *before;     /* [events] the first event of the burst; the previous event in the cell */
+    int32_t *latest; /* [mask + 1] */
     size_t mask;
     double size[3];  /* m, of a cell */
     int64_t most[3]; /* cells round a periodic box; 0: any number */
@@ -122,7 +123,7 @@ static gneiss_status join_all(const gn_step_context *ctx, const gn_dem *dem,
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", list->count);
 }
 
-/* --- what they come to --- */
+/* --- sums of bursts --- */
 
 static void add(const gn_step_context *ctx, const gn_dem *dem, gn_burst *burst,
                 const gn_event *event) {

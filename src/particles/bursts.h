@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 typedef struct gn_burst {
-    double time, duration; /* s, of its first break; from that to its last one */
+    double time, duration; /* s, time of its first break; time from that to its last one */
     double place[3];       /* m, mean position of its breaks in the user's coordinates */
     double energy;         /* J, energy released by its breaks; NaN: without the ledger */
     int32_t size, tension; /* number of breaks, and of breaks in tension */

@@ -199,7 +199,7 @@ void gn_dem_free(gn_dem *dem) {
     *dem = (gn_dem){0};
 }
 
-/* --- all of it --- */
+/* --- hash and sums of the part --- */
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
     gn_near_settle(ctx, dem);
@@ -231,7 +231,7 @@ gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
     return gn_deal_lists(&dem->deal, lists, GN_LIST_COUNT, dem->motion_blocks, error);
 }
 
-/* --- what kernels get --- */
+/* --- arguments of kernels --- */
 
 gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_periodic_box *box, const gn_contact_list *list,

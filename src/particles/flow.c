@@ -93,7 +93,7 @@ void gn_flow_free(gn_flow *flow) {
     *flow = (gn_flow){0};
 }
 
-/* --- what may come --- */
+/* --- expected particles --- */
 
 static void radii(const gn_step_context *ctx, const gn_dem *dem, double *least, double *most) {
     *least = INFINITY;
@@ -152,7 +152,7 @@ void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[
     }
 }
 
-/* --- what has gone --- */
+/* --- removed particles --- */
 
 static double beyond(const gn_sink_def *def, const double x[3]) {
     double way[3];

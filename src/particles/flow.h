@@ -15,15 +15,15 @@
 
 /* Doubles only: checkpoints store them as they are. */
 typedef struct gn_source_state {
-    double number, mass;  /* particles that entered; kg */
+    double number, mass;  /* number of particles that entered; their mass, kg */
     double momentum[3];   /* N s */
     double energy;        /* J */
     double sizes, places; /* random numbers used for radii, and for places */
     double radius;        /* m, of the next particle, which waits for room; 0: not drawn yet */
-    double full;          /* number of checks at which there was no room for it */
+    double full;          /* number of checks at which there was no room for a particle */
 } gn_source_state;
 typedef struct gn_sink_state {
-    double number, mass;       /* number of particles that left; kg */
+    double number, mass;       /* number of particles that left; their mass, kg */
     double momentum[3];        /* N s */
     double energy;             /* J, kinetic */
     double row_mass, row_time; /* values at the last row of the history: no state */

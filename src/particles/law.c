@@ -17,7 +17,8 @@
 
 double gn_restitution_fraction(double restitution) {
     if (restitution >= 1.0) return 0.0;
-    if (restitution == 0.0) return 1.0; /* critical damping: it closes and does not rebound */
+    if (restitution == 0.0)
+        return 1.0; /* critical damping: the contact closes and does not rebound */
     double l = log(restitution);
     return -l / sqrt(M_PI * M_PI + l * l);
 }

@@ -82,7 +82,7 @@ double gn_dem_mean_radius(const gn_dem *dem) {
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
     double solid = 0.0;
     if (ctx->scene.has_specimen && !ctx->scene.specimen_given && !(ctx->effects & GN_FX_PERIODIC))
-        return 0.0; /* grains of sources have no volume but their own */
+        return 0.0; /* grains of sources have only their own volume */
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
     return 1.0 - solid / ctx->volume;

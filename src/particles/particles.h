@@ -57,7 +57,7 @@ typedef struct gn_raised_masses {
 typedef struct gn_dormant_particle {
     /* 1/kg, 1/(kg m2): values when it is released; 0: it is active */
     double inverse_mass, inverse_inertia;
-    int32_t element; /* the element that contains it at the start, by its index in the mesh */
+    int32_t element; /* element that contains the particle at the start, by its index in the mesh */
 } gn_dormant_particle;
 
 /* Scratch for counting fragments (fragments.c), with bonds. */
@@ -72,7 +72,7 @@ typedef struct gn_depth {
     double excess;  /* overlap over the smaller radius, divided by the ratio that is too large */
     double share;   /* overlap over the smaller radius; 0: none */
     double overlap; /* m */
-    double time;    /* s, when it was found */
+    double time;    /* s, time at which it was found */
     double first, second; /* id of the particle; id of the other one, or -1 - index of a wall;
                              surfaces follow the walls */
     double looked;        /* step of the last check */

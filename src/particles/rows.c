@@ -128,7 +128,7 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, const gn_arri
     return gn_lists_follow_rows(ctx, dem, NULL, error);
 }
 
-/* --- fewer --- */
+/* --- removal of rows --- */
 
 /* Finds the new places of remaining particles, -1 of the others; returns the number of remaining
  * ones. */

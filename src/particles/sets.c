@@ -221,7 +221,8 @@ void gn_reactions_sum(const gn_step_context *ctx, gn_dem *dem) {
     memset(dem->set_reaction, 0, ctx->scene.set_count * 6 * sizeof *dem->set_reaction);
     for (size_t slot = 0; slot < dem->prescribed.count; slot++)
         for (int k = 0; k < 6; k++) {
-            int32_t s = dem->channel_set[6 * slot + k]; /* the set that drives it, of several */
+            int32_t s =
+                dem->channel_set[6 * slot + k]; /* the set, of several, that drives the component */
             if (s >= 0) dem->set_reaction[6 * s + k] += dem->prescribed.load[6 * slot + k];
         }
 }

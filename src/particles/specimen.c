@@ -124,7 +124,7 @@ static gneiss_status make(const gn_scene *scene, gn_packing *packing, double *vo
     return GNEISS_OK;
 }
 
-/* --- where it will be --- */
+/* --- extent of the specimen --- */
 
 void gn_extent_add(gn_extent *extent, const double point[3], double radius) {
     for (int a = 0; a < 3; a++) {

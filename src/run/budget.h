@@ -16,7 +16,7 @@ typedef struct gn_budget {
     double speed; /* speed of the test as defined by the accuracy laws, for this run */
     double imbalance,
         kinetic; /* imbalance of the ends; kinetic over elastic energy; NaN: not known */
-    gn_error_causes of[GN_READING_COUNT]; /* count 0: no laws for this reading */
+    gn_error_causes of[GN_READING_COUNT]; /* count 0: there are no laws for this reading */
 } gn_budget;
 
 /* `readings` are those of the world and its history. The caller frees the budget with free(); it is

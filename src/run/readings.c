@@ -163,7 +163,8 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
     if (!part->columns || !values) {
         free(part->columns);
         free(values);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings of a stage");
+        gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings of a stage");
+        return GNEISS_ERROR_MEMORY;
     }
     part->columns[all->column_count].value = values;
     for (size_t c = 0; c < all->column_count; c++) {

@@ -78,7 +78,7 @@ gneiss_status gn_check_hertz_material(const check *section, const gn_material *m
 typedef struct gn_side_keys {
     double stiffness, kratio, friction, rolling, twisting;
     const char *material;
-    bool body; /* with Hertz's law it may have a stiffness as well */
+    bool body; /* by Hertz's law the object may have a stiffness as well */
 } gn_side_keys;
 gneiss_status gn_check_side(const check *section, const gn_scene *scene, const char *prefix,
                             gn_side_keys side);

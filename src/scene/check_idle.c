@@ -56,7 +56,7 @@ static const char other_softening[] = "this law.softening does not read it";
 /* Reason why a key of a material is not read; NULL: it is read. `limits`: strengths are forces. */
 typedef struct material_row {
     const char *key;
-    bool (*read_by_law)(const gn_scene *s); /* NULL: every law reads it */
+    bool (*read_by_law)(const gn_scene *s); /* NULL: every law reads the key */
     bool of_bonds;
     int64_t softening; /* kind of softening that reads the key, a gn_softening; -1: any */
 } material_row;

@@ -154,7 +154,7 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
                          "xyz"[t->axis]);
 }
 
-/* ---- what a kind takes ---- */
+/* ---- keys of a kind ---- */
 
 #define X(name) "test." #name,
 static const char *const test_keys[] = {GN_TEST_KEYS(X)};

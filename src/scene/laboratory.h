@@ -55,12 +55,12 @@ typedef enum gn_membrane_surface { GN_SURFACE_SHAPE, GN_SURFACE_PARTICLES } gn_m
 
 /* Pressure on the surface of the specimen. */
 typedef struct gn_membrane_def {
-    gn_table pressure; /* Pa */
-    double ramp;       /* s over which the pressure rises from 0; 0: at once */
-    gn_membrane_surface
-        surface; /* for specimens with a shape; others use the surface of particles */
+    gn_table pressure;           /* Pa */
+    double ramp;                 /* s over which the pressure rises from 0; 0: at once */
+    gn_membrane_surface surface; /* kind of surface for specimens with a shape; others use the
+                                    surface of particles */
     gn_membrane_faces faces;
-    int64_t axis; /* sides face across it: 0 1 2; -1: the axis of the test */
+    int64_t axis; /* the sides face across this axis: 0 1 2; -1: the axis of the test */
     bool follow;  /* the membrane follows the deformation */
     gn_scene_place where;
 } gn_membrane_def;

@@ -335,7 +335,7 @@ static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_n
     for (const gn_node *item = list.first ? list.first : node; item; item = item->next) {
         GN_TRY(read_text(reader, &name, item, names));
         names = (char *)names + GN_NAME_SIZE;
-        if (!list.first) break; /* its siblings are other keys */
+        if (!list.first) break; /* the siblings of the element are other keys */
     }
     return GNEISS_OK;
 }

@@ -111,9 +111,10 @@ typedef enum gn_confinement { GN_CONFINEMENT_OWN, GN_CONFINEMENT_MEAN } gn_confi
 /* The rule gives the elongation (slip in shear) at which a bond has lost all its strength. */
 typedef enum gn_softening {
     GN_SOFTENING_NONE,   /* the bond breaks at once */
-    GN_SOFTENING_ENERGY, /* when it has dissipated a given energy per area */
-    GN_SOFTENING_STRAIN, /* at a given strain of its length (in shear: of the root of its area) */
-    GN_SOFTENING_RATIO   /* at a given multiple of the elastic limit */
+    GN_SOFTENING_ENERGY, /* the bond breaks when it has dissipated a given energy per area */
+    GN_SOFTENING_STRAIN, /* the bond breaks at a given strain of its length (in shear: of the root
+                            of its area) */
+    GN_SOFTENING_RATIO   /* the bond breaks at a given multiple of the elastic limit */
 } gn_softening;
 /* Shape of the curve from the strength of a bond down to zero. */
 typedef enum gn_softening_curve {

@@ -140,7 +140,8 @@ static gneiss_status read_scalar(tree_builder *builder, struct fy_event *event, 
     if (!text) return fail_memory(builder);
     if (memchr(text, 0, length))
         return fail_at(builder, where, "expected text, found a NUL character in it");
-    bool nothing = length == 0 && style == FYSS_PLAIN; /* the library reports no place for it */
+    bool nothing =
+        length == 0 && style == FYSS_PLAIN; /* the library reports no place for this error */
     *node = tree_node(builder->tree, nothing ? GN_NODE_NULL : GN_NODE_SCALAR, where);
     if (!*node) return fail_memory(builder);
     (*node)->set = builder->set;

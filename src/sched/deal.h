@@ -69,7 +69,8 @@ typedef struct gn_deal {
     int32_t *task;      /* [tasks] by threads, in the order in which their particles need them */
     size_t *task_first; /* [threads + 1] */
     int32_t *place;     /* [tasks] index of each task among those of its thread */
-    _Atomic uint64_t *taken; /* [tasks] the last sweep in which another thread did it */
+    _Atomic uint64_t
+        *taken; /* [tasks] number of the last sweep in which another thread did the task */
 
     /* Blocks of particles by threads: "owned" blocks have all items in one share; "shared" ones
      * include those without items. */

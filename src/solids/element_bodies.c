@@ -106,7 +106,7 @@ gneiss_status gn_element_bodies_find(gn_element_model *q, gneiss_error *error) {
                           b->nodes.soa.count);
 }
 
-/* --- where a particle hits them --- */
+/* --- frames of facets --- */
 
 /* Unit vectors along the first side of a facet, along its normal, and across both; false: the facet
  * has no area. */

@@ -166,7 +166,7 @@ static gneiss_status make_body(const gn_step_context *ctx, gn_element_model *q, 
     return at(ctx, e->where, NULL, NULL, 0, status, error);
 }
 
-/* --- what drives it --- */
+/* --- motions and loads --- */
 
 static gneiss_status nodes_of(const gn_fem_solid *solid, const gn_region *r, gn_fem_set *set,
                               gneiss_error *error) {

@@ -37,7 +37,7 @@ typedef struct gn_element_model {
     gn_mesh_joints joints; /* messages about a mesh from a file when it was read */
     gn_element_contact contact;
     gn_fem_set *motion_set;  /* [def->motion_count] nodes */
-    int32_t *motion;         /* [motions] index in `solid`, -1: it only records */
+    int32_t *motion;         /* [motions] index in `solid`, -1: the motion only records */
     gn_fem_load *load;       /* [def->load_count] */
     double (*load_value)[3]; /* [loads] Pa or N, present values */
     bool loads_vary;

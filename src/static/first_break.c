@@ -50,7 +50,7 @@ static const double balanced_worst = 300.0;
 static const double balanced_loading = 1e-6;
 /* Factor of the strengths of bonds during the search, so that none breaks. */
 static const double strengthened = 1e9;
-/* Ratio of the duration of their loading to time.end. */
+/* Ratio of the duration of initial loads to time.end. */
 static const double slowness = 1e6;
 /* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
  * most to these fractions of its load. */

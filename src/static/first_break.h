@@ -11,7 +11,7 @@ typedef struct gn_first_break {
     int64_t i, j;    /* ids of the particles of the bond */
     double place[3]; /* m, midpoint of its particles in absolute coordinates */
     double start;    /* s: time of the resulting state */
-    int64_t steps;   /* time steps that it replaces, at the present step of the world */
+    int64_t steps;   /* number of replaced time steps, at the present step of the world */
     /* states on the path, linear systems, and their iterations */
     int64_t increments, solutions, iterations;
     /* mean unbalanced load of a particle over the mean contact force, at the start */

@@ -287,7 +287,7 @@ static void add_stresses(const network *x, int row, double volume, double *c) {
     }
 }
 
-/* --- all of it --- */
+/* --- constants of the network --- */
 
 static void count_particles(const network *x, gn_network *found) {
     const gn_particles *q = x->assembly.particles;

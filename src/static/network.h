@@ -8,11 +8,11 @@
 #include "world/world.h"
 
 typedef struct gn_network {
-    double volume;         /* m3, 2D: m2 x 1 m: that of the specimen's mean stress */
+    double volume;         /* m3, 2D: m2 x 1 m: the volume of the specimen's mean stress */
     double solid;          /* m3: volume of the bonded particles */
     size_t particles;      /* number of particles with bonds */
     size_t boundary;       /* number of these that follow the strain; 0: a periodic box */
-    double depth;          /* m: they are within this distance of the hull of the centres */
+    double depth;          /* m: largest distance of these from the hull of the centres */
     double radius_square;  /* m2: mean of r^2, of r^3 below */
     double radius_cube;    /* m3 */
     gn_bond_fabric fabric; /* fabric of the bonds */

@@ -475,7 +475,7 @@ bool gn_convex_meet(const gn_convex *a, const gn_convex_pose *at_a, const gn_con
     return read_sums(&w, &s, least, overlap);
 }
 
-/* --- apart --- */
+/* --- distance of separate bodies --- */
 
 /* Returns the largest distance of all planes of a to the nearest corner of b, m. */
 static double apart_by(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,

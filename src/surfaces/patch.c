@@ -239,7 +239,7 @@ static bool press_segment(double x[3][3], double radius, gn_facet_near *near,
     return true;
 }
 
-/* --- all of them --- */
+/* --- pressure and contacts --- */
 
 bool gn_patch_press(int corners, const double *const x[3], const double centre[3], double radius,
                     gn_facet_near *near, gn_patch_facet *facet) {

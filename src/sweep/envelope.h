@@ -22,7 +22,7 @@ typedef struct gn_envelope {
 #define X(name, unit, text) double name;
     GN_ENVELOPE_READINGS(X) /* NaN: absent */
 #undef X
-    char no_coulomb[160], no_hoek_brown[160]; /* reasons for their absence; "" */
+    char no_coulomb[160], no_hoek_brown[160]; /* reasons for the absence of values; "" */
 } gn_envelope;
 
 /* Envelopes of a sweep, one for each combination of the other parameters. */

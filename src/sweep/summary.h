@@ -80,7 +80,7 @@ typedef struct gn_summary {
         *rest; /* [run_count][reading_count]; errors that more seeds do not reduce (run/budget.h) */
     gn_summary_run *runs;      /* [run_count] */
     gn_statistics *statistics; /* [combination_count][reading_count] */
-    size_t done, failed;       /* over all rows */
+    size_t done, failed;       /* counts over all rows */
     bool several_builds;       /* runs were made by differently compiled programs */
 } gn_summary;
 

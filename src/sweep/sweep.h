@@ -41,7 +41,7 @@ typedef struct gn_sweep_parameter {
     const gn_key *meant;
     const char *unit;     /* SI; "": none, or not numbers */
     bool numeric;         /* every value is a number */
-    bool sampled;         /* drawn together with the other sampled parameters */
+    bool sampled;         /* the parameter is drawn together with the other sampled ones */
     gn_scene_place where; /* place of the key in the file */
     size_t count;
     gn_sweep_value *values; /* gn_alloc'ed */

@@ -24,8 +24,8 @@
 typedef struct gn_child {
     pid_t pid;
     size_t run;
-    int threads;       /* processors that it uses */
-    int core;          /* index of the processor that it is pinned to; -1: none */
+    int threads;       /* number of processors that the run uses */
+    int core;          /* index of the processor to which the run is pinned; -1: none */
     bool resumed;      /* started from a checkpoint */
     bool stepping;     /* past packing and set-up */
     int64_t from_step; /* step of the newest checkpoint when it was started; -1: none */
@@ -202,7 +202,7 @@ typedef struct run_task {
     bool running;
     bool afresh;   /* the checkpoints are unusable */
     int kills;     /* kills without progress in between */
-    double wanted; /* gn_now() before which it is not started again: its folder was in use */
+    double wanted; /* gn_now() before which the run is not started again: its folder was in use */
 } run_task;
 
 typedef struct run_pool {

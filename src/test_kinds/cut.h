@@ -15,7 +15,7 @@ typedef struct gn_cut {
     double depth, spacing;
     double begin, end;           /* path over which means are taken */
     double window;               /* path over which a peak is a mean */
-    int blocks;                  /* parts of that path */
+    int blocks;                  /* parts of the path of the means */
     double radius, tip_width;    /* disc */
     double rake, width;          /* chisel; width in 2D 1 m */
     double half_angle;           /* pick: of the cone with its axis */

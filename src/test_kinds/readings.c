@@ -95,7 +95,7 @@ static double interval_of(const double *time, size_t rows) {
     return time && rows > half + 1 ? (time[rows - 1] - time[half]) / (double)(rows - 1 - half) : 0;
 }
 
-/* --- what the scene lets be read --- */
+/* --- readings that the scene allows --- */
 
 /* Returns the slope of a mean stress of the specimen over that of the test. */
 static double follows(const gn_curves *curves, gn_row_span span, int a, int b) {

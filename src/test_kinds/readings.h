@@ -155,9 +155,10 @@ typedef struct gn_readings {
     /* Largest relative difference of the slopes over the first and the second half of the rows from
      * the slope over all of them; 0: not known. */
     double nonlinearity[GN_READING_COUNT];
-    double peak_fall;      /* share of the largest stress by which the last row is below it */
+    double peak_fall;      /* relative fall of the last row from the largest stress */
     double initial_stress; /* Pa, stress at the ends before they moved; 0: they never moved */
-    double initial_fall; /* Pa, the part of it that vanished before the test began (beginning.h) */
+    double initial_fall;   /* Pa, the part of that stress that vanished before the test began
+                              (beginning.h) */
 } gn_readings;
 
 const char *gn_reading_name(gn_reading which);
@@ -185,7 +186,7 @@ typedef struct gn_tested {
      * as the section varies; 0: as 1; NaN: none follows from it. */
     double by_ends, by_mean;
     gn_cut cut;             /* properties of the cut, for cutting tests */
-    bool zones;             /* particles and elements share some */
+    bool zones;             /* particles and elements share a part of the body */
     double returned_energy; /* determined elsewhere at the end; NaN: there is no value */
 } gn_tested;
 

@@ -66,9 +66,9 @@ typedef struct gn_tested_specimen {
     int dimension, axis;
     double side[3]; /* m */
     /* These are known for prisms and for sheared specimens. */
-    double length;  /* m: given, otherwise that of the strained part */
-    double height;  /* m: the given length, else that of the whole specimen: times the section it is
-                       the volume */
+    double length;  /* m: the given length, otherwise that of the strained part */
+    double height;  /* m: the given length, otherwise that of the whole specimen; times the section
+                       it is the volume */
     double section; /* m2: given, else the mean one, across the axis or the normal */
 } gn_tested_specimen;
 
@@ -97,7 +97,7 @@ typedef struct gn_test_descriptor {
     const char *name;
 
     /* The specimen and how it is loaded. */
-    bool ends;      /* two of them load it along an axis */
+    bool ends;      /* two ends load the specimen along an axis */
     bool isotropic; /* loaded from all sides alike, without ends: stress is the mean pressure,
                        strain the loss of volume */
     bool prism;     /* stress is the force of the ends over its section, strain their closing over

@@ -393,7 +393,7 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
     return consider_listed(ctx, dem, boundary, solids, zones, &f, error);
 }
 
-/* --- what the scene holds --- */
+/* --- pairs of the whole scene --- */
 
 /* The smallest two and the largest two particles of a class: material, loose, held. For a given
  * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius, which every

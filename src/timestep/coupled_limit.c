@@ -183,7 +183,7 @@ static void metric(const void *context, const double *x, double *out) {
         }
 }
 
-/* --- making it --- */
+/* --- the operator --- */
 
 /* Sets the masses of nodes; only components that cannot move are fixed. */
 static void set_masses(const whole *y) {
@@ -237,7 +237,7 @@ static gneiss_status make(const gn_spectrum *spectrum, whole *y, gneiss_error *e
     return GNEISS_OK;
 }
 
-/* --- what comes out --- */
+/* --- results --- */
 
 /* Tells whether a node has a particle. */
 static bool carries(const gn_ties *t, int32_t node) {

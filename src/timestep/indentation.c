@@ -140,7 +140,7 @@ void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary)
     gn_near_repack(ctx, dem);
 }
 
-/* --- what is driven --- */
+/* --- driven motions --- */
 
 /* The prescribed motion of a wall, a body or a set in the coming step, at the middle of which
  * tables are read: its speed, and its change of speed. */

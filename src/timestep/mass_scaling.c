@@ -88,7 +88,7 @@ static gneiss_status raise(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
     return GNEISS_OK;
 }
 
-/* --- what comes later --- */
+/* --- changes of masses during a run --- */
 
 /* Raises the mass and moment of inertia of a particle at its present velocities; returns the
  * kinetic energy that this takes. */
@@ -126,7 +126,7 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
     if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0)) return GNEISS_OK;
     double step = gn_limit_needed(ctx, dem, solids, zones,
                                   s->reached / (listed ? listed_share : ctx->scene.safety));
-    if (!isfinite(step)) return GNEISS_OK; /* other parts do not allow such a step */
+    if (!isfinite(step)) return GNEISS_OK; /* other parts of the model do not allow such a step */
     double *factor = NULL;
     GN_TRY(gn_new(&factor, dem->particles.soa.count + 1, "masses", error));
     gneiss_status status = GNEISS_OK;

@@ -81,7 +81,7 @@ static gn_spectrum spectrum_of(const gn_step_context *ctx, double reach,
     return s;
 }
 
-/* --- what is asked --- */
+/* --- questions --- */
 
 /* Relative residual of Lanczos. */
 static double tolerance_of(const gn_step_context *ctx) {
@@ -305,7 +305,7 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
     return usable_limit(ctx, dem, boundary, &ctx->choice.stable, error);
 }
 
-/* --- what may happen before the lists are made again --- */
+/* --- events before the next lists --- */
 
 /* A hundredth is left for normals and arms that rotate until the lists are rebuilt. */
 gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,

@@ -97,7 +97,7 @@ gneiss_status gn_dem_check_paths(const gn_step_context *ctx, const gn_dem *dem,
     return measure ? check_spins(ctx, dem, error) : GNEISS_OK;
 }
 
-/* --- what they touch --- */
+/* --- surfaces and walls --- */
 
 /* Checks the path of the farthest vertex; the comparison fails for a path that is not a number. */
 static gneiss_status check_body(const gn_step_context *ctx, const gn_dem *dem,

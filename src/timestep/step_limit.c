@@ -120,7 +120,7 @@ static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_bound
     return GNEISS_OK;
 }
 
-/* --- what is done about it --- */
+/* --- choice of the step --- */
 
 /* Names the particle, element or zone that sets the limit. */
 static const char *name_limiting_part(const gn_step_context *ctx, const gn_solids *solids,
@@ -216,7 +216,7 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
                    bound, ctx->dt, ctx->dt / limit);
 }
 
-/* --- what may happen before the lists are made again --- */
+/* --- events before the next lists --- */
 
 void gn_timestep_lower(gn_step_context *ctx, gn_dem *dem, double dt) {
     if (ctx->scene.step > 0.0 || ctx->dt <= dt) return;

@@ -230,7 +230,7 @@ const gn_feature gn_feature_events = {
     .hook = {[GN_HOOK_MOVED] = note_events},
 };
 
-/* --- what acts on the specimen --- */
+/* --- actions on the specimen --- */
 
 static bool is_controlled(const gn_world *world) {
     return world->ctx.scene.test.has_control;

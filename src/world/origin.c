@@ -58,8 +58,9 @@ static void settle(gn_scene *scene, const gn_extent *extent) {
     double unit = ldexp(1.0, exponent);
     for (int64_t a = 0; a < scene->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
-        scene->origin[a] =
-            fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* the key has this bound */
+        scene->origin[a] = fabs(whole) <= GN_PLACE_MOST
+                               ? whole
+                               : middle[a]; /* the range of the key has this bound */
     }
 }
 
@@ -154,7 +155,7 @@ gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *erro
     return gn_origin_shift(world, error);
 }
 
-/* --- what is lost even so --- */
+/* --- remaining rounding --- */
 
 /* The spacing of doubles. */
 static double rounding(double x) {

@@ -44,6 +44,6 @@ gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error) {
     world->ledger.energy.stage_change +=
         gn_contacts_stored(&world->ctx, &world->dem, &world->box) - stored;
     gn_dem_step_changed(&world->ctx, &world->dem); /* dashpots */
-    gn_near_forget(&world->ctx, &world->dem);      /* velocities and parameters may be others */
+    gn_near_forget(&world->ctx, &world->dem);      /* velocities and parameters may have changed */
     return gn_sets_enter(&world->ctx, &world->dem, error);
 }

@@ -67,7 +67,7 @@ gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error)
     gneiss_status status = gn_stages_scene(world, next, error);
     if (status == GNEISS_OK) {
         gn_scene_free(&world->ctx.scene);
-        world->ctx.scene = *next; /* parts that point into it point to its place */
+        world->ctx.scene = *next; /* pointers of parts into the scene stay valid */
     }
     free(next);
     if (status != GNEISS_OK) return status;

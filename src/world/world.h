@@ -27,7 +27,7 @@
 
 /* State of a stage of the scene. */
 typedef struct gn_stage_state {
-    double time;   /* s: when it began */
+    double time;   /* s: time at which it began */
     double strain; /* strain of the test in its first row */
     double peak;   /* Pa, largest stress of the test during the stage */
     int64_t step;  /* step at which it began */

@@ -18,7 +18,7 @@
 
 #include <math.h>
 
-/* --- what is in a zone --- */
+/* --- contents of a zone --- */
 
 /* Returns the position of an element in a zone, that of its node farthest among the particles, and
  * the extent of the element. */
@@ -349,8 +349,8 @@ static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
         gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
 
-/* Returns the weight that an element leaves to particles; 0: it is in no zone, or leaves all of it,
- * which its volume does not show. */
+/* Returns the weight that an element leaves to particles; 0: the element is in no zone, or leaves
+ * its whole weight, which does not show in its volume. */
 static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_t zone, size_t e) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double centre[3] = {0.0}, share = 0.0;
@@ -374,7 +374,7 @@ static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn
     double left = 0.0, mass = 0.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double part =
-            left_by(ctx, solids, zone, e); /* the volume is that of the elements' own weight */
+            left_by(ctx, solids, zone, e); /* the volume has the elements' own weight */
         left += part / (1.0 - part) * b->density[b->elements.material[e]] * b->elements.volume[e];
     }
     for (size_t k = 0; k < c->ties.count; k++) {

@@ -25,7 +25,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- making it --- */
+/* --- creation --- */
 
 void gn_coupled_free(gn_coupled *coupled) {
     if (!coupled) return;
@@ -293,7 +293,7 @@ gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_so
     if (q->stiffness)
         gn_penalty_set(ctx, dem, solids, zones, q); /* particles may have left */
     else if (!b->carried)
-        GN_TRY(lump(dem, solids, q, error)); /* resumed: nodes have it already */
+        GN_TRY(lump(dem, solids, q, error)); /* after a resume the nodes have this mass already */
     if (q->before) weigh_consistent(dem, q);
     for (size_t n = 0; n < q->ties.nodes; n++)
         GN_TRY(gn_hold_particle(&b->hold, (size_t)q->ties.node[n], error));
@@ -463,7 +463,7 @@ gneiss_status gn_zones_elements_moved(const gn_step_context *ctx, gn_dem *dem,
     return GNEISS_OK;
 }
 
-/* --- both ways to it --- */
+/* --- creation at the start and after a conversion --- */
 
 static gneiss_status prepare(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                              gn_coupled **q, gneiss_error *error) {

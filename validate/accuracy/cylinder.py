@@ -112,7 +112,7 @@ def runs(study, kind):
     return c, found, np.loadtxt(file)
 
 
-# --- what is read ------------------------------------------------------------------------------------------
+# --- readings ----------------------------------------------------------------------------------------------
 
 def column(rows, reading):
     return np.array([row[READINGS.get(reading, reading)] for row in rows], float)
@@ -217,7 +217,7 @@ class Measured:
             self.slopes.add(r, "start", "bias", "", "constant", change.mean(), np.sqrt(np.mean(change**2)), points=len(change))
 
 
-# --- settings: what a number of particles, a speed and a number of seeds come to ----------------------------
+# --- errors and costs of settings ---------------------------------------------------------------------------
 
 KINDS = {"calibrated": "contact strength and stiffness calibrated with that number of particles",
          "constant": "contact strength and stiffness the same for every number"}

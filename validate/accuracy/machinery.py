@@ -142,7 +142,7 @@ class Study:
         return self.file(f"specimens/{name}-shaken-{shake}.txt", text)
 
 
-# --- what YADE would take ---------------------------------------------------------------------------------
+# --- time that YADE would need ----------------------------------------------------------------------------
 
 def yade():
     """Measured on rock-a, one thread each (docs/evidence/performance.md): M bond-steps/s of YADE, and its steps over ours."""

@@ -84,7 +84,7 @@ def give_velocities():
             state.vel -= Vector3(*(0.5 * dt * kept * g * f for g, f in zip(gravity, free)))
 
 
-# --- what is recorded ----------------------------------------------------------------------------------
+# --- recorded results ----------------------------------------------------------------------------------
 
 rows, snapshots = [], []
 peak = 0.0
@@ -115,7 +115,7 @@ def snapshot(n):
     snapshots.append((n, values if job.get("velocities") else values[:, :3]))
 
 
-# --- what makes the laws equal -------------------------------------------------------------------------
+# --- corrections that make the laws equal --------------------------------------------------------------
 
 cracks, intact, known = 0, [], 0
 
