@@ -65,7 +65,8 @@ def closes(folder, tools=1):
 def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
     run(example("disc"), folder, *COARSE, *sets(test__run_in="45 mm", test__length="60 mm"))
     h, s = closes(folder), summary(folder)
-    assert "strain reached 1" in s["stop_reason"], s["stop_reason"]
+    assert s["stop_reason"].startswith("the tool has come its path"), s["stop_reason"]
+    assert not any(w["name"] == "cutting_path" for w in s["warnings"]), s["warnings"]
     path = [0.045, 0.105]
     mean = {name: np.diff(np.interp(path, h["cut_path"], h[name]))[0] for name in ("normal_impulse", "time", "removed_volume")}
     assert abs(reading(folder, "normal_force") / (mean["normal_impulse"] / mean["time"]) - 1) < 1e-9
@@ -118,7 +119,9 @@ def a_chisel_that_meets_nothing_has_no_force(folder):
     scene = write_scene(folder, BLOCK.replace("origin: [-2 mm, 0, -5 mm]", "origin: [-2 mm, 0, 5 mm]"))
     run(scene, folder)
     s = summary(folder)
-    assert {w["name"] for w in s["warnings"]} >= {"cutting_tool", "nothing_measured"}, s["warnings"]
+    text = {w["name"]: w["text"] for w in s["warnings"]}
+    assert "depth is 0.005 m, the tool begins 0.003858 m above the surface of the rock" in text["cutting_depth"], text  # its top is at 1.142 mm
+    assert "the tool 'pick' never met the rock" in text["nothing_measured"], text
     assert s["readings"]["normal_force"] is None
 
 
@@ -173,6 +176,9 @@ def the_section_of_a_chisel_is_its_width_times_the_depth(folder):
     closes(folder)
     energy = reading(folder, "rolling_force") / (15e-3 * 5e-3)
     assert abs(reading(folder, "specific_energy") / energy - 1) < 1e-12
+    h = history(folder)  # of the stress, too, and `check` prints it
+    assert np.allclose(h["stress"], h["rolling_force"] / (15e-3 * 5e-3), rtol=1e-12)
+    assert "area 7.5e-05 m2" in gneiss("check", write_scene(folder, BLOCK)).stdout
     absent = summary(folder)["absent"]
     assert "tensile_strength" in absent["predicted_peak_evans"] and "no closed form" in absent["predicted_coefficient"]
 
@@ -206,8 +212,34 @@ def a_locked_disc_and_another_depth_are_doubted(folder):
     assert "the disc cutter 'disc' cannot turn about its axis" in locked.stdout, locked.stdout[-2000:]
     deep = gneiss("check", example("disc"), *COARSE, *sets(test__depth="8 mm"))
     assert "depth is 0.008 m, the tool begins 0.004" in deep.stdout, deep.stdout[-2000:]
-    fine = gneiss("check", example("disc"), *COARSE)
-    assert "warning:" not in fine.stdout, re.findall("warning:.*", fine.stdout)
+    fine = re.findall("warning:.*", gneiss("check", example("disc"), *COARSE).stdout)
+    assert len(fine) == 1 and re.search(r"test: depth is 0.004 m, 0.4 mean diameters of particles \(0.0099", fine[0]), fine
+
+
+@fact
+def a_cut_that_cannot_be_read_as_given_is_doubted(folder):
+    cases = [
+        ("bodies.disc.rotation=[0, 0, 90 deg]", "axis of the disc cutter 'disc' is 90 degrees off y"),
+        ("bodies.disc.origin=[-42 mm, 200 mm, 212 mm]", "the tool 'disc' passes beside the rock: along y it is from 0.192 m to 0.208 m"),
+        ("test.spacing=10 m", "spacing is 10 m, the rock is 0.08"),
+        ("test.tensile_strength=200 MPa", r"compressive_strength is 1.47e\+08 Pa, below tensile_strength of 2e\+08 Pa"),
+        ("test.peak_window=1 m", "peak_window is 1 m, longer than the path of the means"),
+        ("time.end=1 ms", r"until time.end \(0.001 s\) the tool comes 0.004 m far, means are taken from 0.04"),
+        ("bodies.disc.motion.vz=0.1 m/s", r"the tool is 0.00[23]\d* m below the surface of the rock where means begin and 0.00[12]\d* m below it where they end"),
+    ]
+    for setting, words in cases:
+        said = gneiss("check", example("disc"), *COARSE, "--set", setting)
+        assert said.returncode == 0 and re.search("warning: .*" + words, said.stdout), (setting, re.findall("warning:.*", said.stdout), said.stderr)
+
+
+@fact
+def means_over_a_part_of_the_path_and_a_tool_that_rises_are_reported(folder):
+    run(write_scene(folder, BLOCK.replace("vx: 5 m/s", "vx: 5 m/s, vz: 1 m/s")), folder, "--set", "time.end=1.4 ms")  # 7 of 14 mm, 4 of which are before the rock
+    text = {w["name"]: w["text"] for w in summary(folder)["warnings"]}
+    means = re.search(r"had come (\S+) m: means are over (\S+) m of the 0.01 m from 0.004 m to 0.014 m of its path, 30 %", text["cutting_path"])
+    assert means and abs(float(means[1]) - 7e-3) < 2e-5 and abs(float(means[2]) - 3e-3) < 2e-5, text
+    found = re.search(r"the tool is (\S+) m below .* begin and (\S+) m below it where they end", text["cutting_depth"])
+    assert abs(float(found[1]) - float(found[2]) - 0.2 * 3e-3) < 5e-6, text  # it rises by a fifth of its path
 
 
 main()

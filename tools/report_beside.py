@@ -81,11 +81,12 @@ class Beside:
             self.vertex = self.turn(vertex)
 
     def bounds(self, lower, upper):
-        """Returns the limits of the picture extended to contain the bodies."""
+        """Returns the limits of the picture extended to contain the bodies, by at most half of the largest of its sizes."""
         if not len(self.facet):
             return lower, upper
-        used = self.vertex[np.unique(self.facet)]
-        return np.minimum(lower, used.min(axis=0)), np.maximum(upper, used.max(axis=0))
+        used, most = self.vertex[np.unique(self.facet)], 0.5 * (upper - lower).max()
+        return (np.minimum(lower, np.maximum(used.min(axis=0), lower - most)),
+                np.maximum(upper, np.minimum(used.max(axis=0), upper + most)))
 
     def draw_cut(self, axes, depth, window, flat):
         """Sections of bodies and walls with the plane z = depth; in 2D their outlines."""

@@ -70,7 +70,9 @@ class Section:
         self.shown = np.flatnonzero(shown)
         self.places, self.radius = places[self.shown, :2], radius[self.shown]
         corners = np.concatenate(self.faces) if self.faces else np.empty((0, 2))
-        whole = np.concatenate([corners, self.places])
+        at_start = np.concatenate([corners, start[self.shown, :2]])
+        near = np.linalg.norm(self.places - start[self.shown, :2], axis=1) < 0.2 * np.ptp(at_start, axis=0).max()  # others are chips that flew away
+        whole = np.concatenate([corners, start[self.shown, :2][~near], self.places[near]])
         self.low, self.high = whole.min(axis=0), whole.max(axis=0)
 
 

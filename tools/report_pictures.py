@@ -196,6 +196,9 @@ class Surface:
         self.panes = specimen.beside.panes(specimen.lower, specimen.upper)
         beside = np.vstack([self.beside.vertex[np.unique(self.beside.facet)], self.panes.reshape(-1, 3)])
         beside = ((beside - middle) @ turn.T)[:, :2]
+        if specimen.has_bonds and specimen.count:  # a large tool is shown in part
+            most = 0.5 * np.ptp(framed, axis=0).max()
+            beside = np.clip(beside, framed.min(axis=0) - most, framed.max(axis=0) + most)
         self.low = np.vstack([framed - specimen.radius[:, None], beside]).min(axis=0)
         self.high = np.vstack([framed + specimen.radius[:, None], beside]).max(axis=0)
         margin = 0.04 * (self.high - self.low).max()
@@ -228,6 +231,8 @@ class Surface:
     def draw(self, axes, colors):
         axes.imshow(self.colored(colors), origin="lower", interpolation="antialiased", extent=(self.low[0], self.high[0], self.low[1], self.high[1]))
         self.beside.draw_seen(axes, self.turn, self.middle, self.panes)
+        axes.set_xlim(self.low[0], self.high[0])
+        axes.set_ylim(self.low[1], self.high[1])
         axes.axis("off")
         scale_bar(axes, self.low, self.high)
 

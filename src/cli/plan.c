@@ -654,6 +654,18 @@ static void print_end(const gn_world *world) {
     printf("end                t = %g s%s%s\n", world->ctx.scene.end, *stops ? " or " : "", stops);
 }
 
+static void print_cut(const gn_world *world, int *warnings) {
+    char text[GNEISS_MESSAGE_SIZE];
+    if (!gn_scene_test(&world->ctx.scene)->tool) return;
+    for (gn_cutting_doubt d = GN_CUT_LOCKED; d < GN_CUT_DOUBTS; d++) {
+        if (!gn_cutting_doubts(&world->ctx, &world->dem, &world->boundary, &world->cutting, d, text,
+                               sizeof text))
+            continue;
+        printf("  warning: %s\n", text);
+        (*warnings)++;
+    }
+}
+
 gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error) {
     *warnings = 0;
     char doubts[GNEISS_MESSAGE_SIZE];
@@ -674,11 +686,7 @@ gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }
-    if (gn_scene_test(&world->ctx.scene)->tool &&
-        gn_cutting_doubts(&world->ctx, &world->boundary, &world->cutting, doubts, sizeof doubts)) {
-        printf("  warning: %s\n", doubts);
-        (*warnings)++;
-    }
+    print_cut(world, warnings);
     if (gn_ends_doubts(&world->ctx, &world->dem, &world->solids, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;

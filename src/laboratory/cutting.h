@@ -51,9 +51,28 @@ double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const g
 /* Describes the cut for its readings. */
 gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_cutting *cutting);
-/* Tells whether the depth of the test is not that of the tool at the start, or a disc cutter cannot
- * turn; `text` then states it with its place. */
-bool gn_cutting_doubts(const gn_step_context *ctx, const gn_boundary *boundary,
-                       const gn_cutting *cutting, char *text, size_t size);
+/* Depth of the tool below the surface of the rock at its start, m; negative: above it. */
+double gn_cutting_depth_at_start(const gn_step_context *ctx, const gn_boundary *boundary,
+                                 const gn_cutting *cutting);
+/* Tells whether the depth of the tool (m) where means begin or end differs from test.depth by more
+ * than a twentieth; `text` then gives them with the place of the test. NaN differs from nothing. */
+bool gn_cutting_depth_differs(const gn_step_context *ctx, const double depth[2], char *text,
+                              size_t size);
+
+/* Doubts about a cut that are known before it. */
+typedef enum gn_cutting_doubt {
+    GN_CUT_LOCKED,    /* a disc cutter that cannot turn */
+    GN_CUT_SKEW,      /* a disc cutter whose axis is not across the cut */
+    GN_CUT_BESIDE,    /* the tool passes beside the rock */
+    GN_CUT_WIDE,      /* the tool or the spacing is wider than the rock */
+    GN_CUT_VALUES,    /* strengths in the wrong order, a window longer than the path */
+    GN_CUT_PARTICLES, /* too few particles over the depth */
+    GN_CUT_DEPTH,     /* by the prescribed motion the depth differs from that of the test */
+    GN_CUT_SHORT,     /* time.end is before the end of the path */
+    GN_CUT_DOUBTS
+} gn_cutting_doubt;
+/* Tells whether the doubt applies; `text` then states it with its place. */
+bool gn_cutting_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_cutting *cutting, gn_cutting_doubt doubt, char *text, size_t size);
 
 #endif

@@ -83,6 +83,10 @@ gn_tested_shape gn_test_shape(const gn_step_context *ctx, const gn_dem *dem,
                             .section = given_section(ctx)};
     gn_tested_extent(ctx, solids, lower, upper);
     for (int a = 0; a < 3; a++) x.side[a] = upper[a] - lower[a];
+    if (d->tool) {
+        const gn_body_def *tool = ctx->scene.bodies + gn_scene_find_body(&ctx->scene, t->tool);
+        if (tool->has_chisel || tool->has_wedge) x.tool_width = tool->scale * tool->tool.width;
+    }
     if (d->prism) add_prism(ctx, dem, boundary, solids, &x);
     if (d->sheared) add_sheared(ctx, dem, boundary, solids, &x);
     return d->shape(&t->given, &x); // cppcheck-suppress returnDanglingLifetime

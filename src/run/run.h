@@ -174,7 +174,7 @@ typedef struct gn_warning {
     const char *name;
     char text[640]; /* lists are allocated on the stack */
 } gn_warning;
-enum { GN_WARNINGS_MAX = 48 };
+enum { GN_WARNINGS_MAX = 52 };
 typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];

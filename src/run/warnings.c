@@ -4,7 +4,6 @@
 #include "conversion/conversion.h"
 #include "inflow/removal.h"
 #include "inflow/sources.h"
-#include "laboratory/cutting.h"
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "particles/bonds.h"
@@ -393,14 +392,6 @@ static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
     gn_warn(list, "test_geometry", "%s", text);
 }
 
-static void warn_of_tool(const gn_run *run, gn_warnings *list) {
-    const gn_world *w = &run->world;
-    char text[GNEISS_MESSAGE_SIZE];
-    if (!gn_scene_test(&w->ctx.scene)->tool) return;
-    if (gn_cutting_doubts(&w->ctx, &w->boundary, &w->cutting, text, sizeof text))
-        gn_warn(list, "cutting_tool", "%s", text);
-}
-
 static void warn_of_ends(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_ends_doubts(&run->world.ctx, &run->world.dem, &run->world.solids, text, sizeof text))
@@ -542,7 +533,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_burst(run, list);
     warn_of_sizes(run, list);
     warn_of_geometry(run, list);
-    warn_of_tool(run, list);
+    gn_warn_of_cut(run, list);
     warn_of_ends(run, list);
     warn_of_normal(run, list);
     warn_of_sources(run, list);

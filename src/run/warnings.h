@@ -14,6 +14,11 @@ gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_e
 /* Warnings about servos of walls and sides. */
 void gn_warn_of_servos(const gn_run *run, gn_warnings *list);
 
+/* Warnings about a cutting test. */
+void gn_warn_of_cut(const gn_run *run, gn_warnings *list);
+/* Tells why a finished cutting test measured no force. */
+void gn_no_force_text(const gn_run *run, char *text, size_t size);
+
 /* Warnings about a membrane. */
 void gn_warn_of_membrane(const gn_run *run, gn_warnings *list);
 /* Warnings about zones, walls that elements pass, and conversion. */

@@ -474,10 +474,15 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *readings, gn_w
     const gn_scene *s = &run->world.ctx.scene;
     if (!gn_scene_tested(s) || !run->finished || run->history.row_count < 2) return;
     if (measured(run, readings)) return;
+    if (gn_scene_test(s)->tool) {
+        char text[GNEISS_MESSAGE_SIZE];
+        gn_no_force_text(run, text, sizeof text);
+        gn_warn(list, "nothing_measured", "the cut has no force: %s", text);
+        return;
+    }
     gn_warn(list, "nothing_measured", "the test has no strength and no modulus: %s%s",
-            gn_run_staged(run) || gn_scene_test(s)->tool
-                ? "the stress never had the sense of the test"
-                : readings->reason[GN_READING_largest_stress],
+            gn_run_staged(run) ? "the stress never had the sense of the test"
+                               : readings->reason[GN_READING_largest_stress],
             gn_scene_test(s)->ends
                 ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
                 : "");

@@ -207,9 +207,13 @@ static void read_cutting(const gn_curves *curves, gn_readings *readings) {
     read_predictions(&curves->tested->cut, readings);
 }
 
-/* Without a spacing the section is the square of the depth. */
+/* The section to which energies refer, too; a pick or a disc without a spacing has none, and the
+ * square of the depth stands for it. */
 static gn_tested_shape cut_shape(const gn_test_sizes *t, const gn_tested_specimen *x) {
-    const double width = t->spacing > 0.0 ? t->spacing : x->dimension == 2 ? 1.0 : t->depth;
+    const double width = t->spacing > 0.0      ? t->spacing
+                         : x->dimension == 2   ? 1.0
+                         : x->tool_width > 0.0 ? x->tool_width
+                                               : t->depth;
     gn_tested_shape s = {0};
     s.length = t->length > 0.0 ? t->run_in + t->length : x->side[x->axis];
     s.area = s.section = width * t->depth;
@@ -227,7 +231,7 @@ const gn_test_descriptor gn_test_cutting = {
     .needs = GN_TAKES(normal) | GN_TAKES(tool) | GN_TAKES(depth),
     .strain = 1.0,
     .shape = cut_shape,
-    .area_source = "depth times spacing (without a spacing depth squared, in 2D 1 m)",
+    .area_source = "depth times spacing (without one times the width of a chisel, or the depth)",
     .readings =
         GN_READS(events) | GN_READS(b_value) | GN_READS(fragments) | GN_READS(largest_fragment) |
         GN_READS(normal_force) | GN_READS(rolling_force) | GN_READS(side_force) |
@@ -244,5 +248,5 @@ const gn_test_descriptor gn_test_cutting = {
     .figures = {{GN_READING_normal_force, "normal force"},
                 {GN_READING_rolling_force, "rolling force"},
                 {GN_READING_cutting_coefficient, "cutting coefficient"},
-                {GN_READING_specific_energy_removed, "specific energy"}},
+                {GN_READING_specific_energy, "specific energy"}},
 };

@@ -64,7 +64,8 @@ __extension__ typedef unsigned __int128 gn_reading_set;
 /* Extents of the specimen at the start of a test. */
 typedef struct gn_tested_specimen {
     int dimension, axis;
-    double side[3]; /* m */
+    double side[3];    /* m */
+    double tool_width; /* m, of a chisel or a wedge; 0: the test has none, or in 2D */
     /* These are known for prisms and for sheared specimens. */
     double length;  /* m: the given length, otherwise that of the strained part */
     double height;  /* m: the given length, otherwise that of the whole specimen; times the section

@@ -1,0 +1,234 @@
+/* Doubts about a cut: its tool, its path and the numbers of the test. */
+#include "laboratory/cutting.h"
+
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
+#include "scene/scene.h"
+#include "surfaces/body_shape.h"
+
+#include <math.h>
+#include <stdio.h>
+
+typedef struct cut {
+    const gn_step_context *ctx;
+    const gn_dem *dem;
+    const gn_boundary *boundary;
+    const gn_cutting *state;
+    const gn_body_def *def;
+    size_t tool;
+    int axis, normal, side;
+    gn_place_text place; /* of the section `test` */
+} cut;
+
+static cut cut_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                  const gn_cutting *c) {
+    const gn_test *t = &ctx->scene.test;
+    const size_t tool = (size_t)gn_scene_find_body(&ctx->scene, t->tool);
+    return (cut){.ctx = ctx,
+                 .dem = dem,
+                 .boundary = boundary,
+                 .state = c,
+                 .def = &ctx->scene.bodies[tool],
+                 .tool = tool,
+                 .axis = (int)t->axis,
+                 .normal = (int)t->normal,
+                 .side = 3 - (int)t->axis - (int)t->normal,
+                 .place = gn_scene_at(&ctx->scene, t->where, "test")};
+}
+
+/* --- depth --- */
+
+/* Extent of the tool along an axis, m, where it was at its start. */
+static void extent_at_start(const cut *q, int axis, double *low, double *high) {
+    const gn_rigid *body = &q->boundary->bodies[q->tool];
+    size_t first = 0;
+    double corner[3];
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (size_t k = 0; k < q->tool; k++) first += (size_t)q->boundary->body_shape[k][0];
+    for (size_t n = first; n < first + (size_t)q->boundary->body_shape[q->tool][0]; n++) {
+        gn_rigid_place(body, q->boundary->body_vertex + 4 * n, corner);
+        const double at = corner[axis] - body->position[axis] + body->start[axis];
+        *low = fmin(*low, at);
+        *high = fmax(*high, at);
+    }
+}
+
+double gn_cutting_depth_at_start(const gn_step_context *ctx, const gn_boundary *boundary,
+                                 const gn_cutting *c) {
+    const cut q = cut_of(ctx, NULL, boundary, c);
+    double low, high;
+    extent_at_start(&q, q.normal, &low, &high);
+    return c->outward > 0.0 ? c->surface - low : high - c->surface;
+}
+
+static const char *side_of(double depth) {
+    return depth < 0.0 ? "above" : "below";
+}
+
+bool gn_cutting_depth_differs(const gn_step_context *ctx, const double depth[2], char *text,
+                              size_t size) {
+    const double given = ctx->scene.test.given.depth, limit = 0.05 * given;
+    const char *place = gn_scene_at(&ctx->scene, ctx->scene.test.where, "test").text;
+    if (!(fabs(depth[0] - given) > limit || fabs(depth[1] - given) > limit)) return false;
+    if (fabs(depth[1] - depth[0]) > 0.01 * given)
+        snprintf(text, size,
+                 "%s: depth is %.4g m, the tool is %.4g m %s the surface of the rock where means "
+                 "begin and %.4g m %s it where they end: specific_energy and predictions refer to "
+                 "depth",
+                 place, given, fabs(depth[0]), side_of(depth[0]), fabs(depth[1]),
+                 side_of(depth[1]));
+    else
+        snprintf(text, size,
+                 "%s: depth is %.4g m, the tool begins %.4g m %s the surface of the rock", place,
+                 given, fabs(depth[0]), side_of(depth[0]));
+    return true;
+}
+
+/* Follows the prescribed motion until the tool has come `path` along the cut or the run ends.
+ * Returns the path that it has come, m; `rise`: its path out of the rock, m. */
+static double follow(const cut *q, double path, double *rise) {
+    enum { PARTS = 4000 };
+    const gn_table *velocity = q->def->motion.velocity;
+    const double part = q->ctx->scene.end / PARTS;
+    double came = 0.0;
+    *rise = 0.0;
+    for (int k = 0; k < PARTS && came < path; k++) {
+        came +=
+            q->state->direction * gn_table_between(velocity + q->axis, k * part, (k + 1) * part);
+        *rise +=
+            q->state->outward * gn_table_between(velocity + q->normal, k * part, (k + 1) * part);
+    }
+    return came;
+}
+
+static bool is_followed(const cut *q) {
+    return !q->ctx->given.stage_count && q->state->direction != 0.0;
+}
+
+static bool depth_differs(const cut *q, char *text, size_t size) {
+    double rise[2], depth[2];
+    if (!is_followed(q) || (q->def->free && !q->def->motion.velocity[q->normal].count))
+        return false;
+    follow(q, q->state->begin, &rise[0]);
+    follow(q, q->state->end, &rise[1]);
+    for (int k = 0; k < 2; k++)
+        depth[k] = gn_cutting_depth_at_start(q->ctx, q->boundary, q->state) - rise[k];
+    return gn_cutting_depth_differs(q->ctx, depth, text, size);
+}
+
+static bool is_short(const cut *q, char *text, size_t size) {
+    double rise;
+    if (!is_followed(q)) return false;
+    const double came = follow(q, q->state->end, &rise);
+    if (came > (1.0 - 1e-3) * q->state->end) return false;
+    snprintf(text, size,
+             "%s: until time.end (%g s) the tool comes %.4g m far, means are taken from %.4g m to "
+             "%.4g m of its path: they will be those of a part of it, or absent",
+             q->place.text, q->ctx->scene.end, came, q->state->begin, q->state->end);
+    return true;
+}
+
+/* --- tool --- */
+
+static bool is_locked(const cut *q, char *text, size_t size) {
+    if (!q->def->has_disc_cutter || (q->def->free && !q->def->motion.spin[1].count)) return false;
+    snprintf(text, size,
+             "%s: the disc cutter '%s' cannot turn about its axis, so that it scrapes (free: true "
+             "without motion.wy lets it roll)",
+             q->place.text, q->def->name);
+    return true;
+}
+
+/* The axis of a disc cutter is y, turned by its rotation. */
+static bool is_skew(const cut *q, char *text, size_t size) {
+    double m[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (!q->def->has_disc_cutter || q->ctx->scene.dimension == 2) return false;
+    if (q->def->has_rotation) gn_rotation_matrix(q->def->rotation, m);
+    const double across = fmin(1.0, fabs(m[3 * q->side + 1]));
+    if (across > 0.9) return false;
+    snprintf(text, size,
+             "%s: the axis of the disc cutter '%s' is %.0f degrees off %c, the direction across "
+             "the cut, so that it does not roll along the cut (rotation turns it)",
+             q->place.text, q->def->name, acos(across) * 180.0 / M_PI, "xyz"[q->side]);
+    return true;
+}
+
+static bool is_beside(const cut *q, char *text, size_t size) {
+    double low, high;
+    const int a = q->side;
+    if (q->ctx->scene.dimension == 2) return false;
+    extent_at_start(q, a, &low, &high);
+    const double least = q->ctx->lower[a], most = q->ctx->upper[a];
+    if (high > least && low < most) return false;
+    snprintf(text, size,
+             "%s: the tool '%s' passes beside the rock: along %c it is from %.4g m to %.4g m, the "
+             "particles are from %.4g m to %.4g m",
+             q->place.text, q->def->name, "xyz"[a], low + q->ctx->scene.origin[a],
+             high + q->ctx->scene.origin[a], least + q->ctx->scene.origin[a],
+             most + q->ctx->scene.origin[a]);
+    return true;
+}
+
+static bool is_wide(const cut *q, char *text, size_t size) {
+    const double most = 1.5, width = q->ctx->upper[q->side] - q->ctx->lower[q->side],
+                 spacing = q->ctx->scene.test.given.spacing,
+                 tool = q->def->has_chisel ? q->def->scale * q->def->tool.width : 0.0;
+    if (q->ctx->scene.dimension == 2 || fmax(spacing, tool) <= most * width) return false;
+    if (spacing > most * width)
+        snprintf(text, size,
+                 "%s: spacing is %.4g m, the rock is %.4g m wide across the cut: specific_energy "
+                 "refers to rock that is not there",
+                 q->place.text, spacing, width);
+    else
+        snprintf(text, size,
+                 "%s: the tool '%s' is %.4g m wide, the rock is %.4g m wide across the cut",
+                 q->place.text, q->def->name, tool, width);
+    return true;
+}
+
+/* --- numbers --- */
+
+static bool has_odd_values(const cut *q, char *text, size_t size) {
+    const gn_test_sizes *t = &q->ctx->scene.test.given;
+    const double path = q->state->end - q->state->begin;
+    if (t->compressive_strength > 0.0 && t->tensile_strength > t->compressive_strength)
+        snprintf(text, size,
+                 "%s: compressive_strength is %.4g Pa, below tensile_strength of %.4g Pa",
+                 q->place.text, t->compressive_strength, t->tensile_strength);
+    else if (path > 0.0 && t->peak_window > path)
+        snprintf(text, size,
+                 "%s: peak_window is %.4g m, longer than the path of the means of %.4g m: peaks "
+                 "will be those means",
+                 q->place.text, t->peak_window, path);
+    else
+        return false;
+    return true;
+}
+
+static bool is_coarse(const cut *q, char *text, size_t size) {
+    const double least = 2.0, depth = q->ctx->scene.test.given.depth;
+    const size_t count = q->dem->particles.soa.count;
+    double sum = 0.0;
+    for (size_t p = 0; p < count; p++) sum += q->dem->particles.pos[4 * p + 3];
+    const double diameter = count ? 2.0 * sum / (double)count : 0.0;
+    if (!(least * diameter > depth * (1.0 + 1e-9))) return false;
+    snprintf(text, size,
+             "%s: depth is %.4g m, %.2g mean diameters of particles (%.4g m): grains cannot be "
+             "crushed, and below about %g diameters forces depend on their size",
+             q->place.text, depth, depth / diameter, diameter, least);
+    return true;
+}
+
+bool gn_cutting_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_cutting *c, gn_cutting_doubt doubt, char *text, size_t size) {
+    static bool (*const applies[GN_CUT_DOUBTS])(const cut *, char *, size_t) = {
+        [GN_CUT_LOCKED] = is_locked,      [GN_CUT_SKEW] = is_skew,
+        [GN_CUT_BESIDE] = is_beside,      [GN_CUT_WIDE] = is_wide,
+        [GN_CUT_VALUES] = has_odd_values, [GN_CUT_PARTICLES] = is_coarse,
+        [GN_CUT_DEPTH] = depth_differs,   [GN_CUT_SHORT] = is_short};
+    const cut q = cut_of(ctx, dem, boundary, c);
+    return applies[doubt](&q, text, size);
+}
