@@ -9,5 +9,10 @@ class Problem(Exception):
         self.code = code
 
 
+def code_of(error):
+    """The exit code for an OSError of a file that is read: 2 if there is none of its name, else 3."""
+    return 2 if isinstance(error, FileNotFoundError) else 3
+
+
 class OutOfBudget(Exception):
     """The runs or minutes of the budget are used up."""

@@ -9,7 +9,7 @@ import yaml
 
 from calibrate import curves, units
 from calibrate.laws import NAMES as LAWS
-from calibrate.problem import Problem
+from calibrate.problem import Problem, code_of
 from calibrate.specimens import particles_of
 
 # Reading: unit, lowest and highest value, default tolerance (a number below 1: of the value; of a ratio or an angle: absolute).
@@ -99,7 +99,7 @@ class File:
             self._refuse_loops(text)
             self.root = yaml.compose(text, Loader=yaml.SafeLoader)
         except OSError as error:
-            raise Problem(f"{path}: cannot be read: {error.strerror}", 3) from error
+            raise Problem(f"{path}: cannot be read: {error.strerror}", code_of(error)) from error
         except UnicodeDecodeError as error:
             raise Problem(f"{path}: expected UTF-8 text: {error.reason}") from error
         except yaml.MarkedYAMLError as error:
@@ -236,7 +236,7 @@ def _curve(file, node):
     try:
         strains, stresses = curves.read(os.path.join(os.path.dirname(os.path.abspath(file.path)), name))
     except OSError as error:
-        file.fail(keys["file"], f"targets.curve.file: {name} cannot be read: {error.strerror}", 3)
+        file.fail(keys["file"], f"targets.curve.file: {name} cannot be read: {error.strerror}", code_of(error))
     except ValueError as error:
         file.fail(keys["file"], f"targets.curve.file: {name}: {error}")
     most = float(np.max(stresses))
@@ -336,7 +336,7 @@ def _base_scene(file, node):
     try:
         open(path, "rb").close()
     except OSError as error:
-        file.fail(node, f"scene: {node.value} cannot be read: {error.strerror}", 3)
+        file.fail(node, f"scene: {node.value} cannot be read: {error.strerror}", code_of(error))
     base = File(path)
     nodes = base.section(base.root, "scene")
     for key in ("specimen", "materials", "law"):

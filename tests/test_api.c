@@ -268,6 +268,7 @@ static void null_worlds_are_refused(void **state) {
     REFUSED(gneiss_world_reading_at(NULL, 0, &q, &error));
     REFUSED(gneiss_world_energy(NULL, "kinetic", &q, &error));
     REFUSED(gneiss_world_energy_at(NULL, 0, &q, &error));
+    REFUSED(gneiss_world_energy_instant(NULL, &(int64_t){0}, &(double){0}, &error));
 }
 
 static void null_results_and_names_are_refused(void **state) {
@@ -292,6 +293,8 @@ static void null_results_and_names_are_refused(void **state) {
     REFUSED(gneiss_world_reading_at(w, 0, NULL, &error));
     REFUSED(gneiss_world_energy(w, NULL, &q, &error));
     REFUSED(gneiss_world_energy_at(w, 0, NULL, &error));
+    REFUSED(gneiss_world_energy_instant(w, NULL, &(double){0}, &error));
+    REFUSED(gneiss_world_energy_instant(w, &(int64_t){0}, NULL, &error));
     gneiss_world_free(w);
 }
 

@@ -165,7 +165,8 @@ static void a_body_alone_has_a_step(void **state) {
     world_end(w);
     text *t = calloc(1, sizeof *t);
     add(t, "%sbodies: [{name: b, " BLOCK "}]\ntime: {end: 1}\n", head3);
-    assert_change_refused(t->s, "name: b", "name: c", "time.step: required, because no moving part");
+    assert_change_refused(t->s, "name: b", "name: c",
+                          "time.step: required, because no moving part");
     free(t);
 }
 

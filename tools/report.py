@@ -289,13 +289,13 @@ def main(arguments):
     try:
         print(printable(write_report(arguments[0])))
     except Unreadable as e:
-        print(printable(f"report: {e}"), file=sys.stderr)
+        print(printable(f"gneiss: input error: {e}"), file=sys.stderr)
         return 2
     except OSError as e:
-        print(printable(f"report: cannot write: {e}"), file=sys.stderr)
+        print(printable(f"gneiss: file error: the report cannot be written: {e}"), file=sys.stderr)
         return 3
     except Exception as e:  # A foreign file can hold anything: it is refused without a traceback.
-        print(printable(f"report: {arguments[0]}: the results cannot be drawn: {type(e).__name__}: {e}"), file=sys.stderr)
+        print(printable(f"gneiss: input error: {arguments[0]}: the results cannot be drawn: {type(e).__name__}: {e}"), file=sys.stderr)
         return 2
     return 0
 

@@ -451,14 +451,19 @@ GNEISS_API gneiss_status gneiss_world_reading(const gneiss_world *world, const c
 GNEISS_API gneiss_status gneiss_world_reading_at(const gneiss_world *world, size_t index,
                                                  gneiss_quantity *reading, gneiss_error *error);
 
-/* Terms of the energy ledger at the last history row, J: "kinetic", "elastic_normal", "friction",
- * ...; "stored_at_start"; and "residual" (1). Values are NaN with output.energy off or before the
- * first row. GNEISS_ERROR_INPUT: no such term. */
+/* Terms of the energy ledger at the last measured instant, J: "kinetic", "elastic_normal",
+ * "friction", ...; "stored_at_start"; and "residual" (1). History rows, the last step of a run and
+ * few others are measured. Values are NaN with output.energy off or before the first row.
+ * GNEISS_ERROR_INPUT: no such term. */
 GNEISS_API size_t gneiss_energy_count(void);
 GNEISS_API gneiss_status gneiss_world_energy(const gneiss_world *world, const char *name,
                                              gneiss_quantity *term, gneiss_error *error);
 GNEISS_API gneiss_status gneiss_world_energy_at(const gneiss_world *world, size_t index,
                                                 gneiss_quantity *term, gneiss_error *error);
+/* Steps done and time, s, at the instant of these terms, as the columns "step" and "time" of the
+ * history. -1 and NaN: the terms are NaN, or a loaded world was last measured between two rows. */
+GNEISS_API gneiss_status gneiss_world_energy_instant(const gneiss_world *world, int64_t *step,
+                                                     double *time, gneiss_error *error);
 
 #ifdef __cplusplus
 }

@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
+import hashlib
 import json
 import os
 import subprocess
@@ -19,17 +21,36 @@ Path = Union[str, "os.PathLike[str]"]
 Seeds = Union[int, Sequence[int], None]
 
 
+def _shared(name: str) -> int:
+    """Opens a file that calls of the same content share: the last one that holds it may remove it."""
+    while True:
+        file = os.open(name, os.O_RDWR | os.O_CREAT, 0o600)
+        fcntl.flock(file, fcntl.LOCK_SH)
+        with contextlib.suppress(FileNotFoundError):
+            if os.stat(name).st_ino == os.fstat(file).st_ino:
+                return file
+        os.close(file)
+
+
 @contextlib.contextmanager
 def _file_of(source: Scene | Source, folder: Path | None = None) -> Iterator[str]:
-    """The path of a file with a dict, text or Scene, for the duration of a command; a path is not changed."""
+    """The path of a file with a dict, text or Scene, for the duration of a command; a path is not changed. Its name follows from its
+    content, by which a folder of results knows its scene again."""
     if isinstance(source, os.PathLike) or (isinstance(source, str) and "\n" not in source):
         yield os.fspath(source)
         return
     text = source.text if isinstance(source, Scene) else written(source) if isinstance(source, Mapping) else source
-    with tempfile.NamedTemporaryFile("w", suffix=".yaml", prefix="gneiss-", dir=folder or os.getcwd(), encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        yield file.name
+    data = text.encode()
+    name = os.path.join(folder or os.getcwd(), f"gneiss-{hashlib.sha256(data).hexdigest()[:16]}.yaml")
+    file = _shared(name)
+    try:
+        os.pwrite(file, data, 0)
+        yield name
+    finally:
+        with contextlib.suppress(BlockingIOError):
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.unlink(name)
+        os.close(file)
 
 
 def _share(progress: Mapping[str, Any]) -> tuple[float, str]:
@@ -78,7 +99,8 @@ def _call(command: str, target: Path, *options: str, changes: Changes = None, pr
         messages.seek(0)
         if process.returncode != 0:
             errors = [entry["text"] for entry in lines if entry["level"] == "error"]
-            raise error_of(process.returncode, "\n".join(errors) or messages.read().strip())
+            message = "\n".join(errors) or messages.read().strip()
+            raise error_of(process.returncode, message.replace("with --out", "as `out`").replace("--force replaces", "force=True replaces"))
     return next((dict(entry["result"]) for entry in reversed(lines) if entry["level"] == "result"), {})
 
 

@@ -80,6 +80,13 @@ def error_of(status: int, message: str) -> GneissError:
     return _BY_STATUS.get(status, GneissError)(message)
 
 
+def error_at(key: str, message: str) -> InputError:
+    """The exception for a value that is refused before it has a place in a text."""
+    error = InputError(f"{key}: {message}" if key else message)
+    error.problems, error.key = [Problem("", 0, 0, key, message)], key
+    return error
+
+
 def checked(function: Any, *arguments: Any) -> None:
     """Calls a function of the library with an error added to its arguments. Raises what it reports."""
     error = ffi.new("gneiss_error *")

@@ -52,11 +52,21 @@ class About(NamedTuple):
     description: str
 
 
-class Record(Mapping[str, Array]):
+class _Shown:
+    """What shows the memory of a world: without other attributes, and not to be pickled."""
+    __slots__ = ()
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"{type(self).__name__} shows the memory of a World and cannot be pickled or copied: pickle the World, or a dict of "
+                        "its arrays")
+
+
+class Record(_Shown, Mapping[str, Array]):
     """The fields of particles, bonds, pairs, wall_contacts, nodes or elements by name: read-only arrays over the engine's memory, [items]
     or [items][components]. They show the present order of the items; `id` of particles is their place in the specimen. Ask for them again
     after an advance: the engine may then use other memory, and an older array keeps what it showed last. `about[name]` has unit and
     description."""
+    __slots__ = ("_c", "_number")
 
     def __init__(self, world: Any, number: int) -> None:
         self._c, self._number = world, number
@@ -141,6 +151,7 @@ class Record(Mapping[str, Array]):
 
 class Particles(Record):
     """The particles, with parts of their rows by name."""
+    __slots__ = ()
 
     @property
     def position(self) -> Array:
@@ -159,13 +170,16 @@ class Particles(Record):
 
     @property
     def mass(self) -> Array:
-        """[n] kg, a new array; infinite for removed particles."""
+        """[n] kg, a new array, read-only; infinite for removed particles."""
         with np.errstate(divide="ignore"):
-            return 1.0 / self["vel"][:, 3]
+            mass = 1.0 / self["vel"][:, 3]
+        mass.flags.writeable = False
+        return mass
 
 
-class History(Mapping[str, Array]):
+class History(_Shown, Mapping[str, Array]):
     """Columns of the history by name: read-only arrays [rows] over the engine's memory, to be asked for again after an advance."""
+    __slots__ = ("_c",)
 
     def __init__(self, world: Any) -> None:
         self._c = world
@@ -194,13 +208,14 @@ class History(Mapping[str, Array]):
         return {text(view.name): About(text(view.name), text(view.unit), text(view.description)) for view in self._each()}
 
     def table(self) -> Any:
-        """A copy as a pandas.DataFrame, or a structured array where pandas is not installed."""
+        """A copy as a pandas.DataFrame with attrs["units"] {column: unit}, or a structured array where pandas is not installed."""
         from .results import table_of
-        return table_of({name: self[name] for name in self})
+        return table_of({name: self[name] for name in self}, self.about)
 
 
-class Quantities(Mapping[str, float]):
+class Quantities(_Shown, Mapping[str, float]):
     """Numbers by name: readings, or terms of the energy ledger. NaN: absent. `about[name]` has unit and description."""
+    __slots__ = ("_c", "_count", "_at")
 
     def __init__(self, world: Any, count: Any, at: Any) -> None:
         self._c, self._count, self._at = world, count, at
@@ -230,3 +245,27 @@ class Quantities(Mapping[str, float]):
 
     def __repr__(self) -> str:
         return repr({name: value for name, value in self.items() if value == value})
+
+
+class Energy(Quantities):
+    """Terms of the energy ledger by name, J, and `residual` (1), at the last measured instant: that of the last history row, or of the last
+    step of a run. `step` and `time` say which."""
+    __slots__ = ()
+
+    def __init__(self, world: Any) -> None:
+        super().__init__(world, lib.gneiss_energy_count, lib.gneiss_world_energy_at)
+
+    def _instant(self) -> tuple[int, float]:
+        step, time = ffi.new("int64_t *"), ffi.new("double *")
+        checked(lib.gneiss_world_energy_instant, self._c, step, time)
+        return step[0], time[0]
+
+    @property
+    def step(self) -> int:
+        """Steps done at the measured instant; -1: unknown (before the first row, without output.energy)."""
+        return self._instant()[0]
+
+    @property
+    def time(self) -> float:
+        """s: the measured instant; NaN where `step` is -1."""
+        return self._instant()[1]

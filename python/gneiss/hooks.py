@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from ._library import ffi, lib
+from .arguments import finite, function_of, rows
 from .errors import InputError, checked
 from .fields import Array, memory_array
 
@@ -42,7 +43,7 @@ def _keep(world: World, hook: Hook, number: Any) -> Hook:
 
 def add_call(world: World, function: Callable[[World], Any], every: int = 0, times: Sequence[float] = ()) -> Hook:
     """Has function(world) called after every `every`th step, and after the step that ends nearest to each of `times`, s."""
-    hook = Hook(world, function)
+    hook = Hook(world, function_of(function))
     reference = hook._world
 
     def note(kind, error, _trace):
@@ -111,20 +112,23 @@ def add_force(world: World, function: Callable[[Points], Any], stiffness: float 
     """Adds the field of force function(points), called once in every step."""
     records = {"particles": lib.GNEISS_PARTICLES, "nodes": lib.GNEISS_NODES}
     if on not in records:
-        raise InputError(f"expected a field of force on {' or '.join(records)}, found '{on}'")
-    hook, points = Hook(world, function), Points()
+        raise InputError(f"on: expected a field of force on {' or '.join(records)}, found {on!r}")
+    if on == "nodes" and not world.nodes.count:
+        raise InputError("on: expected a scene with finite elements for a field of force on nodes, found one without")
+    stiffness = finite(stiffness, "stiffness, N/m")
+    hook, points = Hook(world, function_of(function)), Points()
     reference = hook._world
 
     def note(kind, error, _trace):
         world = reference()
         if world is not None:
-            world._failed = error
+            world._failed = world._cause = error
         return 1
 
     def evaluate():
         force = function(points)
         if force is not None:
-            points.force[...] = force
+            points.force[...] = rows(force, points.force.shape, "field of force")
 
     @ffi.callback("gneiss_force", error=1, onerror=note)
     def act(_context, c_points):

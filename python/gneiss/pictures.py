@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 import numpy as np
 
+from .arguments import finite, rows, whole
+from .errors import InputError
 from .fields import Array
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ class Discs(NamedTuple):
 def values_of(world: World, colour: Colour) -> tuple[Array, str]:
     """[particles] in their present order, and a label. A field or an output by its name (of vectors the size), or an array."""
     if not isinstance(colour, str):
-        return np.asarray(colour, float), ""
+        return rows(colour, (world.particles.count,), "colour"), ""
     particles = world.particles
     if colour in ("position", "radius", "velocity"):
         values, unit = getattr(particles, colour), "m/s" if colour == "velocity" else "m"
@@ -45,6 +47,13 @@ def values_of(world: World, colour: Colour) -> tuple[Array, str]:
 def discs_of(world: World, colour: Colour, cut: Cut, view: str) -> tuple[Discs, str, str]:
     """Discs, the label of their values and the two axes. `cut` ('y', 0.01): the section by a plane; else seen along `view`."""
     value, label = values_of(world, colour)
+    if cut is not None:
+        if isinstance(cut, str) or len(cut) != 2:
+            raise InputError(f"cut: expected an axis and a height such as ('y', 0.01), found {cut!r}")
+        finite(cut[1], "cut, m")
+    for name, axis in (("cut", cut[0] if cut else "x"), ("view", view)):
+        if axis not in ("x", "y", "z"):
+            raise InputError(f"{name}: expected an axis, 'x', 'y' or 'z', found {axis!r}")
     position, radius = world.particles.position + world.origin, world.particles.radius.copy()
     there = np.isfinite(world.particles.mass)
     along = "xyz".index(cut[0] if cut else view)
@@ -160,6 +169,7 @@ class Film:
 def film_of(world: World, frames: int, until: Any, colour: Colour, cut: Cut, view: str | None, size: float) -> Film:
     """Advances the world and takes frames that are equally apart in time."""
     from .world import seconds_of
+    frames = whole(frames, "number of frames", 1)
     end = world.progress.end if until is None else seconds_of(until)
     times = np.linspace(world.time, end, frames)
     seen = view or ("z" if _is_plane(world) else "y")

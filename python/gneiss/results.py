@@ -26,8 +26,9 @@ def _columns(arrays: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def table_of(arrays: Mapping[str, Any]) -> Any:
-    """A copy of columns of one length: a pandas.DataFrame, or a structured array where pandas is not installed."""
+def table_of(arrays: Mapping[str, Any], about: Mapping[str, About]) -> Any:
+    """A copy of columns of one length: a pandas.DataFrame with attrs["units"] {column: unit}, or a structured array where pandas is not
+    installed."""
     columns = _columns({name: np.asarray(values) for name, values in arrays.items()})
     try:
         import pandas
@@ -37,7 +38,9 @@ def table_of(arrays: Mapping[str, Any]) -> Any:
         for name, values in columns.items():
             rows[name] = values
         return rows
-    return pandas.DataFrame({name: values.copy() for name, values in columns.items()})
+    frame = pandas.DataFrame({name: values.copy() for name, values in columns.items()})
+    frame.attrs["units"] = {column: about[name].unit for name, values in arrays.items() for column in _columns({name: np.asarray(values)})}
+    return frame
 
 
 def dataset_of(groups: Mapping[str, tuple[Mapping[str, Any], Mapping[str, About]]]) -> Any:
@@ -116,8 +119,8 @@ class Group(Mapping[str, Any]):
                                          if "absent" in group[name].attrs})
 
     def table(self) -> Any:
-        """The columns as a pandas.DataFrame, or a structured array where pandas is not installed."""
-        return table_of({name: self[name] for name in self if isinstance(self[name], np.ndarray)})
+        """The columns as a pandas.DataFrame with attrs["units"] {column: unit}, or a structured array where pandas is not installed."""
+        return table_of({name: self[name] for name in self if isinstance(self[name], np.ndarray)}, self.about)
 
     def __repr__(self) -> str:
         return f"<gneiss {self._group}: {', '.join(self._names())}>"

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -11,38 +12,45 @@ import numpy as np
 
 from . import keys
 from ._library import encoded, ffi, files, lib, text
-from .errors import checked
+from .errors import checked, error_at
 
 
 Changes = Union[Mapping[str, Any], Sequence[str], str, None]
 Source = Union[keys.Scene, Mapping[str, Any], str, "os.PathLike[str]"]
 
 
-def _plain(value: Any) -> Any:
-    """A value as JSON has it: numbers and arrays of numpy, paths; True and False as on and off."""
+def _plain(value: Any, key: str) -> Any:
+    """A value as JSON has it: numbers and arrays of numpy, paths; True and False as on and off. Refuses other types and numbers that are
+    not finite, with the key."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(name): _plain(item, f"{key}.{name}" if key else str(name)) for name, item in value.items()}
+    if isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and np.isfinite(value).all():
+        return value.tolist()
+    if isinstance(value, np.ndarray) and value.ndim:
+        value = list(value)
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [_plain(item, f"{key}[{k}]") for k, item in enumerate(value)]
     if isinstance(value, (bool, np.bool_)):
         return "on" if value else "off"
     if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
+        value = value.tolist()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise error_at(key, f"expected a finite number, found {value}")
     if value is None or isinstance(value, (str, int, float)):
         return value
-    raise TypeError(f"expected numbers, texts, lists and dicts in a scene, found a {type(value).__name__}")
+    raise TypeError(f"{key}: expected numbers, texts, lists and dicts in a scene, found {value!r} ({type(value).__name__})")
 
 
 def written(values: Mapping[str, Any]) -> str:
     """A dict as YAML text, a line for each value of nested sections, so that messages lead to the key: JSON is YAML."""
-    return json.dumps(_plain(values), indent=1, allow_nan=False) + "\n"
+    return json.dumps(_plain(values, ""), indent=1, allow_nan=False) + "\n"
 
 
 def override_text(key: str, value: Any) -> str:
     """key=value as `--set` has it."""
-    value = _plain(value)
+    value = _plain(value, key)
     return f"{key}={value if isinstance(value, str) else json.dumps(value, allow_nan=False)}"
 
 
@@ -93,6 +101,9 @@ class Scene:
     def text(self) -> str:
         """The resolved scene as YAML: SI units, every default filled in."""
         return text(lib.gneiss_scene_text(self._c))
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Scene cannot be pickled: pickle its `text`, or what it was made from")
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Writes the resolved scene to a file, under a temporary name first."""

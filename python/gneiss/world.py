@@ -2,25 +2,29 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import tempfile
 import threading
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 
 from . import hooks, pictures
 from ._library import encoded, ffi, files, lib, text
+from .arguments import finite, function_of, rows, whole
 from .bars import bar
-from .errors import InputError, Interrupted, checked
-from .fields import Array, History, Particles, Quantities, Record, memory_array
+from .errors import GneissError, InputError, Interrupted, checked
+from .fields import Array, Energy, History, Particles, Quantities, Record, memory_array
 from .hooks import Hook, Points
 from .scene import Changes, Scene, Source, as_c, scene_of
 
 _SLICE = 0.05  # s of wall time between two checks for signals
 _COMPONENTS = {"vx": 0, "vy": 1, "vz": 2, "wx": 3, "wy": 4, "wz": 5}
+_RECORDS = ("particles", "bonds", "pairs", "wall_contacts", "nodes", "elements")
+_SHOWN = (*_RECORDS, "history", "readings", "energy")
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
 
@@ -29,17 +33,17 @@ Time = Union[float, str]
 
 
 def seconds_of(value: Time) -> float:
-    """A time in s from a number or a text such as '2 ms'."""
+    """A finite time in s from a number or a text such as '2 ms'."""
     if not isinstance(value, str):
-        return float(value)
+        return finite(value, "time, s")
     for unit in sorted(_SECONDS, key=len, reverse=True):
         if value.strip().endswith(unit):
             with contextlib.suppress(ValueError):
-                return float(value.strip()[:-len(unit)]) * _SECONDS[unit]
-    try:
-        return float(value)
-    except ValueError:
-        raise InputError(f"expected a time such as '2 ms', found '{value}'") from None
+                return finite(float(value.strip()[:-len(unit)]), f"time, {unit}") * _SECONDS[unit]
+    with contextlib.suppress(ValueError):
+        if math.isfinite(number := float(value)):
+            return number
+    raise InputError(f"expected a time such as '2 ms', found '{value}'")
 
 
 class Progress(NamedTuple):
@@ -143,13 +147,13 @@ class World:
     elements: Record
     history: History
     readings: Quantities
-    energy: Quantities
+    energy: Energy
 
     def __init__(self, scene: Scene | Source, folder: Path | None = None, *, prepare: Callable[[Specimen], Any] | None = None,
                  set: Changes = None, allow_gmsh: bool | None = None) -> None:
         made, failed = ffi.new("gneiss_world **"), list[BaseException]()
         scene = scene_of(scene, set=set, allow_gmsh=allow_gmsh)
-        callback = _specimen_callback(prepare, failed) if prepare else ffi.NULL
+        callback = _specimen_callback(function_of(prepare), failed) if prepare is not None else ffi.NULL
         with files:
             lib.gneiss_scene_prepare(scene._c, callback, ffi.NULL)
             try:
@@ -167,13 +171,13 @@ class World:
         self._writes, self._stop, self._inside = writes, False, False
         self._hooks: dict[int, Hook] = {}
         self._removed: list[Hook] = []
-        self._failed: Optional[BaseException] = None
+        self._failed: Optional[BaseException] = None  # to be raised when the present call returns
+        self._cause: Optional[BaseException] = None  # what a field of force raised, which ended the world
+        self._kept = self.steps  # of the last checkpoint
         self._chunk, self._lock = 1, threading.Lock()
-        for number, name in enumerate(("particles", "bonds", "pairs", "wall_contacts", "nodes", "elements")):
-            setattr(self, name, (Particles if number == 0 else Record)(self._c, number))
-        self.history = History(self._c)
-        self.readings = Quantities(self._c, lib.gneiss_reading_count, lib.gneiss_world_reading_at)
-        self.energy = Quantities(self._c, lib.gneiss_energy_count, lib.gneiss_world_energy_at)
+        shown = {name: (Record if number else Particles)(self._c, number) for number, name in enumerate(_RECORDS)}
+        self.__dict__.update(shown, history=History(self._c), energy=Energy(self._c),
+                             readings=Quantities(self._c, lib.gneiss_reading_count, lib.gneiss_world_reading_at))
 
     @classmethod
     def _from(cls, function: Any, place: Path, changes: Changes, writes: bool) -> World:
@@ -201,35 +205,73 @@ class World:
         return self._c is None
 
     def close(self) -> None:
-        """Frees the world without writing anything, as soon as no array shows its memory any more."""
+        """Frees the world as soon as no array shows its memory any more. It writes nothing: `run` to the end, `finish` and `checkpoint`
+        do."""
         if self._inside:
             raise RuntimeError("expected no end of a world inside a call of its own hooks")
         self._c = None
         self._hooks.clear()
-        for name in ("particles", "bonds", "pairs", "wall_contacts", "nodes", "elements", "history", "readings", "energy"):
+        for name in _SHOWN:
             self.__dict__.pop(name, None)
 
     def __getattr__(self, name: str) -> Any:
-        if name in ("particles", "bonds", "pairs", "wall_contacts", "nodes", "elements", "history", "readings", "energy"):
+        if name in _SHOWN:
             raise ValueError("the world is closed")
         raise AttributeError(f"a World has no {name}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if type(self) is World and not name.startswith("_") and not isinstance(getattr(World, name, None), property):
+            raise AttributeError(f"{name} of a World cannot be set: expected velocities or spins, or keys of the scene when it is made")
+        super().__setattr__(name, value)
 
     def __enter__(self) -> World:
         return self
 
-    def __exit__(self, *_: Any) -> None:
-        self.close()
+    def __exit__(self, kind: Any, *_: Any) -> None:
+        try:
+            if kind is not None and issubclass(kind, KeyboardInterrupt):
+                self._keep()
+        finally:
+            self.close()
+
+    def _keep(self) -> None:
+        """Writes a checkpoint if the world has a folder and has moved since the last one."""
+        if not self.closed and self._writes and self._cause is None and self.steps > self._kept:
+            self.checkpoint()
+
+    @contextlib.contextmanager
+    def _kept_on_interrupt(self) -> Iterator[None]:
+        """Ctrl-C writes a checkpoint, as it does in the program."""
+        try:
+            yield
+        except KeyboardInterrupt as stop:
+            try:
+                if not self._inside:
+                    self._keep()
+            except GneissError as error:
+                raise KeyboardInterrupt(f"no checkpoint was written: {error}") from stop
+            raise
 
     def _pointer(self) -> Any:
         if self._c is None:
             raise ValueError("the world is closed")
         return self._c
 
+    def _checked(self, function: Any, *arguments: Any) -> None:
+        """Calls a function of the library; errors of a world that a field of force has ended have what that raised as their cause."""
+        try:
+            checked(function, self._pointer(), *arguments)
+        except GneissError as error:
+            cause = self._cause
+            if cause is None or self._failed is not None:
+                raise
+            raise type(error)(f"{error}: {type(cause).__name__}: {cause}") from cause
+
     # --- advance ---
 
     def _advance(self, function: Any, *arguments: Any) -> bool:
         """Makes one call into the engine; returns False if a function of a hook requested to stop."""
-        pointer = self._pointer()
+        self._pointer()
         if not self._inside and not self._lock.acquire(blocking=False):
             raise RuntimeError("the world is in use by another thread")
         if self._inside:
@@ -238,9 +280,9 @@ class World:
         try:
             if self._writes:
                 with files:
-                    checked(function, pointer, *arguments)
+                    self._checked(function, *arguments)
             else:
-                checked(function, pointer, *arguments)
+                self._checked(function, *arguments)
             return True
         except Interrupted:
             return False
@@ -256,21 +298,21 @@ class World:
             raise error
 
     def step(self, n: int = 1) -> int:
-        """Takes n steps, also beyond time.end and the stop conditions. Returns how many were taken: fewer if a call stopped the world."""
-        before = self.steps
-        if n < 0:
-            raise InputError(f"expected a number of steps of at least 0, found {n}")
-        while n > 0:
-            count = min(n, self._chunk)
-            began = clock.perf_counter()
-            if not self._advance(lib.gneiss_world_step, count):
-                break
-            n -= count
-            took = clock.perf_counter() - began
-            if took < 0.5 * _SLICE and count == self._chunk:
-                self._chunk *= 2
-            elif took > 2.0 * _SLICE:
-                self._chunk = max(1, self._chunk // 2)
+        """Takes n steps, also beyond time.end and the stop conditions. Returns how many were taken: fewer if a call stopped the world.
+        Ctrl-C ends it between two steps, with a checkpoint if there is an output folder."""
+        before, n = self.steps, whole(n, "number of steps", 0)
+        with self._kept_on_interrupt():
+            while n > 0:
+                count = min(n, self._chunk)
+                began = clock.perf_counter()
+                if not self._advance(lib.gneiss_world_step, count):
+                    break
+                n -= count
+                took = clock.perf_counter() - began
+                if took < 0.5 * _SLICE and count == self._chunk:
+                    self._chunk *= 2
+                elif took > 2.0 * _SLICE:
+                    self._chunk = max(1, self._chunk // 2)
         return self.steps - before
 
     def run(self, until: Time | Callable[[World], Any] | None = None, *, every: int = 100, progress: bool = False) -> Progress:
@@ -279,18 +321,20 @@ class World:
         until     a time (s, or '2 ms') or a function(world) that is asked every `every` steps: stops there instead, without finishing
         progress  a bar, with tqdm if that is installed
 
-        Returns the property `progress`.
+        Returns the property `progress`. Ctrl-C ends the run between two steps, with a checkpoint if there is an output folder.
         """
         end = None if until is None or callable(until) else seconds_of(until)
         going, stop = True, None
         if callable(until):
             stop = self.every(every, _stop_when(until))
         elif end is not None:
+            if end < self.time - 0.5 * self.dt:
+                raise InputError(f"until: expected a time after the present {self.time:.9g} s, found {end:.9g} s")
             if self.time >= end - 0.5 * self.dt:
                 return self.progress
             stop = self.at([end], World.stop)
         try:
-            with bar(progress) as show:
+            with self._kept_on_interrupt(), bar(progress) as show:
                 last = min(end, self.progress.end) if end is not None else self.progress.end
                 while going and not self.progress.finished:
                     going = self._advance(lib.gneiss_world_advance, _SLICE)
@@ -305,7 +349,8 @@ class World:
     def finish(self) -> None:
         """Writes the last snapshot, a checkpoint, results.h5 and summary.json, if there is an output folder."""
         with files:
-            checked(lib.gneiss_world_finish, self._pointer())
+            self._checked(lib.gneiss_world_finish)
+        self._kept = self.steps
 
     def stop(self) -> None:
         """Inside a call: has `step` or `run` return after it."""
@@ -315,14 +360,16 @@ class World:
 
     def every(self, n: int, function: Callable[[World], Any] | None = None) -> Any:
         """Has function(world) called after each step whose number is a multiple of n. Also a decorator. Returns a Hook."""
-        if n < 1:
-            raise InputError(f"expected a number of steps of at least 1, found {n}")
-        return self._hooked(hooks.add_call, function, every=n)
+        return self._hooked(hooks.add_call, function, every=whole(n, "number of steps", 1))
 
     def at(self, times: Time | Sequence[Time], function: Callable[[World], Any] | None = None) -> Any:
-        """Has function(world) called after the step that ends nearest to each of `times` (s, or '2 ms'). Also a decorator."""
-        times = [times] if isinstance(times, (str, float, int)) else times
-        return self._hooked(hooks.add_call, function, times=sorted({seconds_of(time) for time in times}))
+        """Has function(world) called after the step that ends nearest to each of `times` (s, or '2 ms'), which have to be
+        after the present one. Also a decorator."""
+        several: Any = [times] if isinstance(times, str) or np.ndim(times) == 0 else times
+        instants = sorted({seconds_of(time) for time in several})
+        if instants and not instants[0] > self.time:
+            raise InputError(f"times: expected times after the present {self.time:.9g} s, found {instants[0]:.9g} s")
+        return self._hooked(hooks.add_call, function, times=instants)
 
     def force(self, function: Callable[[Points], Any] | None = None, *, stiffness: float = 0.0, on: str = "particles") -> Any:
         """Adds a field of force: function(points) writes points.force [n][3], N, or returns it, in every step. Its work is `work_user` of
@@ -359,10 +406,10 @@ class World:
 
     def _set_velocities(self, velocity: Any, spin: Any) -> None:
         n = self.particles.count
-        rows = [None if value is None else np.ascontiguousarray(np.broadcast_to(np.asarray(value, float), (n, 3)))
-                for value in (velocity, spin)]
-        pointers = [ffi.NULL if row is None else ffi.cast("double *", row.ctypes.data) for row in rows]
-        checked(lib.gneiss_world_set_velocities, self._pointer(), *pointers, n)
+        given = [None if value is None else np.ascontiguousarray(rows(value, (n, 3), what))
+                 for value, what in ((velocity, "velocities"), (spin, "spins"))]
+        pointers = [ffi.NULL if row is None else ffi.cast("double *", row.ctypes.data) for row in given]
+        self._checked(lib.gneiss_world_set_velocities, *pointers, n)
 
     def set_motion(self, name: str, **components: float) -> None:
         """Sets components of the prescribed motion of a wall, set or body from the coming step on: vx vy vz (m/s), wx wy wz (rad/s). The
@@ -370,11 +417,12 @@ class World:
         for component, value in components.items():
             if component not in _COMPONENTS:
                 raise InputError(f"expected one of {', '.join(_COMPONENTS)}, found '{component}'")
-            checked(lib.gneiss_world_set_motion, self._pointer(), name.encode(), _COMPONENTS[component], value)
+            value = finite(value, f"{component} of '{name}', {'m/s' if component[0] == 'v' else 'rad/s'}")
+            self._checked(lib.gneiss_world_set_motion, str(name).encode(), _COMPONENTS[component], value)
 
     def end_stage(self) -> None:
         """Ends the present stage of a scene with stages: the next one begins with the coming step; after the last the run is finished."""
-        checked(lib.gneiss_world_end_stage, self._pointer())
+        self._checked(lib.gneiss_world_end_stage)
 
     # --- state ---
 
@@ -464,12 +512,13 @@ class World:
         """Writes the whole state to one file, under a temporary name first. A world loaded from it continues with the same bits; hooks are
         not part of it."""
         with files:
-            checked(lib.gneiss_world_save, self._pointer(), encoded(path))
+            self._checked(lib.gneiss_world_save, encoded(path))
 
     def checkpoint(self) -> None:
         """Writes a checkpoint into the output folder, which keeps the newest two, and updates results.h5."""
         with files:
-            checked(lib.gneiss_world_checkpoint, self._pointer())
+            self._checked(lib.gneiss_world_checkpoint)
+        self._kept = self.steps
 
     def copy(self) -> World:
         """Another world with the same state, without hooks and output folder."""

@@ -1,6 +1,7 @@
 """Results, commands of the program and sweeps in Python. Speaks TAP."""
 import builtins
 import contextlib
+import threading
 
 import h5py
 import pandas
@@ -35,6 +36,7 @@ def results_of_a_run_are_arrays_tables_and_datasets(folder):
         for name in file["readings"]:
             value = file["readings"][name][0]
             assert results.readings[name] == value or (value != value and name in results.readings.absent)
+    assert results.history.table().attrs["units"]["stress"] == "Pa" and results.bonds.table().attrs["units"]["force_1"] == "N"
     assert results.attributes["state_hash"] == results.summary["state_hash"] and results.attributes["finished"] == 1
     table = results.history.table()
     assert isinstance(table, pandas.DataFrame) and np.array_equal(table["time"], results.history.time)
@@ -54,6 +56,20 @@ def tables_are_structured_arrays_without_pandas(folder):
         with without("pandas"):
             rows = world.history.table()
         assert not isinstance(rows, pandas.DataFrame) and np.array_equal(rows["stress"], frame["stress"])
+
+
+@fact
+def a_dict_runs_again_into_its_folder(folder):
+    out = os.path.join(folder, "run")
+    for _ in range(2):
+        gneiss.run(PAIR, out, folder=folder)
+    error = raised(gneiss.InputError, gneiss.run, PAIR | {"title": "another"}, out, folder=folder)
+    assert "--" not in str(error) and os.listdir(folder) == ["run"], (str(error), os.listdir(folder))
+    threads = [threading.Thread(target=gneiss.run, args=(PAIR, os.path.join(folder, str(k))), kwargs={"folder": folder}) for k in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert sorted(os.listdir(folder)) == ["0", "1", "2", "3", "run"]
+    assert all(gneiss.Results(os.path.join(folder, str(k))).attributes["finished"] for k in range(4))
 
 
 @fact

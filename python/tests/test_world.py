@@ -1,4 +1,5 @@
 """Scenes, worlds, fields, errors and saving in Python. Speaks TAP."""
+import contextlib
 import copy
 import gc
 import pickle
@@ -156,6 +157,63 @@ def parts_of_rows_have_names_and_outputs_are_those_of_the_files(folder):
     assert raised(KeyError, p.output, "colour")
 
 
+@fact
+def energies_say_of_which_step_they_are(folder):
+    with gneiss.World(LATTICE) as world:
+        assert world.energy.step == -1 and np.isnan(world.energy.time)
+        stale = 0
+        for _ in range(60):
+            world.step()
+            row = {name: world.history[name][-1] for name in ("step", "time", "energy_kinetic")}
+            assert world.energy.step == row["step"] and world.energy.time == row["time"] and world.energy["kinetic"] == row["energy_kinetic"]
+            stale += world.steps - 1 != world.energy.step
+        assert 0 < stale < 60
+        other = world.copy()
+        assert other.energy.step == world.energy.step and other.energy.time == world.energy.time
+        world.run()
+        assert world.energy.step == world.steps - 1 and abs(world.energy.time + world.dt - world.time) < 1e-9 * world.time
+    with gneiss.World(LATTICE, set={"output.energy": "off"}) as world:
+        world.step()
+        assert world.energy.step == -1
+
+
+@fact
+def attributes_that_have_no_effect_are_refused(folder):
+    with gneiss.World(LATTICE) as world:
+        for thing, name in ((world, "velocity"), (world, "gravity"), (world, "particles"), (world, "step"), (world, "time"),
+                            (world.energy, "kinetic"), (world.readings, "peak_stress"), (world.particles, "mass"), (world.particles, "size"),
+                            (world.history, "stress")):
+            assert raised(AttributeError, setattr, thing, name, 5), name
+        assert raised(ValueError, world.particles.mass.__setitem__, 0, 99.0)
+        for thing in (world.particles, world.history, world.energy, gneiss.Scene(PAIR)):
+            assert "pickle" in str(raised(TypeError, pickle.dumps, thing))
+
+
+@fact
+def arguments_are_refused_with_what_was_expected_and_found(folder):
+    with gneiss.World(LATTICE) as world:
+        for kind, text, function, *arguments in (
+                (TypeError, "1.5", world.step, 1.5), (TypeError, "'3'", world.step, "3"), (TypeError, "'5'", world.every, "5"),
+                (TypeError, "function", world.every, 5, 3), (TypeError, "function", world.force, 3),
+                (TypeError, "complex", setattr, world, "velocities", 1j), (ValueError, "(7, 3)", setattr, world, "velocities", np.zeros((7, 3))),
+                (TypeError, "complex", world.run, 1j), (ValueError, "nan", world.run, "nan"), (ValueError, "inf", world.at, np.inf, print),
+                (ValueError, "number of frames", world.animate, 0), (ValueError, "(7,)", world.plot, np.zeros(7))):
+            assert text in str(raised(kind, function, *arguments)), (function, arguments)
+        assert "vz of 'top', m/s" in str(raised(TypeError, world.set_motion, "top", vz="1 m"))
+        for options in ({"cut": ("q", 0)}, {"cut": "y"}, {"view": "q"}):
+            assert raised(gneiss.InputError, world.plot, **options)
+        assert "without" in str(raised(gneiss.InputError, world.force, print, on="nodes"))
+        world.step(100)
+        assert "present" in str(raised(gneiss.InputError, world.at, [1e-9, 1.0], print))
+        assert "present" in str(raised(gneiss.InputError, world.run, 1e-9)) and world.steps == 100
+        world.run(world.time)
+        assert world.steps == 100
+    spoiled = {**PAIR, "specimen": {"particles": np.array([[0, 0, 0, 1e-3], [np.nan, 0, 0, 1e-3]])}}
+    assert raised(gneiss.InputError, gneiss.Scene, spoiled).key == "specimen.particles[1][0]"
+    assert raised(gneiss.InputError, gneiss.Scene, PAIR, set={"time.end": np.inf}).key == "time.end"
+    assert "time.end" in str(raised(TypeError, gneiss.Scene, {**PAIR, "time": {"end": 1j}}))
+
+
 # --- signals, threads, saving ---
 
 @fact
@@ -167,6 +225,25 @@ def ctrl_c_ends_a_run_between_two_steps(folder):
         timer.join()
         reached = world.steps
         assert reached > 0 and world.step(3) == 3 and world.steps == reached + 3
+
+
+@fact
+def ctrl_c_leaves_a_checkpoint_in_the_folder(folder):
+    def press(world):
+        if not world.steps % 80:
+            raise KeyboardInterrupt
+
+    for k, advance in enumerate((gneiss.World.run, lambda world: world.step(200))):
+        with gneiss.World(LATTICE, os.path.join(folder, str(k))) as world:
+            world.every(1, press)
+            raised(KeyboardInterrupt, advance, world)
+        with gneiss.World.resume(os.path.join(folder, str(k))) as again:
+            assert again.steps == 80
+    with contextlib.suppress(KeyboardInterrupt), gneiss.World(LATTICE, os.path.join(folder, "own")) as world:
+        world.step(30)
+        raise KeyboardInterrupt
+    with gneiss.World.resume(os.path.join(folder, "own")) as again:
+        assert again.steps == 30
 
 
 @fact

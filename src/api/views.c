@@ -265,9 +265,13 @@ static gneiss_status list_readings(const gneiss_world *world, gneiss_quantity ou
     return GNEISS_OK;
 }
 
+static bool has_energies(const gneiss_world *world) {
+    return world->run.world.ctx.effects & GN_FX_ENERGY && world->run.history.row_count;
+}
+
 static void list_energies(const gneiss_world *world, gneiss_quantity out[ENERGIES]) {
     const gn_world *w = &world->run.world;
-    bool known = w->ctx.effects & GN_FX_ENERGY && world->run.history.row_count;
+    const bool known = has_energies(world);
     gn_energy_figure figure[ENERGIES];
     gn_energy_figures(&w->ledger.reading, figure);
     for (int k = 0; k < ENERGIES; k++)
@@ -313,4 +317,29 @@ gneiss_status gneiss_world_energy_at(const gneiss_world *world, size_t index, gn
     GN_TRY(gn_api_require(world, "world", error));
     list_energies(world, all);
     return pick_at(all, ENERGIES, index, term, error);
+}
+
+/* A ledger that was not measured in this process is that of the last row if their residuals are
+ * equal. */
+gneiss_status gneiss_world_energy_instant(const gneiss_world *world, int64_t *step, double *time,
+                                          gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(step, "step", error));
+    GN_TRY(gn_api_require(time, "time", error));
+    const gn_ledger *ledger = &world->run.world.ledger;
+    const gn_history *history = &world->run.history;
+    *step = -1;
+    *time = NAN;
+    if (!has_energies(world)) return GNEISS_OK;
+    if (ledger->measured_step > 0) {
+        *step = ledger->measured_step - 1;
+        *time = ledger->measured_time;
+        return GNEISS_OK;
+    }
+    const size_t last = history->row_count - 1;
+    if (gn_history_column(history, "energy_residual")[last] != gn_energy_residual(&ledger->reading))
+        return GNEISS_OK;
+    *step = (int64_t)gn_history_column(history, "step")[last];
+    *time = gn_history_column(history, "time")[last];
+    return GNEISS_OK;
 }

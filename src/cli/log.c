@@ -46,11 +46,6 @@ static bool take_name(const char **text, char *name, size_t size) {
 }
 
 static bool take_level(gn_log *log, const char **text) {
-    if (starts(text, "report: ")) {
-        snprintf(log->level, sizeof log->level, "error");
-        snprintf(log->id, sizeof log->id, "report");
-        return true;
-    }
     if (!starts(text, "gneiss: ")) return false;
     snprintf(log->level, sizeof log->level, "info");
     snprintf(log->id, sizeof log->id, "%s", log->command);

@@ -6,6 +6,8 @@
 #include "frame/parts.h"
 #include "measure/energy.h"
 
+#include <stdint.h>
+
 /* X(name, text): results of the last measured step that cannot be recomputed from the state;
  * checkpoints contain them. */
 #define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
@@ -19,6 +21,9 @@ struct gn_ledger {
     GN_MEASURED(X)
 #undef X
     gn_balance balance; /* balance at the last measured step; not a part of the state */
+    /* Number of the last measured step, and s; 0: none in this process. Not a part of the state. */
+    int64_t measured_step;
+    double measured_time;
 };
 
 #endif

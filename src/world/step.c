@@ -55,6 +55,8 @@ static void read_particles(gn_world *world) {
     gn_dem_balance(&world->dem, &world->boundary, &world->ledger.balance);
     gn_boundary_balance(&world->ctx, &world->boundary, &world->ledger.balance);
     world->ledger.reading = *e;
+    world->ledger.measured_step = world->ctx.step + 1;
+    world->ledger.measured_time = world->ctx.time;
 }
 
 /* Elements have a ledger of their own, which is added to the reading only. In a model with
