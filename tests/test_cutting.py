@@ -61,7 +61,7 @@ def closes(folder, tools=1):
     return h
 
 
-@fact
+@plain_fact
 def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
     run(example("disc"), folder, *COARSE, *sets(test__run_in="45 mm", test__length="60 mm"))
     h, s = closes(folder), summary(folder)
@@ -125,7 +125,7 @@ def a_chisel_that_meets_nothing_has_no_force(folder):
     assert s["readings"]["normal_force"] is None
 
 
-@fact
+@plain_fact
 def a_tool_pressed_by_a_force_does_its_work(folder):
     pressed = sets(bodies__disc__motion__vz="free", bodies__disc__force="[0, 0, -60 kN]", bodies__disc__mass="1 t", time__end="20 ms")
     run(example("disc"), folder, *COARSE, *pressed)
@@ -138,7 +138,7 @@ def a_tool_pressed_by_a_force_does_its_work(folder):
     expect(gneiss("check", example("disc"), *COARSE, *sets(bodies__disc__force="[0, 0, -60 kN]")), 2, "force: expected 0 along z, where motion")
 
 
-@fact
+@plain_fact
 def every_example_cuts_and_closes_its_ledger(folder):
     coarse = {
         "relieved": COARSE,
@@ -216,7 +216,7 @@ def a_locked_disc_and_another_depth_are_doubted(folder):
     assert len(fine) == 1 and re.search(r"test: depth is 0.004 m, 0.4 mean diameters of particles \(0.0099", fine[0]), fine
 
 
-@fact
+@plain_fact
 def a_cut_that_cannot_be_read_as_given_is_doubted(folder):
     cases = [
         ("bodies.disc.rotation=[0, 0, 90 deg]", "axis of the disc cutter 'disc' is 90 degrees off y"),
