@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from program import SCENES, expect, fact, gneiss, history, main, results, resume, run, state_hash, summary, write_scene
+from program import SCENES, expect, fact, gneiss, history, main, plain_fact, results, resume, run, state_hash, summary, write_scene
 
 EXAMPLES = os.path.join(SCENES, os.pardir, os.pardir, "scenes")
 
