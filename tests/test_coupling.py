@@ -160,7 +160,7 @@ def plan_says_where_waves_come_first(folder):
             assert abs(most - 0.6) < 0.03, said
 
 
-@fact
+@plain_fact
 def check_warns_of_walls_that_elements_go_through(folder):
     wall = "walls: [{name: stop, point: [%s, 0], normal: [-1, 0], stiffness: 1e9}]\n"
     for place, word in (("121 mm", r"'stop' goes through elements from t = 2 s on"), ("120 mm - 0.1 um", r"'stop' goes through elements from the start on"), ("123 mm", None)):

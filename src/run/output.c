@@ -157,10 +157,11 @@ static void effect_names(gn_effects effects, char *text, size_t size) {
 static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     gn_warnings list;
     GN_TRY(gn_run_warnings(run, &list, error));
-    char *text = calloc(1, sizeof list); /* the stack already holds the list */
+    const size_t size = sizeof list;
+    char *text = calloc(1, size); /* the stack already holds the list */
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for warnings");
     for (size_t k = 0, used = 0; k < list.count; k++)
-        used += (size_t)snprintf(text + used, sizeof list - used, "%s%s: %s", used ? "\n" : "",
+        used += (size_t)snprintf(text + used, size - used, "%s%s: %s", used ? "\n" : "",
                                  list.warning[k].name, list.warning[k].text);
     const gneiss_status status = gn_h5_attribute_text(file, "/", "warnings", text, error);
     free(text);
