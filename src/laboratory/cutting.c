@@ -190,8 +190,8 @@ gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_b
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     if (!(c->solid > 0.0)) return 0.0;
     const double removed = c->solid - gn_dem_anchored_volume(ctx, dem) - c->loose;
-    return fmax(0.0, removed - 1e-12 * c->solid) * ctx->volume /
-           c->solid; /* bounds reduced by rounding */
+    /* Rounding of the two sums is no removed rock. */
+    return fmax(0.0, removed - 1e-12 * c->solid) * ctx->volume / c->solid;
 }
 
 static int ascending(const void *a, const void *b) {

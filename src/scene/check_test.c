@@ -410,15 +410,19 @@ gneiss_status gn_check_hydrostatic_load(const check *section, bool presses) {
         d->name);
 }
 
+/* Returns the key of an end, which tests without ends do not have; NULL: none is given. */
+static const char *end_key(const gn_test *t) {
+    return t->lower.count   ? "test.lower"
+           : t->upper.count ? "test.upper"
+           : t->has_opening ? "test.opening"
+           : t->has_control ? "test.control"
+                            : NULL;
+}
+
 /* The stress is the mean pressure and the strain the loss of volume, so that no end is needed. */
 static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    const char *key = t->axis >= 0     ? "test.axis"
-                      : t->lower.count ? "test.lower"
-                      : t->upper.count ? "test.upper"
-                      : t->has_opening ? "test.opening"
-                      : t->has_control ? "test.control"
-                                       : NULL;
+    const char *key = t->axis >= 0 ? "test.axis" : end_key(t);
     if (key)
         return gn_check_fail(c, key, "expected none: a %s test has no ends",
                              gn_scene_test(s)->name);
@@ -455,11 +459,7 @@ static gneiss_status check_tool(const check *c, const gn_scene *s) {
 static gneiss_status check_cutting(const check *c, gn_scene *s) {
     const gn_test *t = &s->test;
     if (!gn_check_given(c, "domain.lost")) s->lost = GN_LOST_REMOVE;
-    const char *key = t->lower.count   ? "test.lower"
-                      : t->upper.count ? "test.upper"
-                      : t->has_opening ? "test.opening"
-                      : t->has_control ? "test.control"
-                                       : NULL;
+    const char *key = end_key(t);
     if (key)
         return gn_check_fail(c, key, "expected none: a %s test has no ends, but a tool",
                              gn_scene_test(s)->name);
