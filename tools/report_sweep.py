@@ -258,7 +258,7 @@ def curve_of(path):
                 strain, stress = history["strain"][()], history["stress"][()]
                 return (strain, stress) if np.isfinite(strain).any() and np.isfinite(stress).any() else None
     except (Unreadable, KeyError) as e:
-        print(f"report: a curve is left out: {e}", file=sys.stderr)
+        print(f"gneiss: warning: a curve is left out: {e}", file=sys.stderr)
     return None
 
 

@@ -72,13 +72,19 @@ static void write_points(const gn_key *key, char *text, size_t size) {
 }
 
 static const char *name_of(const gn_key *key) {
-    static const char *const names[][2] = {
-        {"title", "Sandstone, 50 mm"}, {"file", "packing.txt"},
-        {"surface", "body.stl"},       {"mesh", "body.msh"},
-        {"from", "runs/first"},        {"directory", "runs/first"},
-        {"lower", "bottom"},           {"upper", "top"},
-        {"material", "rock"},          {"between", "[rock, steel]"},
-        {"fields", "[fragment]"},      {"confinement", "[5 MPa, 10 MPa, 20 MPa]"}};
+    static const char *const names[][2] = {{"title", "Sandstone, 50 mm"},
+                                           {"file", "packing.txt"},
+                                           {"surface", "body.stl"},
+                                           {"mesh", "body.msh"},
+                                           {"from", "runs/first"},
+                                           {"directory", "runs/first"},
+                                           {"lower", "bottom"},
+                                           {"upper", "top"},
+                                           {"material", "rock"},
+                                           {"tool", "disc"},
+                                           {"between", "[rock, steel]"},
+                                           {"fields", "[fragment]"},
+                                           {"confinement", "[5 MPa, 10 MPa, 20 MPa]"}};
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
         if (strcmp(key->name, names[k][0]) == 0) return names[k][1];
     return "rock";
