@@ -1,8 +1,6 @@
 /* The public API as users see it: this program uses the public headers and the shared library only.
  * */
-#include "test.h"
-
-#include <gneiss/gneiss.h>
+#include "api_helpers.h"
 
 #include <dirent.h>
 #include <pthread.h>
@@ -83,16 +81,6 @@ static int count_files(const char *folder, const char *prefix, bool remove_them)
 static void remove_place(const place *p) {
     count_files(p->path, "", true);
     rmdir(p->path);
-}
-
-static void must(gneiss_status status, const gneiss_error *error) {
-    if (status != GNEISS_OK) fail_msg("status %d: %s", (int)status, error->message);
-}
-
-static void assert_message(const gneiss_error *error, gneiss_status status, const char *part) {
-    assert_int_equal(error->status, status);
-    if (!strstr(error->message, part))
-        fail_msg("expected '%s' in the message '%s'", part, error->message);
 }
 
 /* World of a text with at most one override; `folder` as for gneiss_world_create. */

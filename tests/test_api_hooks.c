@@ -1,8 +1,6 @@
 /* Intervention in a run through the public API: calls, fields of force, velocities, motions, pinned
  * views, prepared specimens. The program uses only the public headers and the shared library. */
-#include "test.h"
-
-#include <gneiss/gneiss.h>
+#include "api_helpers.h"
 
 #include <stdbool.h>
 #include <unistd.h>
@@ -49,13 +47,9 @@ static const char block[] =
             fail_msg("%s = %.17g, expected %.17g within %g", #a, gn_a, gn_b, (double)(allowed));   \
     } while (0)
 
-static void must(gneiss_status status, const gneiss_error *error) {
-    if (status != GNEISS_OK) fail_msg("status %d: %s", (int)status, error->message);
-}
-
 static void refused(gneiss_status status, const gneiss_error *error, const char *part) {
     assert_int_equal(status, GNEISS_ERROR_INPUT);
-    if (!strstr(error->message, part)) fail_msg("expected '%s' in '%s'", part, error->message);
+    assert_message(error, GNEISS_ERROR_INPUT, part);
 }
 
 static gneiss_world *world_of(const char *text, gneiss_prepare *prepare, void *context) {

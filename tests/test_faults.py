@@ -77,6 +77,9 @@ def a_full_disk_without_room_for_a_checkpoint_says_that_there_is_none(folder):
     done = faulty("run", LATTICE, "--out", folder, "--quiet", write=".hdf.tmp:28", open="checkpoint:28")
     expect(done, 3, "No space left", "no checkpoint of it", "there is no checkpoint")
     assert os.listdir(folder) == ["status.json"], os.listdir(folder)
+    with open(os.path.join(folder, "status.json"), encoding="utf-8") as file:
+        said = json.load(file)
+    assert (said["state"], said["code"]) == ("failed", 3) and "No space left" in said["message"], said
 
 
 @fact

@@ -273,7 +273,9 @@ def a_file_size_limit_at_the_start_is_an_error(folder):
         resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
 
     expect(gneiss("run", LATTICE, "--out", folder, "--quiet", preexec_fn=limited), 3, "File too large")
-    assert os.listdir(folder) in ([], ["status.json"]), os.listdir(folder)
+    assert os.listdir(folder) == ["status.json"], os.listdir(folder)
+    with open(os.path.join(folder, "status.json"), encoding="utf-8") as file:
+        assert json.load(file)["state"] == "failed"
 
 
 # --- energy without a source -------------------------------------------------------------------------------
