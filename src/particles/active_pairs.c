@@ -18,9 +18,6 @@
 
 /* --- columns --- */
 
-/* Columns of pairs that kernels write. */
-#define GN_WRITTEN_COLUMNS(X) X(shear) X(fd) X(closeness) X(roll)
-
 static bool is_uniform(const gn_field *field, const gn_uniform *uniform) {
 #define X(column)                                                                                  \
     if (strcmp(field->name, #column) == 0) return uniform->column != 0;
@@ -30,11 +27,7 @@ static bool is_uniform(const gn_field *field, const gn_uniform *uniform) {
 }
 
 static bool is_written(const gn_field *field) {
-#define X(column)                                                                                  \
-    if (strcmp(field->name, #column) == 0) return true;
-    GN_WRITTEN_COLUMNS(X)
-#undef X
-    return false;
+    return field->role == GN_STATE || field->care & GN_WRITTEN;
 }
 
 /* Parameters that all pairs share are read in the list itself. */
