@@ -98,7 +98,7 @@ gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_pe
 void gn_near_free(gn_near *near);
 size_t gn_near_bytes(const gn_dem *dem);
 
-/* Writes packed columns back into the list of pairs, before shear, fd, closeness or roll are read
+/* Writes packed columns back into the list of pairs, before columns that kernels write are read
  * there. The list is then as without packing; as this does not change the state, a constant world
  * may be settled. */
 void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
