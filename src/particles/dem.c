@@ -115,8 +115,8 @@ static gneiss_status take_velocities(const gn_step_context *ctx, gn_dem *dem, gn
     return GNEISS_OK;
 }
 
-/* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
- * visited. */
+/* Returns a skin that is wide enough for a quasi-static specimen never to rebuild its lists, and
+ * narrow enough for few listed pairs to be apart. */
 static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     double sum = 0.0;
     if (!dem->particles.soa.count) return 0.15 * gn_flow_mean_radius(ctx);
@@ -124,7 +124,8 @@ static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.15 * sum / (double)dem->particles.soa.count;
 }
 
-/* A particle must not touch two images of another one: pairs are searched within a reach. */
+/* Refuses a box so narrow that a particle could touch two images of another one; pairs are searched
+ * within a reach. */
 static gneiss_status check_period(const gn_step_context *ctx, const gn_dem *dem,
                                   gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -170,7 +171,8 @@ gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneis
 
 gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     GN_TRY(gn_motion_kernel_choose(ctx->kernels, ctx->effects, &dem->motion_kernel, error));
-    /* Effects that differ between stages have no storage; files state the present ones. */
+    /* Effects that differ between stages have no storage; output names those of the present stage.
+     */
     dem->particles.soa.effects = ctx->effects;
     gn_lists_set_effects(ctx, dem);
     if (dem->dormant) dem->prepared.soa.effects = dem->bonds.contacts.soa.effects;
