@@ -248,6 +248,26 @@ def a_cut_that_cannot_be_read_as_given_is_doubted(folder):
 
 
 @fact
+def a_cut_in_stages_is_followed_and_read(folder):
+    rest = "stages:\n  - {name: rest, bodies: {pick: {motion: {vx: 0}}}, end: {time: 0.4 ms}}\n"
+    cut = "  - {name: cut, bodies: {pick: {motion: {vx: [[0, 0], [0.2 ms, 5]]}}}}\n"
+    scene = write_scene(folder, BLOCK + rest + cut)
+    checked = gneiss("check", scene).stdout  # 14 mm at 5 m/s after 0.4 ms of rest and 0.2 ms of acceleration: 3.3 ms
+    assert "the tool comes" not in checked and "where they end" not in checked, checked
+    short = gneiss("check", scene, "--set", "time.end=3 ms").stdout
+    assert re.search(r"until time.end \(0.003 s\) the tool comes 0.0125 m far, means are taken from 0.004", short), short
+    rise = gneiss("check", scene, "--set", "stages.cut.bodies.pick.motion.vz=0.5 m/s").stdout
+    # The upper face is at 1.142 mm; the tool rises for 0.9 ms until means begin, and for 2.9 ms until they end.
+    assert re.search(r"the tool is 0.00569\d* m below .* begin and 0.00469\d* m below it where they end", rise), rise
+    long = "test.length=90 mm"
+    expect(gneiss("check", scene, "--set", long), 2, r"test.length: expected at most 0.04\d* m, after which .* found 0.09 m")
+    run(scene, folder)
+    assert reading(folder, "rolling_force") > 0 and reading(folder, "removed_volume") > 0
+    h = history(folder)
+    assert h["cut_path"][h["time"] < 0.4e-3].max() == 0 and abs(h["cut_path"][-1] - 14e-3) < 1e-4
+
+
+@fact
 def means_over_a_part_of_the_path_and_a_tool_that_rises_are_reported(folder):
     run(write_scene(folder, BLOCK.replace("vx: 5 m/s", "vx: 5 m/s, vz: 1 m/s")), folder, "--set", "time.end=1.4 ms")  # 7 of 14 mm, 4 of which are before the rock
     text = {w["name"]: w["text"] for w in summary(folder)["warnings"]}

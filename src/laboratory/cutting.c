@@ -11,6 +11,7 @@
 #include "particles/fragments.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
+#include "scene/stages.h"
 #include "soa/records.h"
 #include "surfaces/body_shape.h"
 
@@ -43,12 +44,26 @@ static double arc_of(const gn_step_context *ctx) {
 
 /* --- the start --- */
 
-/* Sense of the first velocity along the cut that is prescribed; 0: none is (yet). */
-static double direction_of(const gn_step_context *ctx) {
-    const gn_table *along = &definition(ctx)->motion.velocity[ctx->scene.test.axis];
+/* Sense of the first velocity along the cut that a scene prescribes; 0: none. */
+static double direction_in(const gn_scene *scene) {
+    const gn_body_def *def = &scene->bodies[gn_scene_find_body(scene, scene->test.tool)];
+    const gn_table *along = &def->motion.velocity[scene->test.axis];
     for (size_t k = 0; k < along->count; k++)
         if (along->value[k] != 0.0) return copysign(1.0, along->value[k]);
     return 0.0;
+}
+
+/* Finds the sense of the first velocity that any stage prescribes. */
+static gneiss_status find_direction(const gn_step_context *ctx, double *direction,
+                                    gneiss_error *error) {
+    *direction = direction_in(&ctx->scene);
+    for (size_t k = 1; k < ctx->given.stage_count && *direction == 0.0; k++) {
+        gn_scene stage;
+        GN_TRY(gn_scene_stage(&ctx->given, k, &stage, error));
+        *direction = direction_in(&stage);
+        gn_scene_free(&stage);
+    }
+    return GNEISS_OK;
 }
 
 static gneiss_status fail(const gn_step_context *ctx, const char *key, gneiss_error *error,
@@ -110,7 +125,8 @@ gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn
     if (!gn_scene_test(&ctx->scene)->tool) return GNEISS_OK;
     gn_tested_extent(ctx, solids, lower, upper);
     const double place = boundary->bodies[tool_of(ctx)].start[normal];
-    *c = (gn_cutting){.direction = direction_of(ctx)};
+    *c = (gn_cutting){.moves = direction_in(&ctx->scene) != 0.0};
+    GN_TRY(find_direction(ctx, &c->direction, error));
     c->outward = place > 0.5 * (lower[normal] + upper[normal]) ? 1.0 : -1.0;
     c->surface = c->outward > 0.0 ? upper[normal] : lower[normal];
     for (size_t p = 0; p < dem->particles.soa.count; p++)
@@ -182,19 +198,19 @@ static void sample(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
     c->samples += 1.0;
 }
 
-gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                             gn_cutting *c, gneiss_error *error) {
+void gn_cutting_add(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    gn_cutting *c) {
     double force[GN_CUT_AXES];
-    if (c->direction == 0.0 && (c->direction = direction_of(ctx)) != 0.0) {
+    if (c->moves == 0.0 && direction_in(&ctx->scene) != 0.0) {
         c->loose = c->solid - gn_dem_anchored_volume(ctx, dem);
-        GN_TRY(find_path(ctx, boundary, c, error));
+        c->moves = 1.0;
     }
     gn_cutting_force(ctx, boundary, c, force);
     for (int a = 0; a < GN_CUT_AXES; a++) {
         c->seen[a] = c->impulse[a] + 0.5 * ctx->dt_past * force[a];
         c->impulse[a] = c->seen[a] + 0.5 * ctx->dt * force[a];
     }
-    if (c->direction == 0.0) return GNEISS_OK;
+    if (c->moves == 0.0) return;
     const double path = gn_cutting_path(ctx, boundary, c), place[2] = {c->begin, c->end};
     for (int k = (int)c->reached; k < 2 && path >= place[k]; k++) {
         if (ctx->effects & GN_FX_BONDS) c->removed[k] = gn_cutting_removed(ctx, dem, c);
@@ -202,7 +218,6 @@ gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_b
     }
     if (ctx->step % SAMPLE_EVERY == 0 && path >= c->begin && path <= c->end)
         sample(ctx, dem, boundary, c);
-    return GNEISS_OK;
 }
 
 /* --- volume of the cut --- */

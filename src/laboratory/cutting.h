@@ -19,7 +19,8 @@ enum { GN_CUT_NORMAL, GN_CUT_ROLLING, GN_CUT_SIDE, GN_CUT_AXES };
 
 /* State, doubles only: checkpoints store it as it is. */
 struct gn_cutting {
-    double direction;  /* +1, -1: sense of the motion along the axis; 0: it has not moved yet */
+    double direction;  /* +1, -1: sense of the motion along the axis; 0: it never moves */
+    double moves;      /* 1: the present stage or an earlier one moves it */
     double outward;    /* +1, -1: sense of the outward normal of the rock's surface */
     double surface;    /* m: place of that surface along the normal at the start */
     double begin, end; /* m: path of the means */
@@ -40,8 +41,8 @@ struct gn_cutting {
 gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_cutting *cutting, gneiss_error *error);
 /* Adds the forces of the instant, once works up to it are booked. */
-gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                             gn_cutting *cutting, gneiss_error *error);
+void gn_cutting_add(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    gn_cutting *cutting);
 
 /* Path of the tool along the cut since the start, m. */
 double gn_cutting_path(const gn_step_context *ctx, const gn_boundary *boundary,
