@@ -93,7 +93,7 @@ def convert(options):
 
 
 def report(found, name, options):
-    """What was converted."""
+    """Prints number, sizes, columns, and what has no place in the new file."""
     r = found.columns["radius"]
     names = " ".join(column for column in particles.COLUMNS if column in found.columns)
     print(f"read               {options.source}: {name}")
