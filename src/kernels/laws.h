@@ -5,9 +5,9 @@
 
 #include "base/effects.h"
 
-/* The contact laws. X(name, effects that select it, lists that have it), those that need more
- * effects first. The linear law serves lists for which no effect selects another one. A law is
- * law_<name>.h and law_<name>.c, see law.h. */
+/* The contact laws: X(name, effects that select it, lists that have it), with laws that need more
+ * effects first. Lists for which no effect selects another law have the linear one. The files of a
+ * law are law_<name>.h and law_<name>.c, see law.h. */
 #define GN_LAWS(X)                                                                                 \
     X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
     X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \

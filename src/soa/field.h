@@ -25,7 +25,7 @@ typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
  * positions, last forces for output). SCRATCH is rebuilt from the others. */
 typedef enum gn_role { GN_STATE, GN_SAVED, GN_SCRATCH } gn_role;
 
-/* How lists treat a column of contacts, see records.h. */
+/* Flags for columns of contacts: how lists treat them, see records.h. */
 enum { GN_KEPT = 1, GN_ODD = 2, GN_WRITTEN = 4 };
 
 typedef struct gn_field {
