@@ -169,6 +169,14 @@ gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
     return effects;
 }
 
+static void name_effects(gn_effects effects, char *text, size_t size) {
+    size_t used = 0;
+    for (int k = 0; k < GN_EFFECT_COUNT && used < size; k++)
+        if (effects >> k & 1)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
+                                     gn_effect_name((gn_effect_index)k));
+}
+
 gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
                                        gn_contact_kernel **kernel, gneiss_error *error) {
     bool mixed = list_effects & GN_FX_MIXED;
@@ -177,8 +185,12 @@ gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list
     unsigned variant = gn_contact_variant(list_effects);
     *kernel = variant < GN_CONTACT_VARIANTS ? (mixed ? set->mixed : set->contact)[variant] : NULL;
     if (*kernel) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no contact kernel for effects %llx of %s",
-                   (unsigned long long)list_effects, set->name);
+    char names[512] = "";
+    name_effects(list_effects, names, sizeof names);
+    return gn_fail(error, GNEISS_ERROR_INTERNAL,
+                   "no contact kernel of %s for a list with these effects: %s (the kinds of lists "
+                   "that have one are in src/kernels/laws.h)",
+                   set->name, names);
 }
 
 gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,
