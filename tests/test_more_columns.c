@@ -142,7 +142,7 @@ static void a_new_column_is_kept_when_the_lists_are_made_anew(void **state) {
 }
 
 /* Writes to packed pairs in place of a kernel. */
-static void write_packed(gn_near *near, size_t offset, double value) {
+static void write_packed(gn_active_pairs *near, size_t offset, double value) {
     bool found = false;
     for (int k = 0; k < near->columns; k++) {
         if (near->column[k].offset != offset) continue;
@@ -163,7 +163,7 @@ static void packed_pairs_hand_back_a_new_column_that_is_state(void **state) {
     write_packed(&w->dem.near, offsetof(gn_contacts, worn), 7.0);
     write_packed(&w->dem.near, offsetof(gn_contacts, hard), 7.0);
     w->dem.near.unsettled = true;
-    gn_near_settle(&w->ctx, &w->dem);
+    gn_active_pairs_settle(&w->ctx, &w->dem);
     size_t written = 0;
     for (size_t c = 0; c < w->dem.pairs.contacts.soa.count; c++) {
         written += w->dem.pairs.contacts.worn[c] == 7.0;

@@ -118,7 +118,7 @@ static gneiss_status write_series(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.ctx.step, times, error));
     for (size_t k = 0; k < run->world.solids.count; k++) {
         char name[GN_ELEMENT_PATH];
-        GN_TRY(gn_snapshot_series(run->directory, gn_elements_file(k, "elements", name),
+        GN_TRY(gn_snapshot_series(run->directory, gn_output_elements_file(k, "elements", name),
                                   run->world.ctx.step, times, error));
     }
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
@@ -400,7 +400,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     gn_h5_demand_finite(file, !w->outcome.bad);
     GN_TRY(put_header(run, file, error));
     GN_TRY(put_tables(run, file, error));
-    GN_TRY(gn_elements_results(w, file, error));
+    GN_TRY(gn_output_elements_results(w, file, error));
     GN_TRY(gn_bodies_results(w, file, error));
     GN_TRY(gn_owners_results(w, file, error));
     GN_TRY(put_state(w, file, error));
@@ -502,9 +502,9 @@ static void summary_mass_scaling(const gn_world *world, gn_json *json) {
     gn_json_object(json, "mass_scaling");
     GN_JSON_NUMBERS(
         json, {"added_mass", raised->added}, {"added_share", raised->added / world->dem.mass},
-        {"added_kinetic", gn_dem_added_kinetic(&world->dem)}, {"particles", (double)raised->count},
-        {"largest_factor", raised->largest}, {"dt_wanted", s->step > 0.0 ? s->step : s->unscaled},
-        {"dt_without", s->unscaled});
+        {"added_kinetic", gn_timestep_added_kinetic(&world->dem)},
+        {"particles", (double)raised->count}, {"largest_factor", raised->largest},
+        {"dt_wanted", s->step > 0.0 ? s->step : s->unscaled}, {"dt_without", s->unscaled});
     gn_json_end(json);
 }
 

@@ -259,7 +259,7 @@ static void read_box(const gn_world *world, size_t k, double *value) {
 }
 READ(unbalanced, world->ledger.unbalanced)
 READ(particles, (double)gn_dem_present_count(&world->dem))
-READ(added_kinetic, gn_dem_added_kinetic(&world->dem))
+READ(added_kinetic, gn_timestep_added_kinetic(&world->dem))
 
 static double broken(const gn_world *world) {
     return (double)(world->dem.broken_tension + world->dem.broken_shear);

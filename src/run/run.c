@@ -434,7 +434,7 @@ static bool series_is_due(const gn_run *run) {
 
 static gneiss_status write_files(gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "", error));
-    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
+    GN_TRY(gn_output_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     const gn_world *w = &run->world;
     return gn_snapshot_times_add(&run->snapshot_times, w->ctx.step, w->ctx.time, error);
@@ -681,7 +681,7 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     run->finished = false;
     run->world.outcome.bad = true;
     GN_TRY(gn_output_snapshot(run, "failed_", error));
-    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
+    GN_TRY(gn_output_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
     if (run->series_length < run->snapshot_times.count) GN_TRY(gn_output_series(run, error));
     return gn_output_results(run, error);

@@ -238,7 +238,7 @@ static gneiss_status build_particles(gn_world *world, gneiss_error *error) {
         GN_TRY(measure_test(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
     GN_TRY(gn_element_contact_create(&world->ctx, &world->boundary, &world->solids, error));
     GN_TRY(gn_flow_arrive(&world->ctx, &world->dem, &world->boundary, &world->ledger, true, error));
-    GN_TRY(gn_dem_arrange(world, error));
+    GN_TRY(gn_world_arrange_particles(world, error));
     GN_TRY(gn_world_rebuild(world, error));
     GN_TRY(gn_membrane_update_bearers(&world->ctx, &world->dem, &world->membrane, &world->boundary,
                                       &world->solids, error));
@@ -326,8 +326,8 @@ static gneiss_status build(gn_world *world, gneiss_error *error) {
     GN_TRY(gn_stages_check_first(&world->ctx, &world->dem, &world->solids, &world->stages, error));
     GN_TRY(gn_pulse_start(world, error));
     GN_TRY(make_gauge_and_step(world, particles, error));
-    GN_TRY(gn_dem_scale_masses(&world->ctx, &world->dem, &world->boundary, &world->solids,
-                               &world->zones, &world->ledger, error));
+    GN_TRY(gn_timestep_scale_masses(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                                    &world->zones, &world->ledger, error));
     /* The step is now also limited by the resolution of collisions. */
     GN_TRY(gn_check_duration(&world->ctx, error));
     return gn_origin_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error);
