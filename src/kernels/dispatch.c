@@ -169,14 +169,6 @@ gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
     return effects;
 }
 
-static void name_effects(gn_effects effects, char *text, size_t size) {
-    size_t used = 0;
-    for (int k = 0; k < GN_EFFECT_COUNT && used < size; k++)
-        if (effects >> k & 1)
-            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
-                                     gn_effect_name((gn_effect_index)k));
-}
-
 gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
                                        gn_contact_kernel **kernel, gneiss_error *error) {
     bool mixed = list_effects & GN_FX_MIXED;
@@ -185,12 +177,11 @@ gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list
     unsigned variant = gn_contact_variant(list_effects);
     *kernel = variant < GN_CONTACT_VARIANTS ? (mixed ? set->mixed : set->contact)[variant] : NULL;
     if (*kernel) return GNEISS_OK;
-    char names[512] = "";
-    name_effects(list_effects, names, sizeof names);
+    char names[GN_EFFECT_NAMES_SIZE];
     return gn_fail(error, GNEISS_ERROR_INTERNAL,
                    "no contact kernel of %s for a list with these effects: %s (the kinds of lists "
                    "that have one are in src/kernels/laws.h)",
-                   set->name, names);
+                   set->name, gn_effect_names(list_effects, ", ", names));
 }
 
 gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,

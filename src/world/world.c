@@ -154,19 +154,13 @@ static gneiss_status choose_kernels(gn_step_context *ctx, gneiss_error *error) {
 }
 
 static gneiss_status check_built(const gn_scene *scene, gneiss_error *error) {
-    char names[256] = "";
-    gn_effects missing = gn_scene_not_built(scene);
-    for (int k = 0; k < GN_EFFECT_COUNT; k++)
-        if (missing >> k & 1) {
-            size_t used = strlen(names);
-            snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "",
-                     gn_effect_name((gn_effect_index)k));
-        }
+    char names[GN_EFFECT_NAMES_SIZE];
+    const gn_effects missing = gn_scene_not_built(scene);
     if (!missing) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a scene without %s, which this build leaves out (option 'without' "
                    "of meson), found one that calls for it",
-                   scene->source, names);
+                   scene->source, gn_effect_names(missing, ", ", names));
 }
 
 /* Sets effects, threads, kernels and period from the scene: everything that does not depend on
