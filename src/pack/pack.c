@@ -93,7 +93,7 @@ typedef struct job {
     gn_fit *fit;
     schedule plan;
     gn_pack_stage stage;
-    int planned, started; /* limit of all iterations; iterations before this stage */
+    int planned; /* limit of all iterations */
     size_t trace_capacity;
     double begin;
     bool out_of_time, enough, given_up, no_memory;
