@@ -37,9 +37,10 @@ void gn_print_element_kernels(const gn_world *world) {
 static void print_limits(const gn_world *world, const gn_element_model *model) {
     char text[160];
     const gn_fem_limit *limit = &model->limit;
-    printf("  elements%s\n", gn_elements_lead(&world->ctx, &world->solids, &world->zones) == model
-                                 ? ", which set the step"
-                                 : "");
+    printf("  elements%s\n",
+           gn_timestep_elements_lead(&world->ctx, &world->solids, &world->zones) == model
+               ? ", which set the step"
+               : "");
     if (limit->iterations == 0)
         printf(
             "  sharp limit      not computed: the rigorous bound suffices and replaces it below\n");
@@ -265,8 +266,9 @@ void gn_print_whole_limit(const gn_world *world) {
 
 static void print_step(const gn_world *world) {
     const gn_whole_limit *whole = gn_coupled_whole(&world->ctx, &world->zones);
-    bool elements = whole ? whole->side == GN_SIDE_ELEMENTS
-                          : gn_elements_lead(&world->ctx, &world->solids, &world->zones) != NULL;
+    bool elements =
+        whole ? whole->side == GN_SIDE_ELEMENTS
+              : gn_timestep_elements_lead(&world->ctx, &world->solids, &world->zones) != NULL;
     printf("step of the coupled model\n  dt               %.6g s, set by the %s\n", world->ctx.dt,
            whole      ? gn_side_text(whole->side)
            : elements ? "elements"
