@@ -15,8 +15,6 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 BESIDE = {"CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md", "README.md": "index.md"}
-COMMANDS = ["run", "check", "plan", "stiffness", "pack", "sweep", "calibrate", "resume", "status", "report", "keys", "explain", "schema",
-            "completion", "info", "version"]
 
 
 def page_of(path):
@@ -58,6 +56,8 @@ def stage(source):
         page.parent.mkdir(exist_ok=True)
         language = {".yaml": "yaml", ".py": "python", ".c": "c"}[path.suffix]
         page.write_text(f"# {path.parent.name}/{path.name}\n\n```{language}\n{path.read_text()}```\n")
+    gallery = source / "gallery.md"
+    gallery.write_text("---\nhide-toc: true\n---\n" + gallery.read_text())
     for path in HERE.glob("*.md"):
         shutil.copy(path, source / path.name)
     header = (ROOT / "include" / "gneiss" / "gneiss.h").read_text()
@@ -72,9 +72,10 @@ def write_commands(program, path):
     def said(*arguments):
         return subprocess.run([program, "help", *arguments], check=True, capture_output=True, text=True).stdout
 
+    names = re.findall(r"^  (\w+) ", said().split("commands:")[1].split("options:")[0], re.M)
     parts = ["# Command line", "", "What `gneiss help` prints. [log.md](log.md) has the form of output for programs.", "", "```", said().rstrip(), "```"]
-    for name in COMMANDS:
-        parts += ["", f"## gneiss {name}", "", "```", said(name).rstrip(), "```"]
+    for name in [*(name for name in names if name != "help"), "exit-codes"]:
+        parts += ["", f"## gneiss {name}" if name in names else "## Exit codes", "", "```", said(name).rstrip(), "```"]
     path.write_text("\n".join(parts) + "\n")
 
 
