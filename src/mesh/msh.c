@@ -30,8 +30,9 @@ static bool is_letter(unsigned char c) {
 static gneiss_status take_header(gn_mesh_source *in, char name[SECTION_NAME_SIZE]) {
     size_t start = in->at, length = 1;
     if (in->bytes[start] != '$')
-        return gn_mesh_refuse(in, start, "expected a section ($Nodes, ...), found '%s'",
-                              gn_mesh_show(in, start).text);
+        return gn_mesh_refuse(in, start, "expected a section ($Nodes, ...), found '%s'%s",
+                              gn_mesh_show(in, start).text,
+                              start ? "" : "; gneiss convert writes meshes of others as .msh");
     while (is_letter(in->bytes[start + length])) length++;
     if (length == 1 || length >= SECTION_NAME_SIZE - 4 ||
         memcmp(in->bytes + start, "$End", length < 4 ? length : 4) == 0)

@@ -1,4 +1,4 @@
-/* gmsh .msh: the bodies of $Entities, $Nodes and $Elements in formats 2.2 and 4.1. */
+/* gmsh .msh: the bodies of $Entities, $Nodes and $Elements in formats 2.0 to 4.1. */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
