@@ -121,9 +121,12 @@ static void print_check(const gn_world *world, const gn_element_model *model, in
     const gn_fem_solid *solid = &model->solid;
     const gn_element_def *elements = model->def;
     double lower[3], upper[3];
+    char changes[GN_MESH_CHANGES_SIZE];
     printf("elements\n  mesh             %s: %zu nodes, %zu %s\n", solid->name,
            solid->nodes.soa.count, solid->elements.soa.count,
            solid->dimension == 3 ? "tetrahedra" : "triangles");
+    if (gn_mesh_changed(&solid->mesh, changes, sizeof changes))
+        printf("  of the file      %s\n", changes);
     for (size_t a = 0; a < (size_t)solid->dimension; a++) {
         lower[a] = INFINITY;
         upper[a] = -INFINITY;
