@@ -23,7 +23,7 @@ typedef struct reader {
     gneiss_error *error;
     int dimension;
     double scale;
-    size_t line;    /* base 1 */
+    size_t line;    /* number of the line, from 1 */
     size_t columns; /* number of columns of the first particle, 0: none yet */
     double plane;   /* 2D with z: z of the first particle */
     size_t capacity;
@@ -31,7 +31,7 @@ typedef struct reader {
     char text[LINE_LIMIT + 1];
 } reader;
 
-/* `at` is the position in the line, base 0. */
+/* Reports an error; `at` is the position in the line, from 0. */
 __attribute__((format(printf, 3, 4))) static gneiss_status refuse(reader *in, size_t at,
                                                                   const char *format, ...) {
     char what[256];
@@ -101,8 +101,8 @@ static gneiss_status read_number(reader *in, size_t at, size_t length, double *v
     return GNEISS_OK;
 }
 
-/* Splits fields, which are separated by blanks or by one comma with blanks around it. `at[columns]`
- * is the end of the data. */
+/* Splits a line into fields, which are separated by blanks or by one comma with blanks around it.
+ * `at[columns]` is the end of the data. */
 static gneiss_status split(reader *in, size_t at[5], double value[4], size_t *columns) {
     const char *text = in->text;
     size_t k = 0;
@@ -212,7 +212,8 @@ gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_
     if (!in || !plain) {
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to read it", path);
     } else if (!(in->file = fopen(path, "re"))) {
-        /* A path that does not exist is an input error; all else is an error of the machine. */
+        /* A path that does not exist is an input error; any other failure is an error of the
+         * machine. */
         bool wrong_name = errno == ENOENT || errno == ENOTDIR || errno == ENAMETOOLONG;
         status = gn_fail(error, wrong_name ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
                          "%s: cannot be opened: %s", path, strerror(errno));

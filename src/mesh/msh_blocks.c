@@ -13,7 +13,7 @@
  * a group of its own, is kept twice, and computing volumes from it is refused (gn_mesh_boundary,
  * gn_mesh_check_joints) ---- */
 
-/* A group of an element; `row` is the element into which it is merged. */
+/* A group of an element; `row` is the element with which it is merged. */
 typedef struct named_group {
     int64_t row, element, order; /* order among the groups of this element */
     int32_t group;
@@ -21,8 +21,8 @@ typedef struct named_group {
 
 typedef struct doubles {
     const gn_mesh_elements *from;
-    int64_t *row;      /* [from->count] the first element with the same nodes */
-    bool *brings;      /* [from->count] adds a group that earlier elements lack */
+    int64_t *row;      /* [from->count] index of the first element with the same nodes */
+    bool *brings;      /* [from->count] true: adds a group that earlier elements lack */
     named_group *name; /* [name_count] */
     size_t name_count, found;
 } doubles;
@@ -46,7 +46,7 @@ static int by_place(const void *a, const void *b) {
     return order ? order : compare(p->order, q->order);
 }
 
-/* Finds the rows; returns false without memory. */
+/* Finds `row`; returns false without memory. */
 static bool find_rows(doubles *merging) {
     gn_mesh_table table = {0};
     bool room = true;
@@ -133,7 +133,7 @@ static bool merge(gn_mesh_list *list, bool solid) {
     return room;
 }
 
-/*: merges elements with the same nodes into one with all their groups. */
+/* Merges elements with the same nodes into one with all their groups. */
 static gneiss_status merge_doubles(gn_msh *msh) {
     const int highest = msh->mesh->tetrahedra.count ? 3 : 2;
     for (int dimension = 0; dimension <= 3; dimension++)
@@ -181,7 +181,7 @@ static const char *element_name(int64_t type) {
     return known ? names[type] : "unknown element";
 }
 
-/* Returns the dimension; -1: the type is neither kept nor skipped. */
+/* Returns the dimension of a type; -1: it is neither kept nor skipped. */
 static int element_dimension(int64_t type) {
     switch (type) {
     case MSH_POINT:
@@ -220,7 +220,7 @@ static gneiss_status allocate_nodes(gn_msh *msh, int64_t count) {
     return msh->mesh->node ? GNEISS_OK : gn_mesh_no_memory(in);
 }
 
-/* Reads the tag of node number `index`, base 0. */
+/* Reads the tag of node number `index`, from 0. */
 static gneiss_status take_node_tag(gn_msh *msh, size_t width, size_t index) {
     gn_mesh_source *in = &msh->in;
     int64_t tag, held;
@@ -287,7 +287,7 @@ static gneiss_status read_node_block(gn_msh *msh, int64_t total) {
     return GNEISS_OK;
 }
 
-/* Reads number of blocks, total, least and greatest tag; the last two are not used. */
+/* Reads the number of blocks, the total, and the least and greatest tag, which are not used. */
 static gneiss_status take_block_header(gn_mesh_source *in, const char *what, int64_t *blocks,
                                        int64_t *total) {
     int64_t ignored;
@@ -385,7 +385,7 @@ gneiss_status gn_msh_read_entities(gn_msh *msh) {
     return gn_mesh_end_section(in);
 }
 
-/* Reads nodes as indices; `node` has room for 4. */
+/* Reads nodes as indices; `node` has room for four. */
 static gneiss_status take_element_nodes(gn_msh *msh, size_t width, int dimension, int32_t node[4]) {
     gn_mesh_source *in = &msh->in;
     for (int k = 0; k <= dimension; k++) {
@@ -485,7 +485,7 @@ static gneiss_status find_groups(const gn_msh *msh, size_t at, int64_t dimension
 }
 
 static void reverse(int32_t *node, int64_t dimension) {
-    int a = dimension == 2 ? 1 : 0, b = a + 1; /* the pair that gmsh exchanges */
+    int a = dimension == 2 ? 1 : 0, b = a + 1; /* the pair of nodes that gmsh exchanges */
     int32_t swap = node[a];
     node[a] = node[b];
     node[b] = swap;

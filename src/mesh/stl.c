@@ -51,7 +51,7 @@ static bool is_word(const gn_mesh_source *in, size_t start, size_t length, const
            strncasecmp((const char *)in->bytes + start, word, length) == 0;
 }
 
-/* Reads words in this order; line breaks do not matter. */
+/* Reads these words in this order; line breaks do not matter. */
 static gneiss_status expect_words(gn_mesh_source *in, const char *const *words, size_t count) {
     for (size_t k = 0; k < count; k++) {
         size_t start, length;
@@ -64,7 +64,7 @@ static gneiss_status expect_words(gn_mesh_source *in, const char *const *words, 
     return GNEISS_OK;
 }
 
-/* Reads a facet after the word "facet". Normals are skipped: some programs write nan. */
+/* Reads a facet after the word "facet". Normals are skipped, because some programs write nan. */
 static gneiss_status read_facet(gn_mesh_source *in, soup *out) {
     static const char *const normal[] = {"normal"}, *const loop[] = {"outer", "loop"},
                              *const vertex[] = {"vertex"}, *const end[] = {"endloop", "endfacet"};
@@ -112,8 +112,8 @@ static gneiss_status read_text(gn_mesh_source *in, soup *out) {
     return GNEISS_OK;
 }
 
-/* Binary headers may begin with "solid" too, so that the size decides: four characters of a text,
- * read as a count, would imply a file of more than 7 GB. */
+/* Reads corners. Binary headers may also begin with "solid", so that the size decides: four
+ * characters of a text, read as a count, would imply a file of more than 7 GB. */
 static gneiss_status read_corners(gn_mesh_source *in, soup *out) {
     bool has_count = in->size >= HEADER_BYTES;
     uint64_t count = has_count ? little_endian(in->bytes + 80) : 0;
