@@ -289,6 +289,7 @@ static gneiss_status check_specimen(const check *section, gn_scene *scene) {
     GN_TRY(gn_check_keep_problem(section, check_particles(section, scene)));
     if (!*specimen->material && scene->material_count == 1)
         memcpy(specimen->material, scene->materials[0].name, sizeof specimen->material);
+    if (!*specimen->material && *specimen->file) return GNEISS_OK; /* a column may name them */
     return gn_check_material_name(section, scene, "specimen.material", specimen->material);
 }
 

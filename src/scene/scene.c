@@ -289,6 +289,7 @@ void gn_scene_free(gn_scene *scene) {
     if (!scene) return;
     free_section(&gn_scene_section, (char *)scene);
     gn_free(scene->specimen.packed);
+    gn_particle_columns_free(&scene->specimen.packed_columns);
     gn_free(scene->overridden);
     memset(scene, 0, sizeof *scene);
 }
@@ -337,6 +338,7 @@ gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *er
     *to = *from;
     to->specimen.packed = NULL;
     to->specimen.packed_count = 0;
+    to->specimen.packed_columns = (gn_particle_columns){0};
     const size_t size = from->overridden ? strlen(from->overridden) + 1 : 0;
     const bool held = own_array(&to->overridden, size, 1);
     if (own_section(&gn_scene_section, (char *)to) && held) return GNEISS_OK;

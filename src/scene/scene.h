@@ -6,6 +6,7 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/instruction_sets.h"
+#include "base/particle_columns.h"
 #include "scene/couple_def.h"
 #include "scene/flow_def.h"
 #include "scene/laboratory.h"
@@ -249,7 +250,8 @@ typedef struct gn_specimen {
      * relative to the scene's origin. */
     size_t packed_count;
     double *packed;
-    double packed_volume; /* m3 (2D: m2), volume of that shape; 0: the source is a file or run */
+    gn_particle_columns packed_columns; /* of a file */
+    double packed_volume;               /* m3 (2D: m2), volume of that shape; 0: the source is a file or run */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: the density of particles is density/(1 - porosity) */

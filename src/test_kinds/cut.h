@@ -23,6 +23,8 @@ typedef struct gn_cut {
     double compressive, tensile; /* strengths of the rock */
     double exponent;             /* psi of the pressure along the rim */
     double damage_depth;         /* NaN: no bond is broken */
+    double contact_area;         /* m2; NaN: it was not sampled */
+    double removed;              /* m3 that came off along the path of the means; NaN: not known */
 } gn_cut;
 
 /* Computes forces on a disc cutter by the model of the Colorado School of Mines (Rostami 1997, PhD
@@ -37,13 +39,5 @@ typedef struct gn_csm {
         coefficient; /* ratio of rolling to normal force, which requires neither s nor strengths */
 } gn_csm;
 gn_csm gn_csm_of(const gn_cut *cut);
-
-/* Returns the largest force along the cut, N. Chisel of width w and rake a (Evans 1962): 2 sigma_t
- * d w sin q/(1 - sin q), q = (pi/2 - a)/2. Conical pick of semi-angle q (Evans 1984): 16 pi
- * sigma_t^2 d^2/(sigma_c cos^2 q). */
-double gn_evans_force(const gn_cut *cut);
-/* Returns the largest force along the cut on a conical pick (Goktan 1997), N: 4 pi d^2 sigma_t
- * sin^2(q + f)/cos(q + f), with the angle of friction f. */
-double gn_goktan_force(const gn_cut *cut);
 
 #endif

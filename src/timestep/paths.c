@@ -8,6 +8,7 @@
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
+#include "boundary/overlap.h"
 #include "frame/frame.h"
 #include "kernels/motion.h"
 #include "particles/particles.h"
@@ -27,24 +28,41 @@ static double length(const double v[3]) {
 
 /* --- particles --- */
 
+/* Names a body that contains the centres of particles: it was pushed over particles that it could
+ * not push aside, and they leave it with the energy of that overlap. */
+static void describe_pierced(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, char *text, size_t size) {
+    for (size_t b = 0; b < ctx->scene.body_count && !*text; b++) {
+        size_t count = 0, first;
+        if (gn_body_holds(dem, boundary, b, &count, &first, NULL) != GNEISS_OK || !count) continue;
+        snprintf(
+            text, size,
+            "; body '%.40s' was pushed over the centre%s of %zu particle%s, which its contacts "
+            "cannot push aside: its stiffness must be higher%s",
+            ctx->scene.bodies[b].name, count == 1 ? "" : "s", count, count == 1 ? "" : "s",
+            ctx->effects & GN_FX_BONDS ? ", or bonds that hold the particles weaker" : "");
+    }
+}
+
 static gneiss_status fail_particle(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_boundary *boundary, size_t p, const char *what,
                                    const char *remedy, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
     const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
-    char at[GN_POINT_SIZE], behind[GN_NAME_SIZE + 128] = "";
+    char at[GN_POINT_SIZE], behind[GN_NAME_SIZE + 256] = "";
     for (size_t k = 0; k < ctx->scene.wall_count && !*behind; k++)
         if (!ctx->scene.walls[k].passive && gn_wall_distance(&boundary->walls[k], x) < 0.0)
             snprintf(behind, sizeof behind,
                      "; its centre is behind wall '%s', which pushes it out (gneiss check says how "
                      "many are)",
                      ctx->scene.walls[k].name);
+    if (!*behind) describe_pierced(ctx, dem, boundary, behind, sizeof behind);
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: particle %d %s: position %s m, velocity (%g, %g, %g) m/s, radius %g "
         "m; the step is %.3g s, its stability limit was estimated as %.3g s%s%s",
         (long long)ctx->step, ctx->time, q->id[p], what, gn_point_text(ctx->scene.origin, x, at),
-        v[0], v[1], v[2], x[3], ctx->dt, ctx->stable, behind, remedy);
+        v[0], v[1], v[2], x[3], ctx->dt, ctx->stable, behind, *behind ? "" : remedy);
 }
 
 /* Returns the row of four whose vector is the longest. */

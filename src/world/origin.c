@@ -14,6 +14,7 @@
 #include "scene/mesh_def.h"
 #include "scene/place.h"
 #include "scene/scene.h"
+#include "scene/units.h"
 #include "scene/values.h"
 #include "soa/records.h"
 #include "solids/solids.h"
@@ -113,6 +114,8 @@ gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error) {
     world->ctx.scene.specimen.packed = world->ctx.given.specimen.packed;
     world->ctx.scene.specimen.packed_count = world->ctx.given.specimen.packed_count;
     world->ctx.scene.specimen.packed_volume = world->ctx.given.specimen.packed_volume;
+    world->ctx.scene.specimen.packed_columns = world->ctx.given.specimen.packed_columns;
+    world->ctx.given.specimen.packed_columns = (gn_particle_columns){0};
     world->ctx.given.specimen.packed = NULL;
     world->ctx.given.specimen.packed_count = 0;
     return GNEISS_OK;
@@ -130,16 +133,59 @@ static gneiss_status read_run(gn_scene *scene, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status read_specimen(gn_scene *scene, gneiss_error *error) {
+static bool read_unit(void *units, const char *text, const char *unit, double *value, char *reason,
+                      size_t size) {
+    return gn_units_read(units, text, unit, value, reason, size);
+}
+
+static int material_of(const void *scene, const char *name) {
+    return gn_scene_find_material(scene, name);
+}
+
+/* Checks that columns of a file state what the scene leaves out, and the ids by which it selects.
+ */
+static gneiss_status check_columns(const gn_scene *scene, const gn_particle_columns *columns,
+                                   gneiss_error *error) {
+    if (!columns->material && !scene->specimen.material[0])
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected specimen.material, or a column material in %s, found neither "
+                       "and %zu materials",
+                       gn_scene_at(scene, scene->specimen.where, "specimen").text,
+                       scene->specimen.file, scene->material_count);
+    for (size_t k = 0; columns->renumbered && k < scene->set_count; k++)
+        if (scene->sets[k].id_count)
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "%s: set '%s': select.ids: expected ids 0, 1, 2, ... in %s, found others, "
+                "which are replaced by these",
+                gn_scene_at(scene, scene->sets[k].where, "sets").text, scene->sets[k].name,
+                scene->specimen.file);
+    return GNEISS_OK;
+}
+
+static gneiss_status read_file(gn_scene *scene, gneiss_error *error) {
     gn_packing packing;
-    if (!scene->has_specimen) return GNEISS_OK;
-    if (scene->specimen.from[0]) return read_run(scene, error);
-    if (!scene->specimen.file[0]) return GNEISS_OK;
-    GN_TRY(gn_packing_read(scene->specimen.path, (int)scene->dimension, scene->specimen.scale,
-                           &packing, error));
+    gn_units *units = gn_units_new();
+    if (!units) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for units");
+    const gn_packing_words words = {.units = units,
+                                    .unit = read_unit,
+                                    .materials = scene,
+                                    .material = material_of,
+                                    .material_count = scene->material_count};
+    gneiss_status status = gn_packing_read_columns(scene->specimen.path, (int)scene->dimension,
+                                                   scene->specimen.scale, &words, &packing, error);
+    gn_units_free(units);
+    GN_TRY(status);
     scene->specimen.packed = packing.sphere;
     scene->specimen.packed_count = packing.count;
-    return GNEISS_OK;
+    scene->specimen.packed_columns = packing.columns;
+    return check_columns(scene, &packing.columns, error);
+}
+
+static gneiss_status read_specimen(gn_scene *scene, gneiss_error *error) {
+    if (!scene->has_specimen) return GNEISS_OK;
+    if (scene->specimen.from[0]) return read_run(scene, error);
+    return scene->specimen.file[0] ? read_file(scene, error) : GNEISS_OK;
 }
 
 gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error) {

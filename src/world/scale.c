@@ -60,7 +60,8 @@ static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_si
                       : s->pack.shape == GN_SHAPE_MESH     ? "specimen.mesh"
                       : gn_scene_from_packing(&ctx->scene) ? "specimen.from"
                                                            : NULL;
-    if (!ctx->scene.has_specimen || s->scale_given || !key) return false;
+    if (!ctx->scene.has_specimen || s->scale_given || s->packed_columns.states_units || !key)
+        return false;
     *file = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
     return true;
 }

@@ -48,6 +48,7 @@ static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_err
     ctx->given.preparation = (gn_preparation){0};
     gn_packing_free(&packing);
     gn_free(ctx->scene.specimen.packed); /* used here only */
+    gn_particle_columns_free(&ctx->scene.specimen.packed_columns);
     ctx->scene.specimen.packed = NULL;
     ctx->scene.specimen.packed_count = 0;
     return status;
