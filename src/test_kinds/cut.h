@@ -1,4 +1,4 @@
-/* The data of a cut that its readings need, and closed forms of forces on tools. */
+/* Data of a cut, which its readings use, and closed-form expressions for forces on tools. */
 #ifndef GN_TEST_KINDS_CUT_H
 #define GN_TEST_KINDS_CUT_H
 
@@ -21,10 +21,10 @@ typedef struct gn_cut {
     double half_angle;           /* of a pick: half of the angle of its cone */
     double friction;             /* angle of friction between tool and rock */
     double compressive, tensile; /* strengths of the rock */
-    double exponent;             /* psi of the pressure along the rim */
-    double damage_depth;         /* NaN: no bond is broken */
+    double exponent;             /* exponent psi of the pressure along the rim (gn_csm) */
+    double damage_depth;         /* m; NaN: no bond is broken */
     double contact_area;         /* m2; NaN: it was not sampled */
-    double removed;              /* m3 that came off along the path of the means; NaN: not known */
+    double removed; /* m3, volume of rock removed along the range of the means; NaN: unknown */
 } gn_cut;
 
 /* Computes forces on a disc cutter by the model of the Colorado School of Mines (Rostami 1997, PhD
