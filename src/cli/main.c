@@ -85,7 +85,7 @@ static bool is_one_of(const char *name, const char *const *list) {
 }
 
 static const char *const takes_scene[] = {"run", "check", "plan", "stiffness", NULL},
-                         *const takes_folder[] = {"resume", "report", "status", NULL},
+                         *const takes_folder[] = {"resume", "report", "view", "status", NULL},
                          *const takes_file[] = {"run",  "check", "plan",      "stiffness",
                                                 "pack", "sweep", "calibrate", NULL};
 
@@ -556,6 +556,7 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
     if (strcmp(options->command, "status") == 0) return gn_command_status(options, error);
     if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
+    if (strcmp(options->command, "view") == 0) return gn_command_view(options, error);
     if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
     if (strcmp(options->command, "convert") == 0) return gn_command_convert(options, error);
     if (strcmp(options->command, "explain") == 0) return gn_command_explain(options, error);

@@ -33,7 +33,10 @@ typedef struct gn_options {
     bool one_json;  /* stiffness: --json */
     const char *passed[GN_MAX_OVERRIDES]; /* convert: --length=mm and others, in `held` */
     size_t passed_count;
-    const char *strain; /* stiffness: --strain; NULL: not given */
+    const char *strain;   /* stiffness: --strain; NULL: not given */
+    const char *instants; /* view: --instants; NULL: not given */
+    const char *fields;   /* view: --fields; NULL: not given */
+    bool paraview;        /* view: --paraview */
     gn_override overrides[GN_MAX_OVERRIDES];
     const char *option[GN_MAX_OVERRIDES]; /* option that gave the override, such as --threads; NULL:
                                              --set */

@@ -102,16 +102,42 @@ static gneiss_status start(const gn_options *options, char *const *arguments, gn
     return gn_fail(error, GNEISS_ERROR_IO, "%s could not be started", python);
 }
 
-gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) {
-    static const script report = {"GNEISS_REPORT", "report.py", "tools/report.py"};
-    char self[SELF_SIZE], path[SCRIPT_SIZE];
+/* Checks that the target is not a file, and finds a script that reads a folder of results. */
+static gneiss_status find_reader(const gn_options *options, const script *wanted,
+                                 char path[SCRIPT_SIZE], gneiss_error *error) {
+    char self[SELF_SIZE];
     struct stat target;
     if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
                        options->target);
     find_self(self);
-    GN_TRY(find(&report, self, path, error));
+    return find(wanted, self, path, error);
+}
+
+gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) {
+    static const script report = {"GNEISS_REPORT", "report.py", "tools/report.py"};
+    char path[SCRIPT_SIZE];
+    GN_TRY(find_reader(options, &report, path, error));
     return start(options, (char *[]){(char *)python, path, (char *)options->target, NULL}, error);
+}
+
+gneiss_status gn_command_view(const gn_options *options, gneiss_error *error) {
+    static const script view = {"GNEISS_VIEW", "view.py", "tools/view.py"};
+    char path[SCRIPT_SIZE], *arguments[10] = {(char *)python, path};
+    size_t n = 2;
+    GN_TRY(find_reader(options, &view, path, error));
+    const struct {
+        const char *name, *value;
+    } given[] = {{"--instants", options->instants}, {"--fields", options->fields}};
+    for (size_t k = 0; k < 2; k++)
+        if (given[k].value) {
+            arguments[n++] = (char *)given[k].name;
+            arguments[n++] = (char *)given[k].value;
+        }
+    if (options->paraview) arguments[n++] = "--paraview";
+    arguments[n++] = "--";
+    arguments[n] = (char *)options->target;
+    return start(options, arguments, error);
 }
 
 static const script calibrate = {"GNEISS_CALIBRATE", "calibrate/__main__.py",

@@ -7,6 +7,10 @@
 /* Makes the page of a folder of results; returns only if the script cannot be started. */
 gneiss_status gn_command_report(const gn_options *options, gneiss_error *error);
 
+/* Makes a page that shows a run in a browser, or files for ParaView; returns only if the script
+ * cannot be started. */
+gneiss_status gn_command_view(const gn_options *options, gneiss_error *error);
+
 /* Finds the parameters that meet a file of targets; returns only if the script cannot be started.
  */
 gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error);
