@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* Available outputs of a record: its fields and number of items. No table: none. */
+/* The outputs of a record: its fields and its number of items. Without a table there are none. */
 typedef struct outputs {
     const gn_output_table *table;
     gn_effects effects;

@@ -55,7 +55,7 @@ static gneiss_status check_effects(const gn_h5 *file, const char *group, gn_effe
                    file->path, group, *expected ? expected : "(none)", *found ? found : "(none)");
 }
 
-/* With soa NULL only checks that the field exists as expected. */
+/* Reads a field; with `soa` NULL only checks that it exists as expected. */
 static gneiss_status get_field(const gn_h5 *file, const char *group, const gn_field *field,
                                size_t count, void *soa, gneiss_error *error) {
     GN_FREED char *name = gn_text_format("%s/%s", group, field->name);
@@ -83,7 +83,7 @@ gneiss_status gn_h5_get_record(const gn_h5 *file, const char *name, const gn_rec
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: attribute count of %s: expected >= 0, found %lld", file->path, name,
                        (long long)count);
-    /* Everything is checked before memory is allocated, since a wrong count must not demand more
+    /* All fields are checked before memory is allocated, because a wrong count must not demand more
      * than there is. */
     GN_TRY(get_fields(file, name, record, (size_t)count, effects, NULL, error));
     GN_TRY(gn_soa_create(record, soa, (size_t)count, effects, error));
