@@ -20,7 +20,7 @@ gneiss_status gn_new_array(void *place, size_t count, size_t size, const char *w
     gn_grow_array((place), (used), (need), (capacity), sizeof **(place), (what), (error))
 gneiss_status gn_grow_array(void *place, size_t used, size_t need, size_t *capacity, size_t size,
                             const char *what, gneiss_error *error);
-/* The same with a given capacity, for blocks that share one; false: no memory. */
+/* As gn_grow to a given capacity, for blocks that share one; false: no memory. */
 bool gn_widen(void *place, size_t used, size_t capacity, size_t size);
 
 /* A local pointer whose block is freed when its scope ends: GN_FREED double *row = NULL; */
