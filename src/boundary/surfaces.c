@@ -279,8 +279,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         q->row[8 * own + a] = force[a];
         q->touch[own + a * stride] = x[a] + arm[a];
     }
-    /* Along the normal of a single facet, or towards one of many points, the spring has no lever
-     * arm. */
+    /* The spring force has no lever arm if it acts along the normal of a single facet, or towards
+     * one of many points. */
     gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
     for (int a = 0; a < 3; a++) q->row[8 * own + 4 + (size_t)a] += couple[a];
     for (size_t a = 0; a < 3; a++) {

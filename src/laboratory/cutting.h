@@ -27,7 +27,7 @@ struct gn_cutting {
     double loose;      /* m3 of particles that were not anchored when the tool began to move */
     double solid;      /* m3 of all particles at the start */
     double reached;    /* 1: the tool has come to the path of the means, 2: to its end */
-    double removed[2]; /* m3 that had come off there */
+    double removed[2]; /* m3, volume of removed rock at the start and at the end of that path */
     double impulse[GN_CUT_AXES];          /* N s, including the half step after the last instant */
     double seen[GN_CUT_AXES];             /* N s, up to the last instant */
     double rim[GN_RIM_BINS][GN_CUT_AXES]; /* N, sums over the samples */

@@ -370,7 +370,8 @@ static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_
                : 0.0;
 }
 
-/* A lattice whose first row lies on the plane through `from` has half a row too much there. */
+/* Computes the mass of the particles over the part of the mass that elements leave to them. In a
+ * lattice whose first row lies on the plane through `from` it is too large by half a row. */
 static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, size_t zone, gn_zone_figures *f) {
     const gn_coupled *c = zones->coupled;
