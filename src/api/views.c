@@ -43,7 +43,7 @@ static record_place find_record(const gneiss_world *world, gneiss_record record)
     case GNEISS_BONDS:
         return (record_place){&gn_contact_record, &inner->dem.bonds.contacts.soa};
     case GNEISS_PAIRS:
-        gn_near_settle(&inner->ctx, &inner->dem);
+        gn_active_pairs_settle(&inner->ctx, &inner->dem);
         return (record_place){&gn_contact_record, &inner->dem.pairs.contacts.soa};
     case GNEISS_WALL_CONTACTS:
         return (record_place){&gn_wall_contact_record, &inner->boundary.contacts.soa};

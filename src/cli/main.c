@@ -200,6 +200,9 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
     if (*gn_elements_doubts(&run->world.ctx, &run->world.dem, &run->world.boundary,
                             &run->world.solids, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
+    for (size_t k = 0; run->world.ctx.step == 0 && k < run->world.solids.count; k++)
+        if (gn_mesh_changed(&run->world.solids.elements[k]->solid.mesh, light, sizeof light))
+            fprintf(stderr, "gneiss: note: elements.mesh: %s\n", light);
     if (*gn_conversion_watches(&run->world.ctx, &run->world.solids, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(options, run, error));

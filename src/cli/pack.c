@@ -78,6 +78,8 @@ static gneiss_status obtain(const gn_options *options, const gn_scene *scene,
     gneiss_status status = gn_pack_obtain(scene, show, &d, result, note, sizeof note, error);
     if (d.shown && !options->json && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
     if (*note) fprintf(stderr, "gneiss: warning: %s\n", note);
+    if (status == GNEISS_OK && *result->changes)
+        fprintf(stderr, "gneiss: note: specimen: %s\n", result->changes);
     return status;
 }
 

@@ -37,9 +37,10 @@ void gn_print_element_kernels(const gn_world *world) {
 static void print_limits(const gn_world *world, const gn_element_model *model) {
     char text[160];
     const gn_fem_limit *limit = &model->limit;
-    printf("  elements%s\n", gn_elements_lead(&world->ctx, &world->solids, &world->zones) == model
-                                 ? ", which set the step"
-                                 : "");
+    printf("  elements%s\n",
+           gn_timestep_elements_lead(&world->ctx, &world->solids, &world->zones) == model
+               ? ", which set the step"
+               : "");
     if (limit->iterations == 0)
         printf(
             "  sharp limit      not computed: the rigorous bound suffices and replaces it below\n");
@@ -120,9 +121,12 @@ static void print_check(const gn_world *world, const gn_element_model *model, in
     const gn_fem_solid *solid = &model->solid;
     const gn_element_def *elements = model->def;
     double lower[3], upper[3];
+    char changes[GN_MESH_CHANGES_SIZE];
     printf("elements\n  mesh             %s: %zu nodes, %zu %s\n", solid->name,
            solid->nodes.soa.count, solid->elements.soa.count,
            solid->dimension == 3 ? "tetrahedra" : "triangles");
+    if (gn_mesh_changed(&solid->mesh, changes, sizeof changes))
+        printf("  of the file      %s\n", changes);
     for (size_t a = 0; a < (size_t)solid->dimension; a++) {
         lower[a] = INFINITY;
         upper[a] = -INFINITY;
@@ -267,8 +271,9 @@ void gn_print_whole_limit(const gn_world *world) {
 
 static void print_step(const gn_world *world) {
     const gn_whole_limit *whole = gn_coupled_whole(&world->ctx, &world->zones);
-    bool elements = whole ? whole->side == GN_SIDE_ELEMENTS
-                          : gn_elements_lead(&world->ctx, &world->solids, &world->zones) != NULL;
+    bool elements =
+        whole ? whole->side == GN_SIDE_ELEMENTS
+              : gn_timestep_elements_lead(&world->ctx, &world->solids, &world->zones) != NULL;
     printf("step of the coupled model\n  dt               %.6g s, set by the %s\n", world->ctx.dt,
            whole      ? gn_side_text(whole->side)
            : elements ? "elements"

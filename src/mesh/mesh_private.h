@@ -94,6 +94,17 @@ bool gn_mesh_add_element(gn_mesh_list *list, const int32_t *node, const int32_t 
 bool gn_mesh_add_membership(gn_mesh_list *list, size_t element, int32_t group);
 void gn_mesh_elements_free(gn_mesh_elements *elements);
 
+/* Triangles that a reader of surfaces collects. */
+typedef struct gn_mesh_soup {
+    double *corner; /* [count][3], m, three per triangle */
+    size_t count, capacity;
+    double *point; /* [points][3], m: vertices that faces refer to */
+    size_t points, point_capacity;
+    size_t polygons; /* faces that were divided into triangles */
+} gn_mesh_soup;
+gneiss_status gn_mesh_obj_corners(gn_mesh_source *in, gn_mesh_soup *soup);
+gneiss_status gn_mesh_ply_corners(gn_mesh_source *in, gn_mesh_soup *soup);
+
 /* Welds corner[count][3] (three per triangle) into mesh->node and mesh->triangles. */
 gneiss_status gn_mesh_weld(const double *corner, size_t count, const char *name, gn_mesh *mesh,
                            gneiss_error *error);
@@ -102,7 +113,8 @@ gneiss_status gn_mesh_weld(const double *corner, size_t count, const char *name,
 typedef struct gn_msh {
     gn_mesh_source in;
     gn_mesh *mesh;
-    bool version_4;
+    int version;              /* 10 times that of the file: 20, 21, 22, 40, 41 */
+    unsigned char *inner;     /* [node_count] a node on an edge or face, or inside; NULL: none */
     gn_mesh_table node_index; /* tag -> index */
     gn_mesh_list list[4];     /* lists by dimension */
     gn_mesh_table entity;     /* (dimension, tag) -> 2 * row of entity_first + reversed */
@@ -111,9 +123,27 @@ typedef struct gn_msh {
     size_t entity_capacity, pool_capacity;
     bool has_entities;
 } gn_msh;
-gneiss_status gn_msh_read_entities(gn_msh *msh);
+/* Entities of $Entities or $PartitionedEntities. */
+gneiss_status gn_msh_read_entities(gn_msh *msh, bool partitioned);
 gneiss_status gn_msh_read_nodes(gn_msh *msh);
 gneiss_status gn_msh_read_elements(gn_msh *msh);
+
+/* A type of elements of gmsh; its corners come first. */
+typedef struct gn_msh_type {
+    const char *name;
+    int dimension, corners, nodes;
+} gn_msh_type;
+/* NULL: gmsh has no such type, or it is not read. */
+const gn_msh_type *gn_msh_type_of(int64_t number);
+/* Adds an element, split into triangles or tetrahedra if it is neither; counts what was changed.
+ * Returns false without memory. */
+bool gn_msh_add(gn_msh *msh, const gn_msh_type *type, const int32_t *node, const int32_t *groups,
+                size_t group_count);
+/* Exchanges nodes as gmsh does, so that the element is oriented the other way. */
+void gn_msh_reverse(const gn_msh_type *type, int32_t *node);
+bool gn_msh_mark_inner(gn_msh *msh, int32_t node);
+/* Removes nodes that only elements of higher order use, between their corners. */
+bool gn_msh_drop_inner(gn_msh *msh);
 
 static inline void gn_mesh_between(const double *from, const double *to, double out[3]) {
     for (int d = 0; d < 3; d++) out[d] = to[d] - from[d];

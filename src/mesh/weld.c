@@ -137,6 +137,7 @@ gneiss_status gn_mesh_weld(const double *corner, size_t count, const char *name,
     bool room = w.node && w.next && triangles->node && triangles->group &&
                 weld_corners(&w, corner, count, triangles->node);
     if (room) triangles->count = drop_degenerate(&w, triangles->node, count / 3);
+    mesh->changes.degenerate = count / 3 - triangles->count;
     mesh->node = room ? gn_alloc_array(w.count, 3 * sizeof *w.node) : NULL;
     room = room && mesh->node;
     if (room) memcpy(mesh->node, w.node, 3 * sizeof *w.node * w.count);

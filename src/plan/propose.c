@@ -311,9 +311,9 @@ static gneiss_status measure_masses(const gn_step_context *ctx, const gn_dem *de
                                     const gn_zones *zones, gn_plan *plan, gneiss_error *error) {
     plan->unscaled_step = plan->groups.step_ratio > 1.0 ? ctx->choice.scaling.unscaled : ctx->dt;
     for (size_t m = 1; !plan->groups.mesh && m < COUNT(factors); m++)
-        GN_TRY(gn_dem_predict_masses(ctx, dem, boundary, solids, zones,
-                                     factors[m] * plan->unscaled_step, &plan->bound_step_ratio[m],
-                                     &plan->added_mass[m], error));
+        GN_TRY(gn_timestep_predict_masses(ctx, dem, boundary, solids, zones,
+                                          factors[m] * plan->unscaled_step,
+                                          &plan->bound_step_ratio[m], &plan->added_mass[m], error));
     return GNEISS_OK;
 }
 
