@@ -18,7 +18,7 @@
     X(BENDING, bending, ", bending: a beam on two supports")                                       \
     X(TRIAXIAL, triaxial, ", triaxial (in 2D biaxial): under a membrane")                          \
     X(BIAXIAL, biaxial, "")                                                                        \
-    X(HYDROSTATIC, hydrostatic, ", hydrostatic: without ends, equal from all sides")               \
+    X(HYDROSTATIC, hydrostatic, ", hydrostatic: without ends, under pressure from all sides")      \
     X(OEDOMETER, oedometer, ", oedometer: between fixed sides")                                    \
     X(SHEAR, shear, ", shear: one half along the other")                                           \
     X(SIMPLE_SHEAR, simple_shear, ", simple_shear: between periodic sides")                        \
