@@ -670,7 +670,7 @@ class Membrane(TypedDict, total=False):
 
 
 class Test(TypedDict, total=False):
-    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, equal from all sides, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
+    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
     axis: Literal['none', 'x', 'y', 'z']  # direction of loading, in a cut of the motion of the tool; needed by all but hydrostatic (default none)
     lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic and cutting
     upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic and cutting

@@ -72,8 +72,8 @@ gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem
     const char *name = s->body >= 0 ? ctx->scene.bodies[s->body].name : NULL;
     gneiss_status status = ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT;
     return gn_fail(error, status,
-                   "particle %d: centre on the surface of %s%s%s: which side it is on cannot be "
-                   "told%s",
+                   "particle %d: centre on the surface of %s%s%s, so that its side cannot be "
+                   "determined%s",
                    (int)dem->particles.id[boundary->contacts.i[row]],
                    name ? "body '" : "the elements", name ? name : "", name ? "'" : "",
                    ctx->step > 0 ? " (pressed through? stiffer contacts or slower motion)" : "");

@@ -175,7 +175,7 @@ static gneiss_status check_at_rest(const gn_step_context *ctx, const gn_dem *dem
         if (!moves && !turns) continue;
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.400s:%d:%d: couple: expected particles of zones that start at rest, as "
-                       "the nodes do which lead there, found particle %d with a %s (%s)",
+                       "the nodes that move them do, found particle %d with a %s (%s)",
                        ctx->scene.source, ctx->scene.couple.where.line,
                        ctx->scene.couple.where.column, id, moves ? "velocity" : "spin",
                        moves ? "initial_velocity, initial.random_velocity" : "initial_spin");
