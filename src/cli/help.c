@@ -113,7 +113,7 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 #define SETS_LISTED             GN_INSTRUCTION_SETS(LISTED) "auto"
 
 const gn_option_text gn_option_texts[] = {
-    {"run check plan pack sweep calibrate", "--out DIR",
+    {"run pack sweep calibrate", "--out DIR",
      "output folder (default: runs/ and the name of the scene or sweep file)"},
     {"run check plan stiffness pack sweep resume", "--set KEY=VALUE",
      "override a key of the scene: --set time.end=2ms, --set\nwalls.top.friction=0.2"},
