@@ -119,7 +119,12 @@ def runs():
     narrow = {"bodies.disc.disc_cutter.tip_width": "12.5 mm"}
     brittle = {key: None for key in OLD}
     found |= {f"calibrated-{depth}": in_block("17", depth, (130, 90, 45), 8, calibrated) for depth in (7.5, 10, 12.5, 15)}
-    found |= {f"wide-{depth}": in_block("small", depth, (150, 130, 70), 16, {**brittle, **narrow}) for depth in (5, 7.5, 10, 15)}
+    wide = {"wide": (16, {}), "second-rock": (16, {"materials.rock.tensile_strength": "21.7 MPa", "materials.rock.shear_strength": "42.8 MPa",
+                                                   "test.compressive_strength": "102.6 MPa", "test.tensile_strength": "11.5 MPa"}),
+            "smooth": (16, {"bodies.disc.friction": 0.1}), "slow": (8, {})}
+    for name, (value, keys) in wide.items():
+        found |= {f"{name}-{depth}-seed-{seed}": in_block("small", depth, (150, 130, 70), value, {**brittle, **narrow, **keys, "run.seed": seed})
+                  for depth in ((5, 7.5, 10, 15) if name == "wide" else (10,)) for seed in ((1, 2) if name == "wide" else (1,))}
     found |= {f"chisel-{depth}-seed-{seed}": {"scene": chisel(depth), "run.seed": seed} for depth in (2.5, 5, 7.5, 10) for seed in (1, 2)}
     found |= {f"plane-{kind}": {"scene": plane(kind), "run.seed": 1} for kind in ("particles", "fixed", "adaptive")}
     found |= {"radius-2.5-seed-1": {**disc("17", 4), "specimen.mean_radius": "2.5 mm", "run.seed": 1}}
@@ -153,7 +158,7 @@ def compute(program, place, only):
 
 def readings(place, start):
     """[n] summaries of the runs whose name begins so."""
-    found = [finished(os.path.join(place, name)) for name in runs() if name.startswith(start)]
+    found = [finished(os.path.join(place, name)) for name in runs() if name == start or name.startswith(start if start.endswith("-") else start + "-")]
     return [s for s in found if s and s["readings"]["normal_force"] is not None]
 
 
@@ -194,7 +199,8 @@ def tables(place):
               "moments": "bonds with moments and friction, 149 and 10.3 MPa",
               **{f"calibrated-{p}": f"calibrated to all strengths, block of 130 x 90 x 45 mm, {p} mm" for p in (7.5, 10, 12.5, 15)},
               **{f"wide-{p}": f"disc of 250 mm, block of 150 x 130 x 70 mm, {p} mm" for p in (5, 7.5, 10, 15)},
-              **{f"chisel-{p}-": f"chisel in the plane, {p} mm" for p in (2.5, 5, 7.5, 10)},
+              "second-rock-10": "the same, 10 mm, second rock", "smooth-10": "the same, 10 mm, friction 0.1", "slow-10": "the same, 10 mm, 8 m/s",
+              **{f"chisel-{p}": f"chisel in the plane, {p} mm" for p in (2.5, 5, 7.5, 10)},
               **{f"plane-{kind}": f"chisel in the plane, 5 mm, {kind}" for kind in ("particles", "fixed", "adaptive")},
               "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
     for start, label in labels.items():
@@ -202,7 +208,7 @@ def tables(place):
     depths = {"mean radius 3.6 mm": {3: "depth-3", 4: "seed", 6: "depth-6", 8: "depth-8"},
               "mean radius 3 mm": {p: f"fine-{p}" for p in (4.5, 6, 9, 12)}, "block of 200 mm": {p: f"long-{p}" for p in (3, 4, 6, 8)},
               "calibrated": {p: f"calibrated-{p}" for p in (7.5, 10, 12.5, 15)}, "wide block": {p: f"wide-{p}" for p in (5, 7.5, 10, 15)},
-              "chisel": {p: f"chisel-{p}-" for p in (2.5, 5, 7.5, 10)}}
+              "chisel": {p: f"chisel-{p}" for p in (2.5, 5, 7.5, 10)}}
     strengths = ("strength-0.5", "strength-0.7", "seed", "strength-1.4")
     for name in ("normal_force", "rolling_force"):
         for title, starts in depths.items():
@@ -215,13 +221,42 @@ def tables(place):
             print(f"{name}: over the strength r2 of a line {straight:.3f}")
 
 
+def picture(place, path):
+    """Forces and coefficient over the depth beside the model of the Colorado School of Mines, and of a chisel beside Evans."""
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(1, 3, figsize=(10, 3.3), constrained_layout=True)
+    panels = ((axes[0], "wide", (("normal_force", "normal", "#333333"), ("rolling_force", "rolling", "#b3261e")), 1e-3, "mean force [kN]"),
+              (axes[1], "wide", (("cutting_coefficient", "rolling over normal", "#333333"),), 1, "coefficient [1]"),
+              (axes[2], "chisel", (("rolling_force", "mean", "#b3261e"), ("peak_rolling_force", "peak", "#333333")), 1e-3, "force along the cut [kN/m]"))
+    for axis, group, names, factor, label in panels:
+        found = {float(name.split("-")[1]): name for name in runs() if name.startswith(group)}
+        depths = [depth for depth in sorted(found) if readings(place, f"{group}-{depth:g}")]
+        of = [readings(place, f"{group}-{depth:g}") for depth in depths]
+        for name, text, color in names:
+            axis.plot(depths, [factor * np.mean([s["readings"][name] for s in some]) for some in of], "o-", color=color, label=text)
+            guess = {"cutting_coefficient": "predicted_coefficient", "peak_rolling_force": "predicted_peak_evans"}.get(name, "predicted_" + name)
+            model = [some[0]["readings"].get(guess) for some in of]
+            if model and None not in model:
+                axis.plot(depths, factor * np.array(model), "--", color=color, label=f"{text}, closed form")
+        axis.set(xlabel="depth of the cut [mm]", ylabel=label, xlim=(0, None), ylim=(0, None))
+        axis.legend(fontsize=7)
+    axes[0].set_title("disc of 250 mm")
+    axes[2].set_title("chisel in the plane")
+    figure.savefig(path, dpi=110)
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("place")
     parser.add_argument("--only", default="", metavar="NAME", help="runs whose name begins so")
     parser.add_argument("--tables", action="store_true", help="no runs")
+    parser.add_argument("--picture", metavar="FILE", help="write forces over depth as an image")
     asked = parser.parse_args()
     if not asked.tables:
         compute(os.path.abspath(asked.program), asked.place, asked.only)
     tables(asked.place)
+    if asked.picture:
+        picture(asked.place, asked.picture)

@@ -29,6 +29,8 @@ struct gn_cutting {
     double solid;          /* m3 of all particles at the start */
     double reached;        /* 1: the tool has come to the path of the means, 2: to its end */
     double removed[2];     /* m3 that had come off there */
+    double beside[2];      /* m3 of it that began beside the track */
+    double track[2]; /* m, across the cut: where the tool at the depth of the test is in the rock */
     double impulse[GN_CUT_AXES];          /* N s, including the half step after the last instant */
     double seen[GN_CUT_AXES];             /* N s, up to the last instant */
     double rim[GN_RIM_BINS][GN_CUT_AXES]; /* N, sums over the samples */
@@ -53,6 +55,11 @@ void gn_cutting_force(const gn_step_context *ctx, const gn_boundary *boundary,
                       const gn_cutting *cutting, double force[GN_CUT_AXES]);
 /* Volume of the rock, with its pores, that is not anchored any more, m3 (2D: m2 x 1 m). */
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *cutting);
+/* The part of it whose particles began beside the track of the tool, m3; 0 in 2D. */
+double gn_cutting_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *cutting);
+/* Finds the track of the tool. */
+void gn_cutting_find_track(const gn_step_context *ctx, const gn_boundary *boundary,
+                           gn_cutting *cutting);
 /* Describes the cut for its readings. */
 gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_cutting *cutting);

@@ -24,7 +24,8 @@ typedef struct gn_cut {
     double exponent;             /* psi of the pressure along the rim */
     double damage_depth;         /* NaN: no bond is broken */
     double contact_area;         /* m2; NaN: it was not sampled */
-    double removed;              /* m3 that came off along the path of the means; NaN: not known */
+    double removed;              /* m3 that came off along the path of the means */
+    double removed_beside;       /* m3 of it that began beside the track of the tool */
 } gn_cut;
 
 /* Forces on a disc cutter by the model of the Colorado School of Mines (Rostami 1997, PhD thesis,

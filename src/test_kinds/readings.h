@@ -123,6 +123,8 @@
     X(removed_volume, "m3",                                                                        \
       "rock that came off along that path: particles that no intact bond joins to the anchored "   \
       "rest, over 1 - porosity")                                                                   \
+    X(removed_beside, "m3",                                                                        \
+      "part of removed_volume that began beside the track of the tool: chips between passes")      \
     X(specific_energy_removed, "J/m3",                                                             \
       "work of the rolling force along that path over removed_volume")                             \
     X(damage_depth, "m",                                                                           \
