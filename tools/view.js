@@ -144,7 +144,9 @@ function draw() {
   };
   painter.begin([1, 1, 1]);
   if (meta.particles.count && state.particles) {
-    painter.use("spheres", ...of("particles", field));
+    const [values, textures] = of("particles", field), covering = +(state.opacity === 1 && !flat);
+    if (covering) textures.covered = painter.covered(() => { painter.use("squares", {...values, inner: 1, covering: 0}, {...textures, covered: textures.colours}); painter.squares(meta.particles.count); });
+    painter.use("spheres", {...values, inner: 0, covering}, {covered: textures.colours, ...textures});
     painter.squares(meta.particles.count);
   }
   if (meta.bonds.count) drawBonds(of, field, a, b);
@@ -157,14 +159,14 @@ function drawBonds(of, field, a, b) {
   textures.bonds = tables.ends.texture;
   if (state.bonds) {
     if (own) tables.bonds.fieldA.set(own[a]), tables.bonds.fieldB.set(own[b]);
-    painter.use("bonds", {...values, thick: flat ? 0.2 : 0.22, cracks: 0, offset: 0, plain: own ? [0, 0, 0, 0] : [0.45, 0.5, 0.55, 1]},
+    painter.use("bonds", {...values, thick: flat ? 0.2 : 0.22, cracks: 0, plain: own ? [0, 0, 0, 0] : [0.45, 0.5, 0.55, 1]},
       {...textures, fieldA: tables.bonds.fieldA.texture, fieldB: tables.bonds.fieldB.texture, colours: tables.colours[own ? field.kind : "plain"]});
     painter.squares(count - broken);
   }
   if (state.cracks === "off" || !broken) return;
-  painter.use("bonds", {...values, rangeLow: 0, rangeHigh: 1, cracks: state.cracks === "time" ? 2 : 1, offset: count - broken, time0: tables.when[tables.when.length - 1], time1: tables.when[0]},
+  painter.use("bonds", {...values, rangeLow: 0, rangeHigh: 1, cracks: state.cracks === "time" ? 2 : 1, time0: tables.when[tables.when.length - 1], time1: tables.when[0]},
     {...textures, colours: tables.colours.plain});
-  painter.squares(broken);
+  painter.squares(broken, count - broken);
 }
 
 function drawSurface(surface, of, field, a) {

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""view.py [--instants N] [--fields NAME,...] OUTDIR: reads results.h5 and the snapshots of OUTDIR and writes OUTDIR/view.html, one
-file in which the run turns and moves in a browser with WebGL 2.
+"""view.py [--instants N] [--fields NAME,...] [--paraview] OUTDIR: reads results.h5 and the snapshots of OUTDIR and writes
+OUTDIR/view.html, one file in which the run turns and moves in a browser with WebGL 2; with --paraview OUTDIR/paraview_state.py and
+OUTDIR/run.vtkhdf instead.
 
 Exit codes: 0 done, 2 there is nothing that can be read, 3 the page cannot be written.
 """
@@ -15,8 +16,10 @@ from report_files import Unreadable, printable, write
 from report_page import escape
 from report_results import Results
 from view_data import View
+from view_paraview import write_one_file, write_script
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+FEW = 5  # instants that give the ranges of colours
 SCRIPTS = ("view_data.js", "view_gl.js", "view.js")
 
 
@@ -50,23 +53,31 @@ def number_of(text):
     return int(text)
 
 
+def write_paraview(folder):
+    """Writes paraview_state.py and run.vtkhdf; returns the path of the first."""
+    target = os.path.join(folder, "paraview_state.py")
+    write_script(View(Results(os.path.join(folder, "results.h5")), folder, FEW), folder, target)
+    write_one_file(folder, os.path.join(folder, "run.vtkhdf"))
+    return target
+
+
 def write_view(folder, instants, fields):
-    results = Results(os.path.join(folder, "results.h5"))
-    view = View(results, folder, instants, fields)
-    subtitle = f"gneiss {results.attribute('version')} · {counts(view)} · {results.attribute('stop_reason')}"
+    view = View(Results(os.path.join(folder, "results.h5")), folder, instants, fields)
+    subtitle = f"gneiss {view.results.attribute('version')} · {counts(view)} · {view.results.attribute('stop_reason')}"
     target = os.path.join(folder, "view.html")
     write(target, page(view, subtitle))
     return target
 
 
 def main(arguments):
-    parser = argparse.ArgumentParser(prog="view.py", usage="view.py [--instants N] [--fields NAME,...] OUTDIR (the output folder of a run)")
+    parser = argparse.ArgumentParser(prog="view.py", usage="view.py [--instants N] [--fields NAME,...] [--paraview] OUTDIR (the output folder of a run)")
     parser.add_argument("--instants", default="20")
     parser.add_argument("--fields", default="")
+    parser.add_argument("--paraview", action="store_true")
     parser.add_argument("folder")
     given = parser.parse_args(arguments)
     try:
-        print(printable(write_view(given.folder, number_of(given.instants), [name for name in given.fields.split(",") if name])))
+        print(printable(write_paraview(given.folder) if given.paraview else write_view(given.folder, number_of(given.instants), [name for name in given.fields.split(",") if name])))
     except Unreadable as e:
         print(printable(f"gneiss: input error: {e}"), file=sys.stderr)
         return 2

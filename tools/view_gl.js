@@ -13,7 +13,7 @@ uniform vec3 low, size;
 uniform float between, largest, magnify, rangeLow, rangeHigh, scale, opacity, pixel;
 uniform vec4 cut[3];   // in the space of the viewer: kept where dot(xyz, p) <= w
 uniform vec4 plain;    // the colour without values: w > 0
-uniform int orthographic, category, flat2;
+uniform int orthographic, category, flat2, offset;  // offset: the first item of a call
 ivec2 texel(int k) { return ivec2(k % ${WIDTH}, k / ${WIDTH}); }
 // Position and radius between two instants; a jump across a periodic box is not one.
 vec4 placeOf(int k) {
@@ -47,21 +47,45 @@ void thin() {
 void depthAt(vec3 p) { vec4 c = projection * vec4(p, 1.0); gl_FragDepth = 0.5 + 0.5 * c.z / c.w; }
 `;
 const SPHERES = [COMMON + `
-flat out vec4 ball; flat out vec3 colour; out vec3 at;
+flat out vec4 ball; flat out vec3 colour; flat out float front; out vec3 at;
+uniform int inner, covering; uniform sampler2D covered;
+// True if spheres in front hide a small sphere at all of 5 x 5 points; fragments of larger ones look for themselves.
+bool isHidden(vec3 centre, float r) {
+  vec4 c = projection * vec4(centre, 1.0), e = projection * vec4(centre + vec3(r, r, 0.0), 1.0);
+  vec2 screen = vec2(textureSize(covered, 0)), middle = (0.5 + 0.5 * c.xy / c.w) * screen, reach = abs((0.5 + 0.5 * e.xy / e.w) * screen - middle);
+  if (max(reach.x, reach.y) > 12.0) return false;
+  for (int k = 0; k < 25; k++) {
+    vec2 p = middle + reach * (vec2(k % 5, k / 5) * 0.5 - 1.0);
+    if (front <= texelFetch(covered, clamp(ivec2(p), ivec2(0), ivec2(screen) - 1), 0).x) return false;
+  }
+  return true;
+}
+float depthOf(float z) { vec4 c = projection * vec4(0.0, 0.0, z, 1.0); return 0.5 + 0.5 * c.z / c.w; }
 void main() {
-  vec4 p = placeOf(gl_InstanceID);
+  int item = (gl_VertexID >> 2) + offset;
+  vec4 p = placeOf(item);
   ball = vec4((view * vec4(p.xyz, 1.0)).xyz, p.w * scale);
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   if (p.w == 0.0) return;
   float r = ball.w, d = length(ball.xyz);
   for (int k = 0; k < 3; k++) if (dot(cut[k].xyz, ball.xyz) - r > cut[k].w) return;
   if (orthographic == 0) { if (ball.z > -r) return; r *= d * d / (-ball.z * sqrt(max(d * d - r * r, 1e-30))); }
-  colour = colourOf(gl_InstanceID);
-  at = ball.xyz + vec3(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0, 0.0) * r * 1.02;
+  vec3 corner = vec3(vec2(gl_VertexID & 1, gl_VertexID >> 1 & 1) * 2.0 - 1.0, 0.0);
+  at = ball.xyz + corner * r * 1.02;
+  if (inner != 0) {  // a square inside the sphere: what lies behind it is hidden
+    for (int k = 0; k < 3; k++) if (dot(cut[k].xyz, ball.xyz) + ball.w > cut[k].w) return;
+    at = ball.xyz + corner * ball.w * 0.68;
+  } else {
+    colour = colourOf(item);
+    front = depthOf(ball.z + ball.w);
+    if (covering != 0 && isHidden(ball.xyz, ball.w)) return;
+  }
   gl_Position = projection * vec4(at, 1.0);
 }`, COMMON + DITHER + `
-flat in vec4 ball; flat in vec3 colour; in vec3 at; out vec4 shown;
+flat in vec4 ball; flat in vec3 colour; flat in float front; in vec3 at; out vec4 shown;
+uniform sampler2D covered; uniform int covering;
 void main() {
+  if (covering != 0 && front > texelFetch(covered, ivec2(gl_FragCoord.xy), 0).x) discard;
   thin();
   vec3 o = vec3(at.xy, 0.0), d = vec3(0.0, 0.0, -1.0);
   if (orthographic == 0) { o = vec3(0.0); d = normalize(at); }
@@ -82,18 +106,19 @@ void main() {
   else shown = vec4(lit(colour, n), 1.0);
   depthAt(p);
 }`];
+const SQUARES = [SPHERES[0], COMMON + "out vec4 shown; void main() { shown = vec4(1.0); }"];
 const BONDS = [COMMON + `
-uniform usampler2D bonds; uniform int offset, cracks; uniform float thick, time0, time1;
+uniform usampler2D bonds; uniform int cracks; uniform float thick, time0, time1;
 out vec3 at; out vec2 across; flat out vec3 colour;
 void main() {
-  int k = gl_InstanceID + offset;
+  int k = (gl_VertexID >> 2) + offset;
   uvec4 bond = texelFetch(bonds, texel(k), 0);
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   vec4 p = placeOf(int(bond.x)), q = placeOf(int(bond.y));
   vec3 d = q.xyz - p.xyz;
   float l = length(d), reach = p.w + q.w;
   if (p.w == 0.0 || q.w == 0.0 || l == 0.0 || l > 1.25 * reach) return;  // one is not there, or they are far apart
-  across = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+  across = vec2(gl_VertexID & 1, gl_VertexID >> 1 & 1) * 2.0 - 1.0;
   if (cracks != 0) {  // a disc across the bond, midway between the two surfaces
     vec3 n = d / l, u = normalize(abs(n.z) < 0.9 ? cross(n, vec3(0, 0, 1)) : cross(n, vec3(1, 0, 0))), v = cross(n, u);
     if (flat2 != 0) v = vec3(0.0);
@@ -199,7 +224,7 @@ class Painter {
   constructor(canvas) {
     const gl = this.gl = canvas.getContext("webgl2", {antialias: true, preserveDrawingBuffer: true});
     if (!gl) throw new Error("this browser has no WebGL 2");
-    this.programs = {spheres: programOf(gl, SPHERES), bonds: programOf(gl, BONDS), facets: programOf(gl, FACETS)};
+    this.programs = {spheres: programOf(gl, SPHERES), squares: programOf(gl, SQUARES), bonds: programOf(gl, BONDS), facets: programOf(gl, FACETS)};
     this.empty = new Table(gl, 4, 2);
     this.empty.set(new Uint16Array(4));
     this.none = new Table(gl, 1, 1);
@@ -223,11 +248,30 @@ class Painter {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
+  // Depths up to which spheres cover what is behind them, as a texture: fragments that are hidden cost little.
+  covered(drawing) {
+    const gl = this.gl, {width, height} = gl.canvas;
+    if (!this.cover) this.cover = {frame: gl.createFramebuffer(), texture: gl.createTexture()};
+    gl.bindTexture(gl.TEXTURE_2D, this.cover.texture);
+    if (this.cover.width !== width || this.cover.height !== height) {
+      Object.assign(this.cover, {width, height});
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.DEPTH_COMPONENT24, width, height, 0, gl.DEPTH_COMPONENT, gl.UNSIGNED_INT, null);
+      for (const name of ["MIN", "MAG"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], gl.NEAREST);
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.cover.frame);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, this.cover.texture, 0);
+    gl.clear(gl.DEPTH_BUFFER_BIT);
+    drawing();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return this.cover.texture;
+  }
+
   // `values`: uniforms by name; numbers of integers by the name of the type in INTEGERS; `tables`: textures by name.
   use(name, values, tables) {
     const gl = this.gl, {program, place} = this.programs[name];
     gl.useProgram(program);
-    const integers = new Set(["orthographic", "category", "flat2", "offset", "cracks", "unlit"]);
+    this.used = place;
+    const integers = new Set(["orthographic", "category", "flat2", "cracks", "unlit", "inner", "covering"]);
     for (const [key, value] of Object.entries(values)) {
       if (!place[key]) continue;
       if (typeof value === "number") integers.has(key) ? gl.uniform1i(place[key], value) : gl.uniform1f(place[key], value);
@@ -254,11 +298,22 @@ class Painter {
     gl.depthMask(true);
   }
 
-  squares(count) {
-    if (count <= 0) return;
-    this.gl.drawArraysInstanced(this.gl.TRIANGLE_STRIP, 0, 4, count);
-    this.calls++;
-    this.vertices += 4 * count;
+  // Squares of items from `first` on. One buffer of corners serves all: instances of four corners are slower.
+  squares(count, first = 0) {
+    const gl = this.gl, MOST = 1 << 16;
+    if (!this.corner) {
+      const corners = new Uint32Array(6 * MOST);
+      for (let k = 0; k < MOST; k++) corners.set([0, 1, 2, 2, 1, 3].map(c => 4 * k + c), 6 * k);
+      this.corner = this.indices(corners);
+    }
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.corner.buffer);
+    for (let begin = 0; begin < count; begin += MOST) {
+      const some = Math.min(MOST, count - begin);
+      gl.uniform1i(this.used.offset, first + begin);
+      gl.drawElements(gl.TRIANGLES, 6 * some, gl.UNSIGNED_INT, 0);
+      this.calls++;
+      this.vertices += 4 * some;
+    }
   }
 
   corners(kind, indices) {
