@@ -52,8 +52,9 @@ def in_block(inch, depth, size, speed, keys):
             "time.end": f"{(size[0] + 2) / speed} ms", "output.energy": "off", "test.spacing": f"{size[1]} mm", **keys}
 
 
-def plane(kind, depth=5, speed=3, length=280, height=160):
-    """Scene of a chisel in the plane: 'particles', 'fixed' or 'adaptive', in a body of length and height in mm."""
+def plane(kind, depth=5, speed=3, length=280, height=160, size=4, width=12):
+    """Scene of a chisel in the plane: 'particles', 'fixed' or 'adaptive', in a body of length and height, with elements of a size and a zone of
+    a width, all in mm."""
     with open(os.path.join(SCENES, "cutting-adaptive.yaml")) as file:
         scene = yaml.safe_load(file)
     body, elements, tool = scene["specimen"], scene["elements"], scene["bodies"][0]
@@ -63,10 +64,10 @@ def plane(kind, depth=5, speed=3, length=280, height=160):
     held = [{"name": "back", "select": {"end": {"axis": "x", "side": "upper", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}},
             {"name": "base", "select": {"end": {"axis": "y", "side": "lower", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}}]
     low = height if kind == "adaptive" else height - 42  # mm, height of the elements
-    elements["rectangle"] = {"size": [f"{length} mm", f"{low} mm"], "cells": [length // 4, low // 4 + (low % 4 > 0)], "origin": ["0 mm", f"{-height} mm"]}
+    elements["rectangle"] = {"size": [f"{length} mm", f"{low} mm"], "cells": [int(length / size), math.ceil(low / size)], "origin": ["0 mm", f"{-height} mm"]}
     if kind == "adaptive":
         body["packing"]["region"] = {"min": ["0 mm", f"{-height + 14.9} mm"], "max": [f"{length - 14.9} mm", "0 mm"]}
-        scene["couple"]["convert"]["width"] = "12 mm"
+        scene["couple"]["convert"]["width"] = f"{width} mm"
     else:
         del body["packing"]["region"]
         scene["sets"] = held if kind == "particles" else held[:1]
@@ -127,6 +128,7 @@ def runs():
                   for depth in ((5, 7.5, 10, 15) if name == "wide" else (10,)) for seed in ((1, 2) if name == "wide" else (1,))}
     found |= {f"chisel-{depth}-seed-{seed}": {"scene": chisel(depth), "run.seed": seed} for depth in (2.5, 5, 7.5, 10) for seed in (1, 2)}
     found |= {f"plane-{kind}": {"scene": plane(kind), "run.seed": 1} for kind in ("particles", "fixed", "adaptive")}
+    found["plane-fine"] = {"scene": plane("adaptive", size=2.5, width=8), "run.seed": 1}
     found |= {"radius-2.5-seed-1": {**disc("17", 4), "specimen.mean_radius": "2.5 mm", "run.seed": 1}}
     return found
 
@@ -170,8 +172,9 @@ def row(place, label, start):
                for name in ("normal_force", "rolling_force", "cutting_coefficient", "predicted_coefficient", "specific_energy_removed")}
     spread = f" ± {columns['normal_force'].std(ddof=1) / 1e3:.0f}" if len(some) > 1 else ""
     cost = sum(s["seconds"]["cpu"] for s in some)
+    model = columns["predicted_coefficient"].mean()
     return (f"| {label} | {len(some)} | {columns['normal_force'].mean() / 1e3:.0f}{spread} | {columns['rolling_force'].mean() / 1e3:.1f} "
-            f"| {columns['cutting_coefficient'].mean():.3f} | {columns['predicted_coefficient'].mean():.3f} "
+            f"| {columns['cutting_coefficient'].mean():.3f} | {'-' if np.isnan(model) else f'{model:.3f}'} "
             f"| {np.nanmean(columns['specific_energy_removed']) / 3.6e6:.1f} | {cost:.0f} |")
 
 
@@ -201,7 +204,7 @@ def tables(place):
               **{f"wide-{p}": f"disc of 250 mm, block of 150 x 130 x 70 mm, {p} mm" for p in (5, 7.5, 10, 15)},
               "second-rock-10": "the same, 10 mm, second rock", "smooth-10": "the same, 10 mm, friction 0.1", "slow-10": "the same, 10 mm, 8 m/s",
               **{f"chisel-{p}": f"chisel in the plane, {p} mm" for p in (2.5, 5, 7.5, 10)},
-              **{f"plane-{kind}": f"chisel in the plane, 5 mm, {kind}" for kind in ("particles", "fixed", "adaptive")},
+              **{f"plane-{kind}": f"chisel in the plane, 5 mm, {kind}" for kind in ("particles", "fixed", "adaptive", "fine")},
               "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
     for start, label in labels.items():
         print(row(place, label, start))
