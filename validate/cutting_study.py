@@ -61,7 +61,7 @@ def plane(kind, depth=5, speed=3, length=280, height=160, size=4, width=12):
     layer = 54 if kind == "fixed" else height  # mm, with particles
     body["rectangle"] = {"width": f"{length} mm", "height": f"{layer} mm"}
     body["origin"] = ["0 mm", f"{-layer} mm"]
-    held = [{"name": "back", "select": {"end": {"axis": "x", "side": "upper", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}},
+    held = [{"name": "rear", "select": {"end": {"axis": "x", "side": "upper", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}},
             {"name": "base", "select": {"end": {"axis": "y", "side": "lower", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}}]
     low = height if kind == "adaptive" else height - 42  # mm, height of the elements
     elements["rectangle"] = {"size": [f"{length} mm", f"{low} mm"], "cells": [int(length / size), math.ceil(low / size)], "origin": ["0 mm", f"{-height} mm"]}
