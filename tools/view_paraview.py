@@ -85,6 +85,8 @@ bonds = opened("bonds")
 if bonds is not None:
     bonds.UpdatePipeline(TIMES[-1])
     for name, low, high, array in (("intact bonds", 0, 0, "force"), ("softening bonds", 4, 5, "criterion"), ("broken bonds", 1, 2, "state")):
+        if name == "softening bonds" and "tension_damage" not in bonds.CellData.keys():
+            continue
         lines = ExtractSurface(Input=between(bonds, ("CELLS", "state"), low, high, name + ", lines"))
         tube = Tube(registrationName=name, Input=lines)
         tube.Radius = (0.2 if array != "state" else 0.35) * RADIUS
