@@ -32,6 +32,7 @@ from report_results import Results
 ROOT = Path(__file__).resolve().parent.parent
 TABLE, PAGE, PICTURES = ROOT / "docs" / "gallery.yaml", ROOT / "docs" / "gallery.md", ROOT / "docs" / "pictures" / "gallery"
 SIZE = 3.2, 2.5   # inches
+FIRST = "ucs-rock"  # on the first page of the site, larger
 DPI = 110
 # The run of a tutorial whose last state is drawn, or the picture that the page's own program writes.
 TUTORIALS = {"ucs": "runs/ucs", "silo": "runs/silo", "cut": "runs/cut", "beam": "beam.png", "force": "force.png"}
@@ -66,10 +67,10 @@ def draw_state(figure, axes, results):
         draw_particles(axes, results)
 
 
-def picture(folder, path):
-    """Draws the last state of a run without frame, title and colour bar."""
+def picture(folder, path, size=SIZE):
+    """Draws the last state of a run without frame, title and colour bar; size in inches."""
     results = Results(Path(folder) / "results.h5")
-    figure, axes = plt.subplots(figsize=SIZE)
+    figure, axes = plt.subplots(figsize=size)
     axes.set_aspect("equal")
     draw_state(figure, axes, results)
     for other in figure.axes[1:]:
@@ -99,6 +100,8 @@ def run(entry, program, folder):
     subprocess.run([program, "run", ROOT / "scenes" / f"{name}.yaml", "--out", folder, "--threads", "1", "--quiet", "--force"], check=True)
     entry["seconds"] = float(f"{json.loads((Path(folder) / 'summary.json').read_text())['seconds']['cpu']:.2g}")
     picture(folder, PICTURES / f"{name}.png")
+    if name == FIRST:
+        picture(folder, PICTURES / "first.png", (4.2, 5.4))
 
 
 def set_seconds(text, name, seconds):

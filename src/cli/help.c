@@ -191,7 +191,7 @@ bool gn_command_takes(const gn_command *command, const gn_option_text *option) {
     return false;
 }
 
-/* Prints the lines of a text, the first one after the name. */
+/* Prints the lines of a text, the first of them after the name. */
 static void print_option(FILE *out, const char *name, const char *text) {
     fprintf(out, *text ? "  %-18s " : "  %s", name);
     for (; *text; text++) {

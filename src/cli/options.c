@@ -69,7 +69,7 @@ static gneiss_status check_sweep_options(const gn_options *options, const gn_com
     return GNEISS_OK;
 }
 
-/* Refuses options of `plan --error` without it. */
+/* Refuses the options of `plan --error` if --error is missing. */
 static gneiss_status check_plan_options(const gn_options *options, const gn_command *command,
                                         gneiss_error *error) {
     const char *given = options->error > 0.0     ? "--error"
@@ -395,7 +395,7 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
     }
 }
 
-/* Reports the option at which getopt stopped, and the one that was probably intended. */
+/* Reports the option at which getopt stopped, and the option that was probably intended. */
 static gneiss_status no_option(char **argv, gneiss_error *error) {
     const char *given = argv[optind - 1];
     char name[96], advice[GN_ADVICE_SIZE] = "";
@@ -413,7 +413,7 @@ static gneiss_status no_option(char **argv, gneiss_error *error) {
                    name, advice);
 }
 
-/* Returns the first argument that is a command; NULL: none. */
+/* Returns the first argument that is the name of a command; NULL: none. */
 static const gn_command *command_among(int argc, char **argv) {
     for (int k = 1; k < argc; k++)
         if (gn_command_named(argv[k])) return gn_command_named(argv[k]);
