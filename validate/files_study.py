@@ -1,5 +1,5 @@
 """Real files of other programs: makes them with YADE, LAMMPS, LIGGGHTS, ESyS-Particle's GenGeo, Voro++, gmsh, meshio and Blender, reads them with
-gneiss and compares number and volume with what the program was told to write; reads files of gneiss with LAMMPS, LIGGGHTS, YADE and gmsh. Programs
+gneiss and compares number and volume with those that the program was given; reads files of gneiss with LAMMPS, LIGGGHTS, YADE and gmsh. Programs
 that are not installed are named and left out. Writes docs/evidence/files.md; two minutes of one core.
 
     /usr/bin/python3 validate/files_study.py
@@ -355,7 +355,7 @@ def main():
     head = "| written by | file | number | volume, m3 | error | |\n| --- | --- | --- | --- | --- | --- |\n"
     PAGE.write_text(
         "# Files of other programs\n\n" + study.prose(
-            f"{len(rows)} files that other programs wrote, read by gneiss ([files.md](../files.md)): number and volume beside what the program was told to write, "
+            f"{len(rows)} files that other programs wrote, read by gneiss ([files.md](../files.md)): number and volume beside those that the program was given, "
             f"and {len(returned)} files of gneiss read by others. {'All are right' if not wrong else f'{wrong} are wrong'} to the digits that the writer keeps (six in texts of "
             "LAMMPS, LIGGGHTS, YADE and OBJ). Spheres: 120 of 1 to 2 mm. Meshes: number of tetrahedra beside that of the solid elements in the file times 1, 6 or 3. "
             f"Versions: {', '.join(versions)}.{' Not installed: ' + ', '.join(absent) + '.' if absent else ''} Made by `validate/files_study.py`.")

@@ -323,7 +323,8 @@ static gneiss_status read_entity(gn_msh *msh, int dimension, bool partitioned, s
                                 dimension || msh->version == 40 ? 6 : 3));
     const size_t before = *used;
     GN_TRY(take_physical_tags(msh, used, &reversed));
-    /* Interfaces of partitions are in groups that gmsh numbers like those of the geometry. */
+    /* An interface of partitions has the number of its parent's group, which is another group in
+     * its own dimension. */
     if (parent != dimension) *used = before, reversed = false;
     int64_t value = 2 * (int64_t)row + reversed;
     if (!gn_mesh_table_add(&msh->entity, (gn_mesh_key){(uint64_t)dimension, (uint64_t)tag}, value,
