@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 
-from report_beside import Beside
+from report_beside import Beside, panes
 from report_curves import BLUE, INK, RED, save
 from report_results import scale_of
 
@@ -100,15 +100,20 @@ class Specimen:
         within = [m for m in middles if self.lower[2] < m < self.upper[2]]
         return float(within[0]) if within else self.middle[2]
 
+    def displacement_quantiles(self):
+        """quantiles of displacements: of the particles that a bond still holds, if there are any, as chips fly far."""
+        held = self.damage < 1 if self.damage is not None and self.has_bonds else np.ones(len(self.moved), bool)
+        return quantiles(self.moved[held] if held.any() else self.moved, "m")
+
     def displacement_scale(self):
         """(factor, unit, top of the colours)."""
-        factor, unit, norm = quantiles(self.moved, "m")
+        factor, unit, norm = self.displacement_quantiles()
         return factor, unit, norm.vmax
 
     def colorings(self):
         """Returns (title, values, colour map, norm, label of the colour bar): damage of bonded particles, heights of
         a bed under a body, speeds of freely moving particles, and displacements."""
-        factor, unit, norm = quantiles(self.moved, "m")
+        factor, unit, norm = self.displacement_quantiles()
         result = [("Displacement", self.moved / factor, plt.cm.viridis, norm, f"displacement [{unit}]")]
         if self.damage is not None and self.has_bonds:
             result.insert(0, ("Damage", self.damage, DAMAGE, Normalize(0, 1), "damage, broken / initial bonds [1]"))
@@ -198,7 +203,7 @@ class Surface:
         self.middle = middle = specimen.middle
         self.beside = specimen.beside
         framed = ((specimen.framed - middle) @ turn.T)[:, :2]
-        self.panes = specimen.beside.panes(specimen.lower, specimen.upper)
+        self.panes = panes(specimen.beside.walls, specimen.lower, specimen.upper)
         beside = np.vstack([self.beside.vertex[np.unique(self.beside.facet)], self.panes.reshape(-1, 3)])
         beside = ((beside - middle) @ turn.T)[:, :2]
         if specimen.has_bonds and specimen.count:

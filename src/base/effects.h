@@ -1,6 +1,6 @@
-/* Effects that a scene can request. A scene resolves to a mask of effects: fields without an active
+/* Effects that a scene can request. A scene results in a mask of effects: fields without an active
  * effect are not allocated, passes without one are skipped, and the kernel is chosen that has only
- * the active ones. `gneiss plan` prints the mask. One list drives the enum, the names and the
+ * the active ones. `gneiss plan` prints the mask. One list generates the enum, the names and the
  * texts. */
 #ifndef GN_BASE_EFFECTS_H
 #define GN_BASE_EFFECTS_H
@@ -57,10 +57,10 @@ typedef enum gn_effect_index {
         GN_EFFECT_COUNT
 } gn_effect_index;
 
-/* Effects that a build leaves out (the option `without` of meson), as bits. Their constants are 0,
- * so that nothing sets them and code guarded by a test of them is not compiled. Only the manifest
- * of records and the scene reader know all effects (GN_EVERY_EFFECT): a field that needs an
- * excluded effect has no storage, and a scene that requests one is refused. */
+/* Effects that a build omits (the option `without` of meson), as bits. Their constants are 0, so
+ * that nothing sets them and code guarded by a test of them is not compiled. Only the manifest of
+ * records and the scene reader know all effects (GN_EVERY_EFFECT): a field that requires an omitted
+ * effect has no storage, and a scene that requests one is refused. */
 #ifndef GN_WITHOUT
 #define GN_WITHOUT 0
 #endif
@@ -84,5 +84,10 @@ _Static_assert(GN_EFFECT_COUNT <= 63, "effects are bits of a long long");
 /* Returns "friction", ...; index in [0, GN_EFFECT_COUNT). */
 const char *gn_effect_name(gn_effect_index index);
 const char *gn_effect_text(gn_effect_index index);
+
+/* Writes the names of a set of effects to `text`, with `between` between two, and returns it. */
+enum { GN_EFFECT_NAMES_SIZE = 1024 };
+const char *gn_effect_names(gn_effects effects, const char *between,
+                            char text[GN_EFFECT_NAMES_SIZE]);
 
 #endif

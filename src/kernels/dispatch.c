@@ -126,7 +126,7 @@ _Static_assert(COUNT(kinds) * OPTIONS == GN_CONTACT_VARIANTS,
                "variants are all kinds with all options");
 _Static_assert(1 << COUNT(option_bits) == OPTIONS, "options are bits of a variant's number");
 
-/* Bonds with moments include the friction of others if there is a column for it. */
+/* Bonds with moments include the friction of other bonds if there is a column for it. */
 unsigned gn_contact_variant(gn_effects effects) {
     if (effects & GN_FX_BOND_MOMENTS) effects &= ~(gn_effects)GN_FX_MOHR;
     for (unsigned k = 0; k < COUNT(kinds); k++)
@@ -177,8 +177,11 @@ gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list
     unsigned variant = gn_contact_variant(list_effects);
     *kernel = variant < GN_CONTACT_VARIANTS ? (mixed ? set->mixed : set->contact)[variant] : NULL;
     if (*kernel) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no contact kernel for effects %llx of %s",
-                   (unsigned long long)list_effects, set->name);
+    char names[GN_EFFECT_NAMES_SIZE];
+    return gn_fail(error, GNEISS_ERROR_INTERNAL,
+                   "no contact kernel of %s for a list with these effects: %s (the kinds of lists "
+                   "that have one are in src/kernels/laws.h)",
+                   set->name, gn_effect_names(list_effects, ", ", names));
 }
 
 gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,

@@ -5,11 +5,16 @@
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "particles/particles.h"
+#include "scene/couple_def.h"
 #include "scene/scene.h"
+#include "scene/stages.h"
 #include "surfaces/body_shape.h"
 
 #include <math.h>
 #include <stdio.h>
+
+/* Most stages through which a prescribed motion is followed. */
+enum { STAGES_FOLLOWED = 64 };
 
 typedef struct cut {
     const gn_step_context *ctx;
@@ -87,42 +92,72 @@ bool gn_cutting_depth_differs(const gn_step_context *ctx, const double depth[2],
     return true;
 }
 
-/* Follows the prescribed motion until the tool has come `path` along the cut or the run ends.
- * Returns the path that it has come, m; `rise`: its path out of the rock, m. */
-static double follow(const cut *q, double path, double *rise) {
+/* Prescribed motion of the tool so far. */
+typedef struct course {
+    double start[STAGES_FOLLOWED]; /* s, of each stage */
+    double came, rise;             /* m, along the cut and out of the rock */
+} course;
+
+/* Follows the motion that a scene prescribes until the tool has come `path` or the time ends. */
+static void follow_scene(const cut *q, const gn_scene *scene, double from, double to, double path,
+                         course *c) {
     enum { PARTS = 4000 };
-    const gn_table *velocity = q->def->motion.velocity;
-    const double part = q->ctx->scene.end / PARTS;
-    double came = 0.0;
-    *rise = 0.0;
-    for (int k = 0; k < PARTS && came < path; k++) {
-        came +=
-            q->state->direction * gn_table_between(velocity + q->axis, k * part, (k + 1) * part);
-        *rise +=
-            q->state->outward * gn_table_between(velocity + q->normal, k * part, (k + 1) * part);
+    const gn_table *velocity = scene->bodies[q->tool].motion.velocity;
+    const double part = (to - from) / PARTS;
+    for (int k = 0; k < PARTS && c->came < path; k++) {
+        const double begin = from + k * part, end = from + (k + 1) * part;
+        c->came += q->state->direction * gn_table_between(velocity + q->axis, begin, end);
+        c->rise += q->state->outward * gn_table_between(velocity + q->normal, begin, end);
     }
-    return came;
 }
 
-static bool is_followed(const cut *q) {
-    return !q->ctx->given.stage_count && q->state->direction != 0.0;
+/* Times in a table that a stage gives count from its start. */
+static void start_table(void *context, gn_table *table) {
+    const course *c = context;
+    for (size_t k = 0; k < table->count && table->stage; k++)
+        table->time[k] += c->start[table->stage - 1];
+}
+
+/* Follows the prescribed motion through all stages; false: the duration of a stage before the end
+ * of that path is not known. */
+static bool follow(const cut *q, double path, course *c) {
+    const gn_scene *given = &q->ctx->given;
+    *c = (course){0};
+    if (!given->stage_count) {
+        follow_scene(q, &q->ctx->scene, 0.0, q->ctx->scene.end, path, c);
+        return q->state->direction != 0.0;
+    }
+    if (given->stage_count > STAGES_FOLLOWED || q->state->direction == 0.0) return false;
+    for (size_t s = 0; s < given->stage_count && c->came < path; s++) {
+        gn_scene stage;
+        const bool last = s + 1 == given->stage_count;
+        const double length = gn_stage_length(&given->stages[s], q->ctx->dt),
+                     end = fmin(given->end, c->start[s] + length);
+        if (!last && !isfinite(length)) return false;
+        if (gn_scene_stage(given, s, &stage, NULL) != GNEISS_OK) return false;
+        gn_scene_tables(&stage, start_table, c);
+        follow_scene(q, &stage, c->start[s], end, path, c);
+        gn_scene_free(&stage);
+        if (!last) c->start[s + 1] = end;
+    }
+    return true;
 }
 
 static bool depth_differs(const cut *q, char *text, size_t size) {
-    double rise[2], depth[2];
-    if (!is_followed(q) || (q->def->free && !q->def->motion.velocity[q->normal].count))
+    course at[2];
+    double depth[2];
+    if ((q->def->free && !q->def->motion.velocity[q->normal].count) ||
+        !follow(q, q->state->begin, &at[0]) || !follow(q, q->state->end, &at[1]))
         return false;
-    follow(q, q->state->begin, &rise[0]);
-    follow(q, q->state->end, &rise[1]);
     for (int k = 0; k < 2; k++)
-        depth[k] = gn_cutting_depth_at_start(q->ctx, q->boundary, q->state) - rise[k];
+        depth[k] = gn_cutting_depth_at_start(q->ctx, q->boundary, q->state) - at[k].rise;
     return gn_cutting_depth_differs(q->ctx, depth, text, size);
 }
 
 static bool is_short(const cut *q, char *text, size_t size) {
-    double rise;
-    if (!is_followed(q)) return false;
-    const double came = follow(q, q->state->end, &rise);
+    course c;
+    if (!follow(q, q->state->end, &c)) return false;
+    const double came = c.came;
     if (came > (1.0 - 1e-3) * q->state->end) return false;
     snprintf(text, size,
              "%s: until time.end (%g s) the tool comes %.4g m far, means are taken from %.4g m to "
@@ -191,6 +226,73 @@ static bool is_wide(const cut *q, char *text, size_t size) {
 
 /* --- numbers --- */
 
+/* Extent of the part of the tool that is below the surface, or above it by less than `reach`, when
+ * the tool is at the depth of the test; where it is at its start otherwise. */
+static void extent_in_rock(const cut *q, double reach, double low[3], double high[3]) {
+    const gn_rigid *body = &q->boundary->bodies[q->tool];
+    const double sink =
+        q->ctx->scene.test.given.depth - gn_cutting_depth_at_start(q->ctx, q->boundary, q->state);
+    size_t first = 0;
+    for (size_t k = 0; k < q->tool; k++) first += (size_t)q->boundary->body_shape[k][0];
+    for (int a = 0; a < 3; a++) {
+        low[a] = INFINITY;
+        high[a] = -INFINITY;
+    }
+    for (size_t n = first; n < first + (size_t)q->boundary->body_shape[q->tool][0]; n++) {
+        double at[3];
+        gn_rigid_place(body, q->boundary->body_vertex + 4 * n, at);
+        for (int a = 0; a < 3; a++) at[a] += body->start[a] - body->position[a];
+        at[q->normal] -= q->state->outward * sink;
+        if (q->state->outward * (at[q->normal] - q->state->surface) > reach) continue;
+        for (int a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], at[a]);
+            high[a] = fmax(high[a], at[a]);
+        }
+    }
+}
+
+/* Finds the side of couple.convert.box that the zone around the tool crosses soonest. Sides at the
+ * surface of the body count for nothing. Returns the path until then, m; infinite: none. */
+static double path_in_reserve(const cut *q, int *axis, int *upper) {
+    const gn_convert_def *def = &q->ctx->scene.couple.convert;
+    const double around = def->near_bodies + def->width;
+    double low[3], high[3], least = INFINITY;
+    extent_in_rock(q, def->near_bodies, low, high);
+    for (int a = 0; a < (int)q->ctx->scene.dimension; a++)
+        for (int side = 0; side < 2; side++) {
+            const double sign = side ? 1.0 : -1.0, origin = q->ctx->scene.origin[a],
+                         box = (side ? def->box_max[a] : def->box_min[a]) - origin,
+                         beyond = sign * (q->state->elements[side][a] - box);
+            double path = sign * (box - (side ? high[a] : low[a])) - around;
+            if (beyond <= 1e-6 * around || (a == q->axis && sign != q->state->direction)) continue;
+            if (a != q->axis) path = path < 0.0 ? 0.0 : INFINITY;
+            if (path >= least) continue;
+            least = path;
+            *axis = a;
+            *upper = side;
+        }
+    return least;
+}
+
+static bool leaves_reserve(const cut *q, char *text, size_t size) {
+    const gn_couple_def *couple = &q->ctx->scene.couple;
+    int axis = 0, upper = 0;
+    if (!couple->has_convert || !(couple->convert.near_bodies > 0.0) || q->state->direction == 0.0)
+        return false;
+    const double path = path_in_reserve(q, &axis, &upper);
+    if (!(path < q->state->end)) return false;
+    snprintf(
+        text, size,
+        "%s: elements within couple.convert.bodies (%.4g m) of '%s' convert, and their zone of "
+        "couple.convert.width (%.4g m) would cross the %s %c side of couple.convert.box after "
+        "a path of %.4g m, before means end at %.4g m: the run ends there or sooner; a larger "
+        "box with a packing that fills it is needed%s",
+        q->place.text, couple->convert.near_bodies, q->def->name, couple->convert.width,
+        upper ? "upper" : "lower", "xyz"[axis], fmax(0.0, path), q -> state -> end,
+        axis == q -> axis ? ", or a smaller test.length" : "");
+    return true;
+}
+
 static bool has_odd_values(const cut *q, char *text, size_t size) {
     const gn_test_sizes *t = &q->ctx->scene.test.given;
     const double path = q->state->end - q->state->begin;
@@ -225,10 +327,11 @@ static bool is_coarse(const cut *q, char *text, size_t size) {
 bool gn_cutting_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_cutting *c, gn_cutting_doubt doubt, char *text, size_t size) {
     static bool (*const applies[GN_CUT_DOUBTS])(const cut *, char *, size_t) = {
-        [GN_CUT_LOCKED] = is_locked,      [GN_CUT_SKEW] = is_skew,
-        [GN_CUT_BESIDE] = is_beside,      [GN_CUT_WIDE] = is_wide,
-        [GN_CUT_VALUES] = has_odd_values, [GN_CUT_PARTICLES] = is_coarse,
-        [GN_CUT_DEPTH] = depth_differs,   [GN_CUT_SHORT] = is_short};
+        [GN_CUT_LOCKED] = is_locked,       [GN_CUT_SKEW] = is_skew,
+        [GN_CUT_BESIDE] = is_beside,       [GN_CUT_WIDE] = is_wide,
+        [GN_CUT_VALUES] = has_odd_values,  [GN_CUT_PARTICLES] = is_coarse,
+        [GN_CUT_RESERVE] = leaves_reserve, [GN_CUT_DEPTH] = depth_differs,
+        [GN_CUT_SHORT] = is_short};
     const cut q = cut_of(ctx, dem, boundary, c);
     return applies[doubt](&q, text, size);
 }

@@ -18,16 +18,16 @@ typedef struct gn_mesh_group {
     char name[GN_MESH_NAME_SIZE];
 } gn_mesh_group;
 
-/* Membership of an element in a group other than that in gn_mesh_elements.group. */
+/* Membership of an element in a further group, beside gn_mesh_elements.group. */
 typedef struct gn_mesh_membership {
     size_t element;
     int32_t group;
 } gn_mesh_membership;
 
-/* Elements of one kind: nodes base 0, in the file's order. */
+/* Elements of one kind: node indices from 0, in the file's order. */
 typedef struct gn_mesh_elements {
     size_t count;
-    int nodes;      /* per element: 1 point, 2 line, 3 triangle, 4 tetrahedron */
+    int nodes;      /* number of nodes per element: 1 point, 2 line, 3 triangle, 4 tetrahedron */
     int32_t *node;  /* [count][nodes]; gn_alloc'ed, as all below */
     int32_t *group; /* [count] tag of the first physical group, 0: none */
     size_t also_count;
@@ -46,7 +46,7 @@ typedef struct gn_mesh_changes {
 typedef struct gn_mesh {
     size_t node_count;
     double *node;            /* [node_count][3], m; gn_alloc'ed */
-    gn_mesh_elements points; /* points, only those that belong to groups */
+    gn_mesh_elements points; /* only points that belong to groups */
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
     gn_mesh_group *groups; /* groups by dimension, then tag; gn_alloc'ed */
@@ -79,19 +79,20 @@ gneiss_status gn_mesh_read_surface(const char *path, double scale, gn_mesh *mesh
                                    gneiss_error *error);
 
 /* Checks that the triangles are a closed surface (every edge in exactly two triangles), orients all
- * of them with the normals outward (several bodies and cavities: a component inside an odd number
- * of others bounds a cavity, with normals into it), and computes the enclosed volume [m3].
- * GNEISS_ERROR_INPUT gives the coordinates of the first edge in one or more than two triangles, and
- * the number of such edges. `name` is that of the mesh in messages. Intersecting surfaces are not
- * detected. */
+ * of them with their normals outward, and computes the enclosed volume, m3. There may be several
+ * bodies and cavities: a component inside an odd number of others bounds a cavity, and its normals
+ * point into the cavity. GNEISS_ERROR_INPUT gives the coordinates of the first edge in one or more
+ * than two triangles, and the number of such edges. `name`: of the mesh, for messages. Intersecting
+ * surfaces are not detected. */
 gneiss_status gn_mesh_close_surface(gn_mesh *mesh, const char *name, double *volume,
                                     gneiss_error *error);
 
-/* Computes the boundary of the tetrahedra as triangles with the normals outward (3D), or of the
- * triangles as lines with the domain on the left (2D, all z equal), and replaces `triangles`
+/* Computes the boundary of the tetrahedra as triangles with outward normals (3D), or of the
+ * triangles as lines with the domain on their left (2D, all z equal), and replaces `triangles`
  * (`lines`) by it. A boundary face that was among those keeps its groups. Inverted elements are
- * reversed. GNEISS_ERROR_INPUT without such elements, or for one without volume, a face in more
- * than two elements, or two elements on the same side of a face; *mesh then keeps its faces. */
+ * reversed. GNEISS_ERROR_INPUT if there are no such elements, one has no volume, a face belongs to
+ * more than two elements, or two elements are on the same side of a face; *mesh then keeps its
+ * faces. */
 gneiss_status gn_mesh_boundary(gn_mesh *mesh, int dimension, const char *name, gneiss_error *error);
 
 void gn_mesh_free(gn_mesh *mesh);

@@ -16,8 +16,8 @@ enum { FORMAT, NAMES, ENTITIES, NODES, ELEMENTS, PARTITIONED, SECTIONS, SECTION_
 static const char *const section_name[SECTIONS] = {
     "$MeshFormat", "$PhysicalNames", "$Entities", "$Nodes", "$Elements", "$PartitionedEntities"};
 
-/* A section: its content is [begin, end); `header` is the offset of the name, SIZE_MAX: no such
- * section. */
+/* A section: its content is [begin, end). `header` is the offset of its name; SIZE_MAX: there is no
+ * such section. */
 typedef struct section {
     size_t header, begin, end;
 } section;
@@ -51,7 +51,8 @@ static gneiss_status take_header(gn_mesh_source *in, char name[SECTION_NAME_SIZE
     return GNEISS_OK;
 }
 
-/* Format 1 has no header: its sections are $NOD and $ELM, which end with $ENDNOD and $ENDELM. */
+/* Refuses format 1, which has no header: its sections are $NOD and $ELM, which end with $ENDNOD and
+ * $ENDELM. */
 static gneiss_status refuse_format_1(const gn_mesh_source *in, const char *name, size_t at) {
     if (strcmp(name, "$NOD") != 0 && strcmp(name, "$ELM") != 0) return GNEISS_OK;
     return gn_mesh_refuse(in, at,
@@ -60,7 +61,7 @@ static gneiss_status refuse_format_1(const gn_mesh_source *in, const char *name,
                           name);
 }
 
-/* Finds $EndName: the length of unknown or binary sections is not known otherwise. */
+/* Finds $EndName, by which alone the length of unknown and of binary sections is known. */
 static gneiss_status find_end(gn_mesh_source *in, const char *name, section *found) {
     char mark[SECTION_NAME_SIZE];
     size_t length = (size_t)snprintf(mark, sizeof mark, "$End%s", name + 1);
@@ -79,7 +80,7 @@ static gneiss_status find_end(gn_mesh_source *in, const char *name, section *fou
                           name);
 }
 
-/* Finds all sections before one is read, since they may come in any order. */
+/* Finds all sections before one is read, because they may come in any order. */
 static gneiss_status find_sections(gn_mesh_source *in, section found[SECTIONS]) {
     for (int s = 0; s < SECTIONS; s++) found[s].header = SIZE_MAX;
     for (;;) {
@@ -271,7 +272,7 @@ static int by_dimension_and_tag(const void *a, const void *b) {
     return (p->tag > q->tag) - (p->tag < q->tag);
 }
 
-/* Groups without a name are found by their elements alone. */
+/* Adds groups without a name, which only their elements show. */
 static gneiss_status add_unnamed_groups(gn_msh *msh, group_set *set) {
     bool is_new;
     for (int d = 0; d <= 3; d++) {

@@ -13,7 +13,7 @@
  * a group of its own, is kept twice, and computing volumes from it is refused (gn_mesh_boundary,
  * gn_mesh_check_joints) ---- */
 
-/* A group of an element; `row` is the element into which it is merged. */
+/* A group of an element; `row` is the element with which it is merged. */
 typedef struct named_group {
     int64_t row, element, order; /* order among the groups of this element */
     int32_t group;
@@ -21,8 +21,8 @@ typedef struct named_group {
 
 typedef struct doubles {
     const gn_mesh_elements *from;
-    int64_t *row;      /* [from->count] the first element with the same nodes */
-    bool *brings;      /* [from->count] adds a group that earlier elements lack */
+    int64_t *row;      /* [from->count] index of the first element with the same nodes */
+    bool *brings;      /* [from->count] true: adds a group that earlier elements lack */
     named_group *name; /* [name_count] */
     size_t name_count, found;
 } doubles;
@@ -46,7 +46,7 @@ static int by_place(const void *a, const void *b) {
     return order ? order : compare(p->order, q->order);
 }
 
-/* Finds the rows; returns false without memory. */
+/* Finds `row`; returns false without memory. */
 static bool find_rows(doubles *merging) {
     gn_mesh_table table = {0};
     bool room = true;
@@ -164,7 +164,7 @@ static gneiss_status allocate_nodes(gn_msh *msh, int64_t count) {
     return msh->mesh->node ? GNEISS_OK : gn_mesh_no_memory(in);
 }
 
-/* Reads the tag of node number `index`, base 0. */
+/* Reads the tag of node number `index`, from 0. */
 static gneiss_status take_node_tag(gn_msh *msh, size_t width, size_t index) {
     gn_mesh_source *in = &msh->in;
     int64_t tag, held;

@@ -47,7 +47,7 @@ static bool is_word(const gn_mesh_source *in, size_t start, size_t length, const
            strncasecmp((const char *)in->bytes + start, word, length) == 0;
 }
 
-/* Reads words in this order; line breaks do not matter. */
+/* Reads these words in this order; line breaks do not matter. */
 static gneiss_status expect_words(gn_mesh_source *in, const char *const *words, size_t count) {
     for (size_t k = 0; k < count; k++) {
         size_t start, length;

@@ -126,8 +126,8 @@ static gneiss_status take_velocities(const gn_step_context *ctx, gn_dem *dem, gn
     return GNEISS_OK;
 }
 
-/* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
- * visited. */
+/* Returns a skin that is wide enough for a quasi-static specimen never to rebuild its lists, and
+ * narrow enough for few listed pairs to be apart. */
 static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     double sum = 0.0;
     if (!dem->particles.soa.count) return 0.15 * gn_flow_mean_radius(ctx);
@@ -135,7 +135,8 @@ static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.15 * sum / (double)dem->particles.soa.count;
 }
 
-/* A particle must not touch two images of another one: pairs are searched within a reach. */
+/* Refuses a box so narrow that a particle could touch two images of another one; pairs are searched
+ * within a reach. */
 static gneiss_status check_period(const gn_step_context *ctx, const gn_dem *dem,
                                   gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -181,7 +182,8 @@ gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneis
 
 gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     GN_TRY(gn_motion_kernel_choose(ctx->kernels, ctx->effects, &dem->motion_kernel, error));
-    /* Effects that differ between stages have no storage; files state the present ones. */
+    /* Effects that differ between stages have no storage; output names those of the present stage.
+     */
     dem->particles.soa.effects = ctx->effects;
     gn_lists_set_effects(ctx, dem);
     if (dem->dormant) dem->prepared.soa.effects = dem->bonds.contacts.soa.effects;
@@ -199,7 +201,7 @@ void gn_dem_free(gn_dem *dem) {
     gn_hold_free(&dem->hold);
     gn_events_free(&dem->events);
     gn_flow_free(&dem->flow);
-    gn_near_free(&dem->near);
+    gn_active_pairs_free(&dem->near);
     void *blocks[] = {
         dem->index_of_id,    dem->channel_set,     dem->set_reaction,    dem->loose,
         dem->prescribed.set, dem->prescribed.mask, dem->prescribed.load, dem->prescribed.velocity,
@@ -213,7 +215,7 @@ void gn_dem_free(gn_dem *dem) {
 /* --- hash and sums of the part --- */
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     h = gn_soa_hash(&gn_particle_record, &dem->particles, h);
     for (int l = 0; l < GN_LIST_COUNT; l++)
         h = gn_soa_hash(&gn_contact_record, &dem->list[l].contacts, h);
@@ -229,7 +231,7 @@ static size_t list_bytes(const gn_contact_list *list) {
 size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_dem *d = dem;
     size_t each = gn_record_bytes(&gn_particle_record, ctx->effects) + 2 * sizeof(int32_t);
-    size_t bytes = d->particles.soa.capacity * each + gn_near_bytes(dem);
+    size_t bytes = d->particles.soa.capacity * each + gn_active_pairs_bytes(dem);
     for (int l = 0; l < GN_LIST_COUNT; l++) bytes += list_bytes(&d->list[l]);
     return bytes +
            d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);

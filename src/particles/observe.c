@@ -17,14 +17,14 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_periodic_box *box, const gn_contacts *list,
                                    const gn_partials *partials, gn_contacts *copy,
                                    gneiss_error *error) {
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     gn_effects effects = (list->soa.effects & ~(gn_effects)GN_FX_MIXED) | GN_FX_CONTACT_FORCES;
     gn_contact_kernel *kernel;
     GN_TRY(gn_contact_kernel_choose(ctx->kernels, effects, &kernel, error));
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
     gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &dem->particles);
-    /* The pressure needs all bonds; for a part of them that of the last step is used. */
+    /* The pressure depends on all bonds; for a subset that of the last step is used. */
     if (list == &dem->bonds.contacts) gn_dem_confine(ctx, dem, copy);
     gn_contact_list alone = {.contacts = *copy};
     gn_contact_args args = gn_dem_contact_args(ctx, dem, box, &alone, false);
@@ -47,7 +47,7 @@ gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
                                   gneiss_error *error) {
     gn_contacts part;
     *seen = (gn_contacts){0};
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     GN_TRY(gn_soa_create(&gn_contact_record, &part, count, list->soa.effects, error));
     gn_soa_permute(&gn_contact_record, &part, list, chosen);
     gneiss_status status = gn_contacts_evaluate(ctx, dem, box, &part, NULL, seen, error);
@@ -82,7 +82,7 @@ double gn_dem_mean_radius(const gn_dem *dem) {
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
     double solid = 0.0;
     if (ctx->scene.has_specimen && !ctx->scene.specimen_given && !(ctx->effects & GN_FX_PERIODIC))
-        return 0.0; /* grains of sources have only their own volume */
+        return 0.0; /* no volume is known besides that of the grains */
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
     return 1.0 - solid / ctx->volume;

@@ -40,7 +40,7 @@ static size_t list_arrays(gn_world *world, gn_checkpoint_array out[MOST_ARRAYS])
     return n;
 }
 
-gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_checkpoint_put_boundary(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     gn_world *w =
         (gn_world *)(uintptr_t)world; /* list_arrays returns pointers that are not const */
     gn_checkpoint_array arrays[MOST_ARRAYS];
@@ -57,7 +57,8 @@ gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error 
 
 /* --- reading --- */
 
-/* Facets of each body must lie within its vertices, and all of them within the arrays. */
+/* Checks that the facets of each body use its own vertices, and that all of them are within the
+ * arrays. */
 static bool good_bodies(const gn_world *world) {
     size_t corners = (size_t)world->ctx.scene.dimension, vertices = 0, facets = 0;
     for (size_t k = 0; k < world->ctx.scene.body_count; k++) {
@@ -81,7 +82,7 @@ static bool good_contacts(const gn_world *world) {
     bool good = true;
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < world->dem.particles.soa.count &&
-               q->wall[c] >= 0; /* and below the count: check_facets */
+               q->wall[c] >= 0; /* check_facets compares it with the number of walls */
     q = &world->boundary.body_contacts;
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < world->boundary.body_vertex_count &&
@@ -97,8 +98,8 @@ static bool good_contacts(const gn_world *world) {
     return good;
 }
 
-gneiss_status gn_boundary_load(gn_world *world, const gn_h5 *file, const char *path,
-                               gneiss_error *error) {
+gneiss_status gn_checkpoint_get_boundary(gn_world *world, const gn_h5 *file, const char *path,
+                                         gneiss_error *error) {
     gn_boundary *b = &world->boundary;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, b, error));
@@ -134,7 +135,7 @@ static gneiss_status check_facets(const gn_world *world, const char *path, gneis
                           "%s: expected walls and facets below %zu, found others", path, all);
 }
 
-gneiss_status gn_boundary_load_surfaces(gn_world *world, const char *path, gneiss_error *error) {
+gneiss_status gn_checkpoint_get_surfaces(gn_world *world, const char *path, gneiss_error *error) {
     GN_TRY(gn_bodies_surfaces(&world->ctx, &world->boundary, world->solids.count, error));
     GN_TRY(gn_element_contact_create(&world->ctx, &world->boundary, &world->solids, error));
     return check_facets(world, path, error);

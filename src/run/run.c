@@ -1,16 +1,14 @@
 #include "run/run.h"
-
 #include "base/error.h"
 #include "base/timer.h"
 #include "io/io.h"
-#include "io/listing.h"
 #include "io/snapshot.h"
 #include "run/folder.h"
 #include "run/kept.h"
 #include "run/part_files.h"
+#include "run/run_private.h"
 #include "run/spacing.h"
 #include "run/stages.h"
-#include "scene/manifest.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
 #include "solids/solids.h"
@@ -18,12 +16,11 @@
 #include "world/world.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* Steps between updates of the stability limit (more often with finite elements: their limit falls
- * with the strain), and between readings of the clock. */
+/* Numbers of steps between updates of the stability limit (fewer with finite elements, because
+ * their limit decreases with strain), and between readings of the clock. */
 enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* --- setting up --- */
@@ -33,15 +30,16 @@ static double span_of(const gn_run *run) {
     return gn_run_staged(run) ? gn_run_stage_duration(run) : run->world.ctx.scene.end;
 }
 
-/* Returns the steps between rows or snapshots for the number requested in `span` s; the first is
- * always taken. */
+/* Returns the number of steps between rows or snapshots if `wanted` are requested in `span` s; the
+ * first one is always taken. */
 static int64_t interval(const gn_run *run, double span, int64_t wanted) {
     double steps = wanted > 0 ? span / run->world.ctx.dt / (double)wanted : INFINITY;
     return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
-/* `begins`: a run or a stage begins, and rows and snapshots may be closer at first. */
-static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
+/* Sets the intervals of rows and snapshots. `begins`: a run or a stage begins, and they may be
+ * closer at first. */
+void gn_run_set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
     const gn_scene *s = &run->world.ctx.scene;
     if (history) {
         gn_run_space_rows(run, interval(run, span_of(run), s->history_rows));
@@ -55,8 +53,8 @@ static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins
     gn_kept_begin(run, begins);
 }
 
-/* Sets the step of the next snapshots after some were written: the number requested up to the end
- * is spread with the present step. */
+/* Sets the step of the next snapshots after some were written: the remaining ones are distributed
+ * evenly up to the end with the present step. */
 static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     const bool regular = run->kept.due & GN_KEPT_REGULAR;
@@ -67,7 +65,7 @@ static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static void set_clock(gn_run *run) {
+void gn_run_set_clock(gn_run *run) {
     run->wall_start = gn_now();
     run->cpu_start = gn_process_time();
     double every = run->directory[0] ? run->world.ctx.scene.checkpoint_wall : 0.0;
@@ -91,8 +89,8 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
         gn_run_free(run);
         return status;
     }
-    set_intervals(run, true, true, true);
-    set_clock(run);
+    gn_run_set_intervals(run, true, true, true);
+    gn_run_set_clock(run);
     run->wall_start = start;
     run->cpu_start = cpu_start;
     return GNEISS_OK;
@@ -109,7 +107,7 @@ gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, g
         return status;
     }
     double start = run->wall_start, cpu_start = run->cpu_start;
-    set_clock(run);
+    gn_run_set_clock(run);
     run->wall_start = start;
     run->cpu_start = cpu_start;
     return GNEISS_OK;
@@ -127,8 +125,8 @@ static void stop(gn_run *run, const char *format, double value) {
     snprintf(run->stop_reason, sizeof run->stop_reason, format, value);
 }
 
-/* A fall of the stress is evaluated after the first bond has broken (or, without bonds, after this
- * many rows) because the first rows of a dynamic test oscillate about zero. */
+/* A fall of the stress counts only after the first bond has broken (without bonds, after this
+ * number of rows), because the first rows of a dynamic test oscillate about zero. */
 enum { ROWS_BEFORE_PEAK = 20 };
 
 /* Ends the run if the model itself requires it. */
@@ -158,15 +156,15 @@ static bool broken_through(const gn_run *run) {
     return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
 }
 
-/* Converts a number of rows out of the default of a thousand to the number for the same time if
- * more or fewer rows are requested. */
+/* Returns the number of rows that cover the time of `rows` rows at the default of a thousand rows,
+ * if more or fewer are requested. */
 static size_t rows_of_thousand(const gn_run *run, size_t rows) {
     const double wanted = (double)run->world.ctx.scene.history_rows * (double)rows / 1000.0;
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
-/* Tells whether the test has begun at least `count` samples before `end`, and computes their mean
- * stress. */
+/* Tells whether the test has at least `count` samples before `end`, and computes their mean stress.
+ */
 static bool mean_before(const gn_run *run, size_t end, size_t count, double *mean) {
     const double *stress = run->samples.stress;
     if (!run->beginning.begun || end < run->beginning.least + count) return false;
@@ -175,8 +173,9 @@ static bool mean_before(const gn_run *run, size_t end, size_t count, double *mea
     return true;
 }
 
-/* Updates the largest mean of `count` samples since the test began, over all of them if it has just
- * begun, as after a resume. Returns the last mean. */
+/* Updates the peak, the largest mean stress of `count` successive samples since the test began.
+ * When the test has just been found to have begun, also after a resume, all means since then are
+ * computed. Returns the last mean. */
 static double look_for_peak(gn_run *run, size_t count) {
     const size_t samples = run->samples.count;
     const bool before = run->beginning.begun;
@@ -189,8 +188,8 @@ static double look_for_peak(gn_run *run, size_t count) {
     return mean;
 }
 
-/* Default stop criterion of this test kind. A specimen that did not break has no peak. Means of
- * rows are compared so that vibrations do not end a test. */
+/* Applies the default stop criterion of this test kind. A specimen that did not break has no peak.
+ * Means of rows are compared, so that vibrations do not end a test. */
 static void check_end_of_test(gn_run *run, const gn_stops *stops) {
     const double mean = look_for_peak(run, rows_of_thousand(run, GN_ROWS_HELD));
     const bool fell = run->samples.count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
@@ -200,7 +199,7 @@ static void check_end_of_test(gn_run *run, const gn_stops *stops) {
         stop_by_kind(run, "stress fell by %g of its peak", stops->peak_drop);
 }
 
-/* Stop criterion of the scene: the first fall of a single row ends the test. */
+/* Applies the stop criterion of the scene: the first fall of a single row ends the test. */
 static void check_fall(gn_run *run, double peak_drop) {
     const double stress = look_for_peak(run, 1);
     const bool counts = run->world.ctx.effects & GN_FX_BONDS
@@ -233,180 +232,14 @@ static void check_stop_conditions(gn_run *run) {
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 
-/* --- resume --- */
-
-static bool sets(const gn_override *overrides, size_t count, const char *prefix) {
-    for (size_t k = 0; k < count; k++)
-        if (strncmp(overrides[k].key, prefix, strlen(prefix)) == 0) return true;
-    return false;
-}
-
-static bool ends_stage(const gn_override *override) {
-    return strncmp(override->key, "stages", 6) == 0 && strstr(override->key, ".end");
-}
-
-static gneiss_status check_overrides(const gn_override *overrides, size_t count,
-                                     gneiss_error *error) {
-    static const char *const allowed[] = {"time.", "output.", "run."};
-    for (size_t k = 0; k < count; k++) {
-        bool known = false;
-        for (size_t a = 0; a < 3; a++)
-            known = known || strncmp(overrides[k].key, allowed[a], strlen(allowed[a])) == 0;
-        known = known || ends_stage(&overrides[k]);
-        if (!known)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: a resumed run takes time.*, output.*, run.* and "
-                           "stages.<name>.end.* only",
-                           overrides[k].key);
-        if (strcmp(overrides[k].key, "output.directory") == 0)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set output.directory: a resumed run stays in its folder");
-        if (strcmp(overrides[k].key, "output.energy") == 0 ||
-            strcmp(overrides[k].key, "output.orientation") == 0 ||
-            strcmp(overrides[k].key, "output.events") == 0 ||
-            strcmp(overrides[k].key, "run.precision") == 0 ||
-            sets(&overrides[k], 1, "time.mass_scaling"))
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: the key determines the data stored from the start; a resumed "
-                           "run cannot change it",
-                           overrides[k].key);
-    }
-    return GNEISS_OK;
-}
-
-enum { MOST_CHECKPOINTS = 8 };
-
-/* An unusable checkpoint is read once more before it counts as damaged, because an error may be
- * transient. */
-static gneiss_status load_one(const char *directory, int64_t step, const gn_override *overrides,
-                              size_t override_count, gn_run *run, gneiss_error *error) {
-    char *path = NULL;
-    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
-    gneiss_status status = gn_checkpoint_load(path, overrides, override_count, run, error);
-    if (status == GNEISS_ERROR_INPUT)
-        status = gn_checkpoint_load(path, overrides, override_count, run, error);
-    free(path);
-    return status;
-}
-
-static void note_damage(gn_run *run, const gneiss_error *first) {
-    snprintf(run->note, sizeof run->note,
-             "%.1500s; it is kept under its name with .damaged appended; continuing from the "
-             "checkpoint of step %lld",
-             first->message, (long long)run->world.ctx.step);
-}
-
-/* Loads the newest checkpoint; a damaged one is replaced by the one before it: run->note reports
- * that, and *damaged is the number of the newest ones that are to be moved aside. A checkpoint that
- * cannot be read now (no descriptors, no memory, an error of the disk) may be intact: no other is
- * loaded in its place. */
-static gneiss_status load_newest(const char *directory, const gn_override *overrides,
-                                 size_t override_count, gn_run *run,
-                                 int64_t steps[MOST_CHECKPOINTS], size_t *damaged,
-                                 gneiss_error *error) {
-    size_t count = 0;
-    GN_TRY(gn_checkpoint_list(directory, steps, MOST_CHECKPOINTS, &count, error));
-    if (count == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: expected checkpoint_<step>.h5 files, found none", directory);
-    gneiss_error first = {0}, reading = {0};
-    bool same = true;
-    for (*damaged = 0; *damaged < count; ++*damaged) {
-        gneiss_status status =
-            load_one(directory, steps[*damaged], overrides, override_count, run, &reading);
-        if (status == GNEISS_OK && *damaged > 0) note_damage(run, &first);
-        if (status == GNEISS_OK)
-            return gn_folder_check_checkpoint(directory, steps[*damaged], steps + *damaged,
-                                              count - *damaged, error);
-        if (status != GNEISS_ERROR_INPUT)
-            return gn_fail(error, status,
-                           "%.1500s\n  it may be intact, and nothing was changed: try again, or "
-                           "move it away to continue from an older one",
-                           reading.message);
-        if (*damaged == 0) first = reading;
-        same = same && strcmp(first.message, reading.message) == 0;
-    }
-    /* An error that all checkpoints have in common is not caused by them (an override). */
-    return count == 1 || same
-               ? gn_fail(error, first.status, "%s", first.message)
-               : gn_fail(error, first.status,
-                         "%.300s: none of %zu checkpoints can be used; the newest: %.1500s",
-                         directory, count, first.message);
-}
-
-/* Applies the overrides at once. */
-static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, size_t count,
-                                     gneiss_error *error) {
-    gn_world *w = &run->world;
-    if (sets(overrides, count, "time.step") || sets(overrides, count, "time.safety") ||
-        sets(overrides, count, "time.contact_steps") || sets(overrides, count, "time.estimate")) {
-        if (gn_world_choose_step(w, error) != GNEISS_OK)
-            return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
-                                                                   : GNEISS_ERROR_INPUT;
-    }
-    if (sets(overrides, count, "time.end") && w->ctx.scene.end < w->ctx.time - 1.5 * w->ctx.dt)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "--set time.end: expected a time after the %.6g s that the run has reached, "
-                       "found %.6g s",
-                       w->ctx.time, w->ctx.scene.end);
-    GN_TRY(gn_check_duration(&w->ctx, error));
-    /* A scene that was written out has auto for keys that were not given. */
-    if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
-        (sets(overrides, count, "time.stop.strain") ||
-         sets(overrides, count, "time.stop.unbalanced")))
-        w->ctx.scene.stop_peak_drop = w->ctx.given.stop_peak_drop = 0.0;
-    for (size_t k = 0; k < count; k++) /* the condition is evaluated again */
-        if (ends_stage(&overrides[k])) w->stages.state[w->stages.now].ended = 0;
-    set_intervals(run, sets(overrides, count, "output.history_rows"),
-                  sets(overrides, count, "output.snapshots"), false);
-    return GNEISS_OK;
-}
-
 /* A run that had ended remains ended unless the overrides change that. */
-static void take_up(gn_run *run) {
-    set_clock(run);
+void gn_run_take_up(gn_run *run) {
+    gn_run_set_clock(run);
     if (last(run, "step") == (double)(run->world.ctx.step - 1) &&
         gn_run_is_sample(run, run->history.row_count - 1))
         check_stop_conditions(run);
     check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
-}
-
-gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
-                            size_t override_count, gn_run *run, gneiss_error *error) {
-    int lock = 0;
-    int64_t steps[MOST_CHECKPOINTS];
-    size_t damaged = 0;
-    memset(run, 0, sizeof *run);
-    GN_TRY(check_overrides(overrides, override_count, error));
-    GN_TRY(gn_folder_lock(directory, &lock, error));
-    gneiss_status status =
-        load_newest(directory, overrides, override_count, run, steps, &damaged, error);
-    run->folder_lock = lock;
-    if (status == GNEISS_OK) status = apply_overrides(run, overrides, override_count, error);
-    if (status == GNEISS_OK) {
-        snprintf(run->directory, sizeof run->directory, "%s", directory);
-        take_up(run);
-    }
-    for (size_t k = 0; status == GNEISS_OK && k < damaged; k++)
-        status = gn_checkpoint_set_aside(directory, steps[k], error);
-    if (status == GNEISS_OK) status = gn_output_series(run, error);
-    if (status != GNEISS_OK) gn_run_free(run);
-    return status;
-}
-
-gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
-                          gn_run *run, gneiss_error *error) {
-    memset(run, 0, sizeof *run);
-    GN_TRY(check_overrides(overrides, override_count, error));
-    GN_TRY(gn_checkpoint_load(path, overrides, override_count, run, error));
-    gneiss_status status = apply_overrides(run, overrides, override_count, error);
-    if (status != GNEISS_OK) {
-        gn_run_free(run);
-        return status;
-    }
-    take_up(run);
-    return GNEISS_OK;
 }
 
 void gn_run_free(gn_run *run) {
@@ -421,8 +254,8 @@ void gn_run_free(gn_run *run) {
 
 /* --- running --- */
 
-/* Series files are written whole: when the number of snapshots has grown by one thirty-second, or
- * when some were removed. */
+/* Tells whether to rewrite the series files, which are written as a whole: when the number of
+ * snapshots has grown by one thirty-second, or when snapshots were removed. */
 static bool series_is_due(const gn_run *run) {
     const size_t count = run->snapshot_times.count, written = run->series_length;
     return count < 64 || count <= written || 32 * (count - written) >= count;
@@ -430,7 +263,7 @@ static bool series_is_due(const gn_run *run) {
 
 static gneiss_status write_files(gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "", error));
-    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
+    GN_TRY(gn_output_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     const gn_world *w = &run->world;
     return gn_snapshot_times_add(&run->snapshot_times, w->ctx.step, w->ctx.time, error);
@@ -453,7 +286,7 @@ typedef struct beginning {
     const gn_first_break_watch *watch;
 } beginning;
 
-/* Appends a row for every state in between except the last, which the first step reads. */
+/* Appends a row for every intermediate state except the last, which the first step reads. */
 static gneiss_status note_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     const beginning *b = context;
     gn_world *w = &b->run->world;
@@ -475,12 +308,12 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
     return status;
 }
 
-/* *first: set if a row and snapshots are due. */
+/* Enters a stage that is due. *first: set if a row and snapshots are due because of it. */
 static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) {
     bool entered;
     GN_TRY(gn_run_stages_go(run, &entered, error));
     if (!entered) return GNEISS_OK;
-    set_intervals(run, true, true, true);
+    gn_run_set_intervals(run, true, true, true);
     *first = true;
     return GNEISS_OK;
 }
@@ -525,7 +358,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
                                  false, error));
     if (w->outcome.halt[0] && !run->finished && last(run, "step") != (double)(w->ctx.step - 1)) {
-        GN_TRY(gn_history_record_step(w, &run->history, error)); /* the row of the failed step */
+        GN_TRY(
+            gn_history_record_step(w, &run->history, error)); /* the row of the step that failed */
         GN_TRY(gn_run_check_ledger(run, error));
     }
     check_halt(run);
@@ -535,8 +369,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* A disk without room for one file must not lose the others: `before` is the status of the earlier
- * ones, and the first error is returned. After other errors nothing more is written. */
+/* Writes a file although an earlier one failed for lack of space: `before` is the status of the
+ * earlier ones, and the first error is returned. After other errors nothing more is written. */
 static gneiss_status also_write(gneiss_status before,
                                 gneiss_status (*write)(const gn_run *, gneiss_error *),
                                 const gn_run *run, gneiss_error *error) {
@@ -608,7 +442,8 @@ static double end_by_strain(const gn_run *run) {
     return from + (w->ctx.time - from) * stop / grown;
 }
 
-/* Returns the time (s) to the expected end; *at_most: to the bound of a run that may end before. */
+/* Returns the time (s) that remains to the expected end; *at_most: it is a bound, because the run
+ * may end before. */
 static double time_to_go(const gn_run *run, bool *at_most) {
     const gn_world *w = &run->world;
     const double bound = gn_run_time_left(run);
@@ -675,7 +510,7 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     run->finished = false;
     run->world.outcome.bad = true;
     GN_TRY(gn_output_snapshot(run, "failed_", error));
-    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
+    GN_TRY(gn_output_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
     if (run->series_length < run->snapshot_times.count) GN_TRY(gn_output_series(run, error));
     return gn_output_results(run, error);

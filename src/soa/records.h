@@ -8,6 +8,7 @@
  * care    GN_KEPT: the column is copied to a rebuilt list if the contact is still in it; otherwise
  *         the new list computes it or starts from zero.
  *         GN_ODD: the column changes sign when the two ends change places.
+ *         GN_WRITTEN: kernels write the column, as all columns of the role GN_STATE.
  * single  The column in mixed precision. NONE: unchanged. BESIDE: name_f exists as well and is
  *         converted from it when lists are built. INSTEAD: name_f replaces it.
  * Saving and hashing follow from the role. */
@@ -135,7 +136,7 @@
       GN_FX_BOND_MOMENTS | GN_FX_ROTATION, 0, "N m",                                               \
       "moment on the first particle besides that of the tangential force; 2D: its third "          \
       "component")                                                                                 \
-    Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, INSTEAD,                            \
+    Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_WRITTEN, INSTEAD,               \
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
     Y(X, lag, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE,                            \
       GN_FX_HERTZ | GN_FX_CONTACT_DAMPING, 0, "(m/N)^1/2",                                         \
@@ -162,7 +163,7 @@
     Y(X, looked, float, GN_F32, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, NONE, 0, 0, "1",        \
       "normal at the last check of the step; 0: not yet")
 
-/* Work columns of contacts, filled by lists and kernels. */
+/* Work columns of contacts, which lists and kernels fill. */
 #define GN_CONTACT_WORK(Y, X)                                                                      \
     Y(X, branch_f, float, GN_F32, 3, GN_COLUMNS, GN_SCRATCH, 0, NONE, GN_FX_MIXED, 0, "m",         \
       "vector from i to j when the lists were built")                                              \

@@ -1,8 +1,8 @@
 /* A tool that moves along the surface of a rock at a depth (linear cutting test). Its force has
  * three parts: normal, out of the rock; rolling, against the motion; side, along normal x axis.
- * Means follow from impulses and are therefore exact, however many rows there are. The strain of
- * the test is the path over its length, the stress the rolling force over the section of the cut,
- * which is the energy per volume that a cut of that section takes. */
+ * Means follow from impulses and are therefore exact for any number of rows. The strain of the test
+ * is the path over its length. The stress is the rolling force over the section of the cut, which
+ * is the energy per volume for a cut of that section. */
 #include "test_kinds/curves.h"
 
 #include <math.h>
@@ -22,7 +22,10 @@ gn_csm gn_csm_of(const gn_cut *c) {
     return f;
 }
 
-double gn_evans_force(const gn_cut *c) {
+/* Largest force along the cut, N. Chisel of width w and rake a (Evans 1962): 2 sigma_t d w sin q/(1
+ * - sin q), q = (pi/2 - a)/2. Conical pick of semi-angle q (Evans 1984): 16 pi sigma_t^2
+ * d^2/(sigma_c cos^2 q). */
+static double evans_force(const gn_cut *c) {
     if (c->tool == GN_CUT_PICK)
         return 16.0 * pi * c->tensile * c->tensile * c->depth * c->depth /
                (c->compressive * cos(c->half_angle) * cos(c->half_angle));
@@ -30,7 +33,8 @@ double gn_evans_force(const gn_cut *c) {
     return 2.0 * c->tensile * c->depth * c->width * sine / (1.0 - sine);
 }
 
-double gn_goktan_force(const gn_cut *c) {
+/* Conical pick (Goktan 1997): 4 pi d^2 sigma_t sin^2(q + f)/cos(q + f), f the angle of friction. */
+static double goktan_force(const gn_cut *c) {
     const double angle = c->half_angle + c->friction;
     return 4.0 * pi * c->depth * c->depth * c->tensile * sin(angle) * sin(angle) / cos(angle);
 }
@@ -41,10 +45,10 @@ double gn_goktan_force(const gn_cut *c) {
 typedef struct course {
     size_t rows;
     const double *path, *time, *impulse[3];
-    double begin, end; /* m, of the means; end <= begin: the tool has not come so far */
+    double begin, end; /* m, range of the means; end <= begin: the tool has not come so far */
 } course;
 
-/* A column at a place of the path, linear between rows; the path never decreases. */
+/* Returns a column at a place of the path, linear between rows; the path never decreases. */
 static double at_path(const course *c, const double *column, double path) {
     size_t low = 0, high = c->rows - 1;
     while (high - low > 1) {
@@ -72,7 +76,7 @@ static double deviation(const course *c, int k, int blocks, double mean) {
     return blocks > 1 ? sqrt(squares / (blocks - 1)) : NAN;
 }
 
-/* The largest mean over a window that begins or ends in a row. */
+/* Returns the largest mean over a window that begins or ends in a row. */
 static double peak_force(const course *c, int k, double window) {
     const double wide = fmin(window, c->end - c->begin);
     double most = -INFINITY;
@@ -86,7 +90,7 @@ static double peak_force(const course *c, int k, double window) {
     return isinf(most) ? NAN : most;
 }
 
-/* Work of the rolling force, J. */
+/* Returns the work of the rolling force, J. */
 static double work_of(const course *c) {
     double sum = 0.0, past = c->begin;
     for (size_t r = 0; r <= c->rows; r++) {
@@ -140,21 +144,21 @@ static void read_forces(const gn_curves *curves, const course *c, gn_readings *r
     for (int k = 0; curves->tested->dimension == 2 && k < 3; k++)
         gn_reading_absent(r, side[k], "a 2D scene has no side force");
     r->cutting_coefficient = r->rolling_force / r->normal_force;
+    r->contact_area = cut->contact_area;
 }
 
 static void read_energies(const gn_curves *curves, const course *c, gn_readings *r) {
     const gn_cut *cut = &curves->tested->cut;
     const double width = cut->spacing > 0.0 ? cut->spacing : cut->width;
-    const double *removed = gn_history_column(curves->history, "removed_volume");
     r->specific_energy = r->rolling_force / (cut->depth * width);
     if (!(width > 0.0))
         gn_reading_absent(r, GN_READING_specific_energy, "the cut has no width: give test.spacing");
-    if (!removed) {
+    if (!gn_history_column(curves->history, "removed_volume")) {
         gn_reading_absent(r, GN_READING_removed_volume, "the scene has no bonds");
         gn_reading_absent(r, GN_READING_specific_energy_removed, "the scene has no bonds");
         return;
     }
-    r->removed_volume = at_path(c, removed, c->end) - at_path(c, removed, c->begin);
+    r->removed_volume = cut->removed;
     r->specific_energy_removed = work_of(c) / r->removed_volume;
     if (!(r->removed_volume > 0.0))
         gn_reading_absent(r, GN_READING_specific_energy_removed,
@@ -186,8 +190,8 @@ static void read_predictions(const gn_cut *cut, gn_readings *r) {
     for (int k = GN_READING_predicted_coefficient; k <= GN_READING_predicted_rolling_force; k++)
         if (!disc) gn_reading_absent(r, (gn_reading)k, "%s", other);
     if (disc) read_disc(cut, r);
-    r->predicted_peak_evans = gn_evans_force(cut);
-    r->predicted_peak_goktan = gn_goktan_force(cut);
+    r->predicted_peak_evans = evans_force(cut);
+    r->predicted_peak_goktan = goktan_force(cut);
     if (disc || cut->tool == GN_CUT_OTHER)
         gn_reading_absent(r, GN_READING_predicted_peak_evans, "%s", other);
     if (!pick) gn_reading_absent(r, GN_READING_predicted_peak_goktan, "%s", other);
@@ -207,8 +211,8 @@ static void read_cutting(const gn_curves *curves, gn_readings *readings) {
     read_predictions(&curves->tested->cut, readings);
 }
 
-/* The section to which energies refer, too; a pick or a disc without a spacing has none, and the
- * square of the depth stands for it. */
+/* Returns the shape of the cut. Energies refer to its section as well; a pick, or a disc without a
+ * spacing, has none, and the square of the depth replaces it. */
 static gn_tested_shape cut_shape(const gn_test_sizes *t, const gn_tested_specimen *x) {
     const double width = t->spacing > 0.0      ? t->spacing
                          : x->dimension == 2   ? 1.0
@@ -239,7 +243,7 @@ const gn_test_descriptor gn_test_cutting = {
         GN_READS(side_force_deviation) | GN_READS(cutting_coefficient) |
         GN_READS(peak_normal_force) | GN_READS(peak_rolling_force) | GN_READS(peak_side_force) |
         GN_READS(specific_energy) | GN_READS(removed_volume) | GN_READS(specific_energy_removed) |
-        GN_READS(damage_depth) | GN_READS(predicted_coefficient) |
+        GN_READS(contact_area) | GN_READS(damage_depth) | GN_READS(predicted_coefficient) |
         GN_READS(predicted_normal_force) | GN_READS(predicted_rolling_force) |
         GN_READS(predicted_peak_evans) | GN_READS(predicted_peak_goktan),
     .read = read_cutting,

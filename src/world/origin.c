@@ -23,10 +23,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Spacing of doubles over the smallest radius or height. Strains at which rock breaks are 1e-4 to
- * 1e-3; the effect of rounding on them stays below 1e-4 of that. */
+/* Limit of the spacing of doubles over the smallest radius or height. Rock breaks at strains of
+ * 1e-4 to 1e-3; rounding then changes them by less than 1e-4 of their value. */
 
-/* --- choosing --- */
+/* --- choice of the origin --- */
 
 static void add_elements(const gn_scene *scene, const gn_mesh *mesh, gn_extent *extent) {
     const gn_element_def *e = &scene->elements;
@@ -42,8 +42,8 @@ static void add_elements(const gn_scene *scene, const gn_mesh *mesh, gn_extent *
     gn_extent_add(extent, upper, 0.0);
 }
 
-/* Only axes along which the model is far from 0 get an origin of more than a small multiple of its
- * extent. */
+/* Gives an axis an origin of more than a small multiple of the model's extent only if the model is
+ * far from 0 along it. */
 static void settle(gn_scene *scene, const gn_extent *extent) {
     double size = 0.0, far = 0.0, middle[3] = {0, 0, 0};
     int exponent;
@@ -59,9 +59,8 @@ static void settle(gn_scene *scene, const gn_extent *extent) {
     double unit = ldexp(1.0, exponent);
     for (int64_t a = 0; a < scene->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
-        scene->origin[a] = fabs(whole) <= GN_PLACE_MOST
-                               ? whole
-                               : middle[a]; /* the range of the key has this bound */
+        scene->origin[a] =
+            fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* bound of the range of the key */
     }
 }
 
@@ -97,7 +96,7 @@ gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_erro
     return GNEISS_OK;
 }
 
-/* --- entering --- */
+/* --- change to the origin --- */
 
 static void take_off(const gn_scene *scene, double *rows, size_t count, size_t width) {
     for (size_t k = 0; k < count; k++)
@@ -122,7 +121,7 @@ gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Velocities and bonds are read when they are needed. */
+/* Reads positions only; velocities and bonds are read when they are needed. */
 static gneiss_status read_run(gn_scene *scene, gneiss_error *error) {
     gn_from_run from;
     GN_TRY(gn_from_run_read(scene, &from, error));
@@ -203,7 +202,7 @@ gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *erro
 
 /* --- remaining rounding --- */
 
-/* The spacing of doubles. */
+/* Returns the spacing of doubles at x. */
 static double rounding(double x) {
     return nextafter(fabs(x), INFINITY) - fabs(x);
 }
@@ -212,7 +211,7 @@ static double largest(const double x[3]) {
     return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
 }
 
-/* The largest coordinates of a record of particles or nodes at the start. */
+/* Finds the largest coordinates of a record of particles or nodes at the start. */
 static void reach_of(const gn_particles *particles, double reach[3]) {
     for (size_t a = 0; a < 3; a++) {
         reach[a] = 0.0;
@@ -235,7 +234,7 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
-/* Refuses a displacement per step that is too short; components far below the largest count as
+/* Refuses a displacement per step that is too short. Components far below the largest one count as
  * round-off. A constant velocity is rounded in the same way in every step, by up to half the
  * spacing. */
 static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, const char *what,

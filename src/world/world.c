@@ -38,7 +38,7 @@
 #include <pthread.h>
 #include <string.h>
 
-/* Sets the volume if the specimen has a shape. */
+/* Creates the particles of the specimen, and sets the volume if the specimen has a shape. */
 static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_packing packing = {0};
     if (!ctx->scene.specimen_given) return gn_dem_create(ctx, dem, &packing, error);
@@ -122,7 +122,7 @@ double gn_world_mass(const gn_dem *dem, const gn_solids *solids) {
     return dem->mass + gn_elements_totals(solids).mass;
 }
 
-/* Computed from values in the output files, so that a resumed run has the same bits. */
+/* Computes the domain from values in the output files, so that a resumed run has the same bits. */
 static void set_domain(gn_step_context *ctx, const gn_dem *dem) {
     gn_scene *s = &ctx->scene, *given = &ctx->given;
     if (s->has_domain || (ctx->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(s))) return;
@@ -154,19 +154,13 @@ static gneiss_status choose_kernels(gn_step_context *ctx, gneiss_error *error) {
 }
 
 static gneiss_status check_built(const gn_scene *scene, gneiss_error *error) {
-    char names[256] = "";
-    gn_effects missing = gn_scene_not_built(scene);
-    for (int k = 0; k < GN_EFFECT_COUNT; k++)
-        if (missing >> k & 1) {
-            size_t used = strlen(names);
-            snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "",
-                     gn_effect_name((gn_effect_index)k));
-        }
+    char names[GN_EFFECT_NAMES_SIZE];
+    const gn_effects missing = gn_scene_not_built(scene);
     if (!missing) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a scene without %s, which this build leaves out (option 'without' "
                    "of meson), found one that calls for it",
-                   scene->source, names);
+                   scene->source, gn_effect_names(missing, ", ", names));
 }
 
 /* Sets effects, threads, kernels and period from the scene: everything that does not depend on
@@ -202,7 +196,7 @@ static gneiss_status check_specimen(const gn_step_context *ctx, const gn_dem *de
     return GNEISS_OK;
 }
 
-/* Sinks remove the particles in them at the start. */
+/* Refuses a specimen all of whose particles are in sinks at the start, which remove them. */
 static gneiss_status check_some_left(const gn_step_context *ctx, const gn_dem *dem,
                                      gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -238,7 +232,7 @@ static gneiss_status build_particles(gn_world *world, gneiss_error *error) {
         GN_TRY(measure_test(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
     GN_TRY(gn_element_contact_create(&world->ctx, &world->boundary, &world->solids, error));
     GN_TRY(gn_flow_arrive(&world->ctx, &world->dem, &world->boundary, &world->ledger, true, error));
-    GN_TRY(gn_dem_arrange(world, error));
+    GN_TRY(gn_world_arrange_particles(world, error));
     GN_TRY(gn_world_rebuild(world, error));
     GN_TRY(gn_membrane_update_bearers(&world->ctx, &world->dem, &world->membrane, &world->boundary,
                                       &world->solids, error));
@@ -251,7 +245,7 @@ static gneiss_status build_empty(gn_world *world, gneiss_error *error) {
     return gn_world_restore(world, error);
 }
 
-/* Without particles the elements are the specimen. */
+/* Measures the elements, which are the specimen in a model without particles. */
 static gneiss_status measure_elements(gn_step_context *ctx, const gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
@@ -277,8 +271,8 @@ static void *make_gauge(void *context) {
     return NULL;
 }
 
-/* The strain gauge and the step: the two longest parts of setting up. Qhull has one thread only,
- * so that the other threads do the step meanwhile. */
+/* Computes the strain gauge and the step, the two longest parts of the set-up, at the same time:
+ * Qhull uses one thread only, and the other threads compute the step. */
 static gneiss_status make_gauge_and_step(gn_world *world, bool particles, gneiss_error *error) {
     gauge_work gauge = {world, GNEISS_OK, {0}};
     pthread_t thread;
@@ -326,8 +320,8 @@ static gneiss_status build(gn_world *world, gneiss_error *error) {
     GN_TRY(gn_stages_check_first(&world->ctx, &world->dem, &world->solids, &world->stages, error));
     GN_TRY(gn_pulse_start(world, error));
     GN_TRY(make_gauge_and_step(world, particles, error));
-    GN_TRY(gn_dem_scale_masses(&world->ctx, &world->dem, &world->boundary, &world->solids,
-                               &world->zones, &world->ledger, error));
+    GN_TRY(gn_timestep_scale_masses(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                                    &world->zones, &world->ledger, error));
     /* The step is now also limited by the resolution of collisions. */
     GN_TRY(gn_check_duration(&world->ctx, error));
     return gn_origin_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error);
