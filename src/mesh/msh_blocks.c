@@ -403,7 +403,7 @@ static gneiss_status take_element_nodes(gn_msh *msh, size_t width, const gn_msh_
     gn_mesh_source *in = &msh->in;
     for (int k = 0; k < type->nodes; k++) {
         int64_t tag;
-        int32_t other, *at = k < type->corners ? &node[k] : &other;
+        int32_t other = 0, *at = k < type->corners ? &node[k] : &other;
         size_t start = gn_mesh_field_start(in);
         GN_TRY(take_node(msh, width, at, &tag));
         if (k >= type->corners && !gn_msh_mark_inner(msh, other)) return gn_mesh_no_memory(in);
