@@ -417,7 +417,7 @@ def columns_work_beside_other_parts_and_a_run_of_them_is_resumed(folder):
 
 @fact
 def a_far_origin_and_single_precision_change_velocities_by_rounding_alone(folder):
-    """The same grains 1 km away, and in mixed precision; without contacts of a box, which would be elsewhere."""
+    """Grains 1 km away, and in mixed precision, move as those near the origin; without contacts of a box, which would be elsewhere."""
     ends = []
     for name, far, precision in (("near", 0.0, "double"), ("far", 1000.0, "double"), ("mixed", 0.0, "mixed")):
         path = scene(folder, grains(far), **{**BESIDE, "periodic": None})
