@@ -254,6 +254,15 @@ static void extent_in_rock(const cut *q, double reach, double low[3], double hig
     }
 }
 
+void gn_cutting_find_track(const gn_step_context *ctx, const gn_boundary *boundary, gn_cutting *c) {
+    const cut q = cut_of(ctx, NULL, boundary, c);
+    double low[3], high[3];
+    extent_in_rock(&q, 0.0, low, high);
+    const bool met = low[q.side] <= high[q.side];
+    c->track[0] = met ? low[q.side] : 0.0;
+    c->track[1] = met ? high[q.side] : 0.0;
+}
+
 /* Finds the side of couple.convert.box that the zone around the tool reaches first. Sides at the
  * surface of the body do not count. Returns the path of the tool up to this, m; infinite: there is
  * no such side. */

@@ -124,6 +124,8 @@
     X(removed_volume, "m3",                                                                        \
       "volume of rock removed along that path: particles that intact bonds no longer connect to "  \
       "the held part, over 1 - porosity")                                                          \
+    X(removed_beside, "m3",                                                                        \
+      "part of removed_volume that began beside the track of the tool: chips between passes")      \
     X(specific_energy_removed, "J/m3",                                                             \
       "work of the rolling force along that path over removed_volume")                             \
     X(damage_depth, "m",                                                                           \
