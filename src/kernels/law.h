@@ -50,7 +50,7 @@ typedef struct gn_law_held {
     double stored;   /* J */
 } gn_law_held;
 
-/* The moments of a bond, along n of the last instant. */
+/* The moments of a bond, for the normal n of the last evaluation of forces. */
 typedef struct gn_law_moments {
     double couple[3];     /* N m, moment on the first particle; opposite on the other */
     double stored;        /* J */

@@ -36,7 +36,7 @@ static double end_of(const gn_law_model *model, double area, double strength, do
 
 typedef struct ends {
     double first;         /* fraction of the energies under the first line */
-    double end, pulled;   /* m, openings: the end of a single line, the elastic limit */
+    double end, pulled;   /* m, opening at the end of a single line, and at the elastic limit */
     double pull, shear;   /* N, strengths */
     double sheared, area; /* m, the elastic limit in shear; m2 */
 } ends;

@@ -21,7 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Steps between two samples of the contacts of the tool. */
+/* Number of steps between two samples of the contacts of the tool. */
 enum { SAMPLE_EVERY = 10 };
 
 static size_t tool_of(const gn_step_context *ctx) {
@@ -32,20 +32,21 @@ static const gn_body_def *definition(const gn_step_context *ctx) {
     return &ctx->scene.bodies[tool_of(ctx)];
 }
 
-/* m; 0: the tool is no disc cutter. */
+/* Returns the radius of the tool, m; 0: it is no disc cutter. */
 static double radius_of(const gn_step_context *ctx) {
     const gn_body_def *def = definition(ctx);
     return def->has_disc_cutter ? 0.5 * def->scale * def->tool.diameter : 0.0;
 }
 
-/* Arc of a disc cutter in the rock, rad. */
+/* Returns the arc of a disc cutter that is in the rock, rad. */
 static double arc_of(const gn_step_context *ctx) {
     return acos(fmax(-1.0, 1.0 - ctx->scene.test.given.depth / radius_of(ctx)));
 }
 
 /* --- the start --- */
 
-/* Sense of the first velocity along the cut that a scene prescribes; 0: none. */
+/* Returns the sense of the first velocity along the cut that a scene prescribes; 0: there is none.
+ */
 static double direction_in(const gn_scene *scene) {
     const gn_body_def *def = &scene->bodies[gn_scene_find_body(scene, scene->test.tool)];
     const gn_table *along = &def->motion.velocity[scene->test.axis];
@@ -151,7 +152,8 @@ double gn_cutting_path(const gn_step_context *ctx, const gn_boundary *boundary,
     return c->direction * (b->position[ctx->scene.test.axis] - b->start[ctx->scene.test.axis]);
 }
 
-/* Components of a vector in the axes of the tool. The side axis is normal x axis. */
+/* Computes the components of a vector in the axes of the tool. The side axis is the vector product
+ * of normal and motion. */
 static void in_axes(const gn_step_context *ctx, const gn_cutting *c, const double f[3],
                     double out[GN_CUT_AXES]) {
     const int axis = (int)ctx->scene.test.axis, normal = (int)ctx->scene.test.normal,
@@ -235,7 +237,7 @@ void gn_cutting_add(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     if (!(c->solid > 0.0)) return 0.0;
     const double removed = c->solid - gn_dem_anchored_volume(ctx, dem) - c->loose;
-    /* Rounding of the two sums is no removed rock. */
+    /* A difference by rounding of the two sums does not count as removed rock. */
     return fmax(0.0, removed - 1e-12 * c->solid) * ctx->volume / c->solid;
 }
 
@@ -246,8 +248,8 @@ double gn_cutting_beside(const gn_step_context *ctx, const gn_dem *dem, const gn
            c->solid;
 }
 
-/* Depth, m, at the start above which 95 % of the broken bonds lie. NaN: there are none, or there is
- * no memory. */
+/* Returns the depth, m, at the start above which 95 % of the broken bonds lie; NaN: there are none,
+ * or there is no memory. */
 static double damage_depth(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     const gn_contacts *bonds = &dem->bonds.contacts;
     const size_t normal = (size_t)ctx->scene.test.normal;

@@ -23,9 +23,9 @@
 static const double cell_size = 2.5, around = 1.0, voxel = 0.25;
 
 /* Markers in the size column of q->skin for detached particles: inside the body, without surface,
- * and to be detached now. An inner particle that was loose while others covered it counts as at its
- * place, because the membrane does not reach into closed cavities; its share of the surface passes
- * to particles beneath. */
+ * and to be detached now. A loose particle that others covered until now is marked as inside: the
+ * membrane does not reach into closed cavities. Its share of the surface passes to particles
+ * beneath. */
 static const double inside = -1.0, bare = -2.0, going = -3.0;
 
 enum { NONE = -1, PLANES = 8 };

@@ -1,4 +1,4 @@
-/* The tables state what fields require, independent of the build. */
+/* Needed because the tables name all effects, also those that this build leaves out. */
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 

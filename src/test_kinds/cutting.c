@@ -1,5 +1,5 @@
 /* A tool that moves along the surface of a rock at a depth (linear cutting test). Its force has
- * three parts: normal, out of the rock; rolling, against the motion; side, along normal x axis.
+ * three parts: normal, out of the rock; rolling, against the motion; side, along normal x motion.
  * Means follow from impulses and are therefore exact for any number of rows. The strain of the test
  * is the path over its length. The stress is the rolling force over the section of the cut, which
  * is the energy per volume for a cut of that section. */
