@@ -119,6 +119,11 @@ static inline bool gn_touch_crosses(const gn_touch *touch, double path) {
     return (touch->gap < -touch->rounding) != (touch->gap - path < -touch->rounding);
 }
 
+/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
+static inline double gn_column_value(const double *column, const float *single, size_t at) {
+    return column ? column[at] : single ? (double)single[at] : 0.0;
+}
+
 /* The functions of a law. `overlap`, m: the largest overlap of an unbonded contact up to which the
  * result is valid. */
 typedef struct gn_law {

@@ -154,7 +154,7 @@ static void weigh(gn_contacts *list, size_t c, double part) {
 }
 
 static double permanent(const gn_contacts *list, size_t c) {
-    return list->plastic ? list->plastic[c] : list->plastic_f ? (double)list->plastic_f[c] : 0.0;
+    return gn_column_value(list->plastic, list->plastic_f, c);
 }
 
 static gn_law_held held(const gn_contacts *list, size_t c, double length, double stretch) {

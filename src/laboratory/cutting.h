@@ -30,9 +30,9 @@ struct gn_cutting {
     double solid; /* m3, volume of all particles at the start */
     double reached;    /* 1: the tool has reached the path of the means, 2: its end */
     double removed[2]; /* m3, volume of removed rock at the start and at the end of that path */
-    double beside[2];  /* m3, part of it whose particles were initially beside the track */
-    double
-        track[2]; /* m, extent of the tool in the rock across the cut, at the depth of the test */
+    double beside[2];  /* m3, part of removed[] that began beside the track */
+    double track[2];   /* m, positions across the cut between which the tool is in the rock at the
+                          depth of the test */
     double impulse[GN_CUT_AXES]; /* N s, impulse up to now, including the half step after the last
                                     instant */
     double seen[GN_CUT_AXES];    /* N s, impulse up to the last instant */
@@ -60,7 +60,8 @@ void gn_cutting_force(const gn_step_context *ctx, const gn_boundary *boundary,
 /* Returns the volume of rock, including its pores, that is no longer connected to the held part, m3
  * (2D: m2 x 1 m). */
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *cutting);
-/* The part of it whose particles began beside the track of the tool, m3; 0 in 2D. */
+/* Returns the part of that volume whose particles began beside the track of the tool, m3; 0 in 2D.
+ */
 double gn_cutting_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *cutting);
 /* Finds the track of the tool. */
 void gn_cutting_find_track(const gn_step_context *ctx, const gn_boundary *boundary,

@@ -102,19 +102,12 @@ static void free_transfer(transfer *h) {
 }
 
 static gneiss_status make_room(transfer *h, size_t capacity, gneiss_error *error) {
-    gn_patch *patch = gn_alloc_array(capacity, sizeof *patch);
-    int32_t *next = gn_alloc_array(capacity, sizeof *next);
-    if (patch && next && h->count) {
-        memcpy(patch, h->patch, h->count * sizeof *patch);
-        memcpy(next, h->next, h->count * sizeof *next);
-    }
-    gn_free(h->patch);
-    gn_free(h->next);
-    h->patch = patch;
-    h->next = next;
+    if (!gn_widen(&h->patch, h->count, capacity, sizeof *h->patch) ||
+        !gn_widen(&h->next, h->count, capacity, sizeof *h->next))
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane of %zu patches",
+                       capacity);
     h->capacity = capacity;
-    if (patch && next) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane of %zu patches", capacity);
+    return GNEISS_OK;
 }
 
 static double length(const double a[3]) {
