@@ -3,6 +3,7 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/sort.h"
 #include "sched/pace.h"
 
 static void a_failure_carries_status_and_text(void **state) {
@@ -99,6 +100,21 @@ static void one_thread_stays_one(void **state) {
     }
 }
 
+/* Numbers in disorder, of which many are equal if there are few different ones. */
+static void a_ranked_number_is_that_of_the_sorted_numbers(void **state) {
+    (void)state;
+    enum { MOST = 40 };
+    for (size_t count = 1; count <= MOST; count++)
+        for (size_t different = 1; different <= MOST; different += 13)
+            for (size_t rank = 0; rank < count; rank++) {
+                double values[MOST], sorted[MOST];
+                for (size_t k = 0; k < count; k++)
+                    values[k] = sorted[k] = (double)((k * 7919 + count) % 104729 % different);
+                gn_sort_numbers(sorted, count);
+                assert_true(gn_ranked_number(values, count, rank) == sorted[rank]);
+            }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_failure_carries_status_and_text),
@@ -110,6 +126,7 @@ int main(void) {
         cmocka_unit_test(an_unlucky_trial_is_repeated_soon),
         cmocka_unit_test(a_trial_of_all_threads_ends_when_it_is_lost),
         cmocka_unit_test(one_thread_stays_one),
+        cmocka_unit_test(a_ranked_number_is_that_of_the_sorted_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
