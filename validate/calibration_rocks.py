@@ -26,7 +26,7 @@ PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "calibration-rocks.png
 LAWS = ("auto", "linear", "friction", "moments", "softening")
 SAME_PRESSURE = 1.08  # Ratio below which confinements are taken as equal.
 USUAL = 0.05          # Tolerance if the scatter of tests is not known.
-PARTICLES, FEWER = 800, 300  # of the commands; of the comparison of laws
+PARTICLES, FEWER = 800, 150  # of the commands; of the comparison of laws
 COMPARED = ("Westerly granite", "Dunham dolomite", "Sandstone")  # every law is run with FEWER particles
 LAC_DU_BONNET = """# Targets of Lac du Bonnet granite: Potyondy & Cundall 2004 (IJRMMS 41:1329); {source}.
 # Tolerances are those of the command.
