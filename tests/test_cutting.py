@@ -115,6 +115,12 @@ def removed_rock_is_what_no_bond_joins_to_the_base_with_its_pores(folder):
     assert len(volume) > 3 and abs(volume.sum() / solid - 1) < 1e-12
     removed = (solid - volume[held].sum()) * body / solid
     assert removed > 0 and abs(history(folder)["removed_volume"][-1] / removed - 1) < 1e-9, (removed, held)
+    # The chisel is 15 mm wide. Nothing has come off when its path of means begins, and the run ends with that path.
+    with results(folder) as file:
+        side = (file["particles/position"][:] - file["particles/displacement"][:])[:, 1]
+    beside = ~np.isin(fragment, held) & (abs(side) > 7.5e-3)
+    found = np.sum(4 / 3 * math.pi * radius[beside] ** 3) * body / solid
+    assert 0 < found < removed and abs(reading(folder, "removed_beside") / found - 1) < 1e-9, (found, reading(folder, "removed_beside"))
 
 
 @fact
@@ -191,6 +197,20 @@ def elements_turn_into_particles_ahead_of_a_tool(folder):
     assert np.hypot(at[:, 0] - 4.2e-3, at[:, 1] + 5e-3).min() > 4e-3 - 50 * 4e-7 * 3
     without = gneiss("check", example("adaptive"), "--set", "couple.convert.bodies=none")
     expect(without, 2, "bodies: expected no bodies, or couple.convert.bodies beside couple.convert, found bodies without it")
+
+
+@plain_fact
+def a_reserve_that_ends_before_the_path_is_told_by_check(folder):
+    def said(*options):
+        return " ".join(re.findall("warning: .*", gneiss("check", example("adaptive"), *options).stdout))
+
+    assert "couple.convert.bodies" not in said(), said()
+    # The chisel comes 15 mm far into the rock; it is 0.15 mm ahead of its origin at the surface, and 4 + 8 mm more convert or are a zone.
+    short = said(*sets(specimen__packing__region="{min: [0 mm, -65.1 mm], max: [25.1 mm, 0 mm]}"))
+    found = re.search(r"would cross the upper x side of couple.convert.box after a path of (\S+) m, before means end at 0.021 m", short)
+    assert found and 0.0185 < float(found[1]) < 0.0200 and "or a smaller test.length" in short, short
+    shallow = said(*sets(specimen__packing__region="{min: [0 mm, -15.1 mm], max: [125.1 mm, 0 mm]}"))
+    assert "would cross the lower y side of couple.convert.box after a path of 0 m" in shallow, shallow
 
 
 @fact

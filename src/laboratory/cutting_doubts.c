@@ -1,10 +1,11 @@
-/* Doubts about a cut: its tool, its path and the numbers of the test. */
+/* Problems of a cutting test that are known before it runs: its tool, its path and its numbers. */
 #include "laboratory/cutting.h"
 
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "particles/particles.h"
+#include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
 #include "surfaces/body_shape.h"
@@ -12,7 +13,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Most stages through which a prescribed motion is followed. */
+/* Largest number of stages through which a prescribed motion is followed. */
 enum { STAGES_FOLLOWED = 64 };
 
 typedef struct cut {
@@ -23,7 +24,7 @@ typedef struct cut {
     const gn_body_def *def;
     size_t tool;
     int axis, normal, side;
-    gn_place_text place; /* of the section `test` */
+    gn_place_text place; /* place of the section `test` */
 } cut;
 
 static cut cut_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -44,7 +45,7 @@ static cut cut_of(const gn_step_context *ctx, const gn_dem *dem, const gn_bounda
 
 /* --- depth --- */
 
-/* Extent of the tool along an axis, m, where it was at its start. */
+/* Finds the extent of the tool along an axis at its start, m. */
 static void extent_at_start(const cut *q, int axis, double *low, double *high) {
     const gn_rigid *body = &q->boundary->bodies[q->tool];
     size_t first = 0;
@@ -91,13 +92,14 @@ bool gn_cutting_depth_differs(const gn_step_context *ctx, const double depth[2],
     return true;
 }
 
-/* Prescribed motion of the tool so far. */
+/* The prescribed motion of the tool up to a time. */
 typedef struct course {
-    double start[STAGES_FOLLOWED]; /* s, of each stage */
-    double came, rise;             /* m, along the cut and out of the rock */
+    double start[STAGES_FOLLOWED]; /* s, starts of the stages */
+    double came, rise;             /* m, path along the cut, and displacement out of the rock */
 } course;
 
-/* Follows the motion that a scene prescribes until the tool has come `path` or the time ends. */
+/* Follows the motion that a scene prescribes until the tool has moved by `path` or the time ends.
+ */
 static void follow_scene(const cut *q, const gn_scene *scene, double from, double to, double path,
                          course *c) {
     enum { PARTS = 4000 };
@@ -110,15 +112,16 @@ static void follow_scene(const cut *q, const gn_scene *scene, double from, doubl
     }
 }
 
-/* Times in a table that a stage gives count from its start. */
+/* Sets the start of a table: times in a table that a stage gives count from the start of the stage.
+ */
 static void start_table(void *context, gn_table *table) {
     const course *c = context;
     for (size_t k = 0; k < table->count && table->stage; k++)
         table->time[k] += c->start[table->stage - 1];
 }
 
-/* Follows the prescribed motion through all stages; false: the duration of a stage before the end
- * of that path is not known. */
+/* Follows the prescribed motion through all stages; returns false if the duration of a stage before
+ * the end of that path is unknown. */
 static bool follow(const cut *q, double path, course *c) {
     const gn_scene *given = &q->ctx->given;
     *c = (course){0};
@@ -176,7 +179,8 @@ static bool is_locked(const cut *q, char *text, size_t size) {
     return true;
 }
 
-/* The axis of a disc cutter is y, turned by its rotation. */
+/* Tells whether the axis of a disc cutter, which is y turned by its rotation, is not across the
+ * cut. */
 static bool is_skew(const cut *q, char *text, size_t size) {
     double m[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     if (!q->def->has_disc_cutter || q->ctx->scene.dimension == 2) return false;
@@ -225,6 +229,83 @@ static bool is_wide(const cut *q, char *text, size_t size) {
 
 /* --- numbers --- */
 
+/* Finds the extent of the part of the tool that is below the surface, or above it by less than
+ * `reach`, when the tool is at the depth of the test but otherwise at its start. */
+static void extent_in_rock(const cut *q, double reach, double low[3], double high[3]) {
+    const gn_rigid *body = &q->boundary->bodies[q->tool];
+    const double sink =
+        q->ctx->scene.test.given.depth - gn_cutting_depth_at_start(q->ctx, q->boundary, q->state);
+    size_t first = 0;
+    for (size_t k = 0; k < q->tool; k++) first += (size_t)q->boundary->body_shape[k][0];
+    for (int a = 0; a < 3; a++) {
+        low[a] = INFINITY;
+        high[a] = -INFINITY;
+    }
+    for (size_t n = first; n < first + (size_t)q->boundary->body_shape[q->tool][0]; n++) {
+        double at[3];
+        gn_rigid_place(body, q->boundary->body_vertex + 4 * n, at);
+        for (int a = 0; a < 3; a++) at[a] += body->start[a] - body->position[a];
+        at[q->normal] -= q->state->outward * sink;
+        if (q->state->outward * (at[q->normal] - q->state->surface) > reach) continue;
+        for (int a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], at[a]);
+            high[a] = fmax(high[a], at[a]);
+        }
+    }
+}
+
+void gn_cutting_find_track(const gn_step_context *ctx, const gn_boundary *boundary, gn_cutting *c) {
+    const cut q = cut_of(ctx, NULL, boundary, c);
+    double low[3], high[3];
+    extent_in_rock(&q, 0.0, low, high);
+    const bool met = low[q.side] <= high[q.side];
+    c->track[0] = met ? low[q.side] : 0.0;
+    c->track[1] = met ? high[q.side] : 0.0;
+}
+
+/* Finds the side of couple.convert.box that the zone around the tool reaches first. Sides at the
+ * surface of the body do not count. Returns the path of the tool up to this, m; infinite: there is
+ * no such side. */
+static double path_in_reserve(const cut *q, int *axis, int *upper) {
+    const gn_convert_def *def = &q->ctx->scene.couple.convert;
+    const double around = def->near_bodies + def->width;
+    double low[3], high[3], least = INFINITY;
+    extent_in_rock(q, def->near_bodies, low, high);
+    for (int a = 0; a < (int)q->ctx->scene.dimension; a++)
+        for (int side = 0; side < 2; side++) {
+            const double sign = side ? 1.0 : -1.0, origin = q->ctx->scene.origin[a],
+                         box = (side ? def->box_max[a] : def->box_min[a]) - origin,
+                         beyond = sign * (q->state->elements[side][a] - box);
+            double path = sign * (box - (side ? high[a] : low[a])) - around;
+            if (beyond <= 1e-6 * around || (a == q->axis && sign != q->state->direction)) continue;
+            if (a != q->axis) path = path < 0.0 ? 0.0 : INFINITY;
+            if (path >= least) continue;
+            least = path;
+            *axis = a;
+            *upper = side;
+        }
+    return least;
+}
+
+static bool leaves_reserve(const cut *q, char *text, size_t size) {
+    const gn_couple_def *couple = &q->ctx->scene.couple;
+    int axis = 0, upper = 0;
+    if (!couple->has_convert || !(couple->convert.near_bodies > 0.0) || q->state->direction == 0.0)
+        return false;
+    const double path = path_in_reserve(q, &axis, &upper);
+    if (!(path < q->state->end)) return false;
+    snprintf(
+        text, size,
+        "%s: elements within couple.convert.bodies (%.4g m) of '%s' convert, and their zone of "
+        "couple.convert.width (%.4g m) would cross the %s %c side of couple.convert.box after "
+        "a path of %.4g m, before means end at %.4g m: the run ends there or sooner; a larger "
+        "box with a packing that fills it is needed%s",
+        q->place.text, couple->convert.near_bodies, q->def->name, couple->convert.width,
+        upper ? "upper" : "lower", "xyz"[axis], fmax(0.0, path), q -> state -> end,
+        axis == q -> axis ? ", or a smaller test.length" : "");
+    return true;
+}
+
 static bool has_odd_values(const cut *q, char *text, size_t size) {
     const gn_test_sizes *t = &q->ctx->scene.test.given;
     const double path = q->state->end - q->state->begin;
@@ -259,10 +340,11 @@ static bool is_coarse(const cut *q, char *text, size_t size) {
 bool gn_cutting_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_cutting *c, gn_cutting_doubt doubt, char *text, size_t size) {
     static bool (*const applies[GN_CUT_DOUBTS])(const cut *, char *, size_t) = {
-        [GN_CUT_LOCKED] = is_locked,      [GN_CUT_SKEW] = is_skew,
-        [GN_CUT_BESIDE] = is_beside,      [GN_CUT_WIDE] = is_wide,
-        [GN_CUT_VALUES] = has_odd_values, [GN_CUT_PARTICLES] = is_coarse,
-        [GN_CUT_DEPTH] = depth_differs,   [GN_CUT_SHORT] = is_short};
+        [GN_CUT_LOCKED] = is_locked,       [GN_CUT_SKEW] = is_skew,
+        [GN_CUT_BESIDE] = is_beside,       [GN_CUT_WIDE] = is_wide,
+        [GN_CUT_VALUES] = has_odd_values,  [GN_CUT_PARTICLES] = is_coarse,
+        [GN_CUT_RESERVE] = leaves_reserve, [GN_CUT_DEPTH] = depth_differs,
+        [GN_CUT_SHORT] = is_short};
     const cut q = cut_of(ctx, dem, boundary, c);
     return applies[doubt](&q, text, size);
 }

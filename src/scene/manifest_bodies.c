@@ -98,7 +98,8 @@ static const gn_key body_keys[] = {
     NAME("name", gn_body_def, name, REQUIRED, "name by which the rest of the scene refers to it"),
     KEY("surface", FILE, gn_body_def, surface, .second = offsetof(gn_body_def, surface_path),
         PRESENT(TEXT, gn_body_def, surface), .shape_dimension = 3,
-        .text = "3D shape: STL file; a free body needs a closed surface that does not intersect "
+        .text = "3D shape: STL, PLY or OBJ file; a free body needs a closed surface that does not "
+                "intersect "
                 "itself, unless mass, inertia and reference are given"),
     SECTION("box", box_section, PRESENT(BOOL, gn_body_def, has_box), .shape_dimension = 3,
             .text = "3D shape; its lower corner is its origin"),
@@ -202,7 +203,7 @@ static const gn_key contact_keys[] = {
     VALUE("young", young, "Pa", GN_MODULI,
           "E of laws by area and hertz, instead of both in series"),
     VALUE("poisson", poisson, "1", "(-1, 0.5]",
-          "nu of laws by area and hertz, instead of the mean (of each)"),
+          "nu of laws by area and hertz, instead of the values of both materials"),
     VALUE("alpha", alpha, "1", "[1e-6, 1e6]",
           "factor in laws by area, instead of the harmonic mean"),
     VALUE("beta", beta, "1", "[0, 1e6]", "factor in laws by area, instead of the harmonic mean"),

@@ -63,12 +63,9 @@ gneiss_status gn_features_follow_lists(gn_world *world, gneiss_error *error) {
 
 gneiss_status gn_feature_add(gn_world *world, gn_feature feature, gneiss_error *error) {
     gn_features *f = &world->features;
-    gn_feature *added = NULL;
-    GN_TRY(gn_new(&added, f->added_count + 1, "a feature", error));
-    if (f->added) memcpy(added, f->added, f->added_count * sizeof *added);
-    added[f->added_count++] = feature;
-    gn_free(f->added);
-    f->added = added;
+    if (!gn_widen(&f->added, f->added_count, f->added_count + 1, sizeof feature))
+        return gn_no_memory(error, "a feature");
+    f->added[f->added_count++] = feature;
     gneiss_status status =
         world->dem.motion_sums ? gn_features_follow_lists(world, error) : GNEISS_OK;
     if (status != GNEISS_OK) f->added_count--;
@@ -156,7 +153,7 @@ GN_HOOK(check_debris) {
 const gn_feature gn_feature_debris = {
     .name = "debris",
     .used = may_have_debris,
-    .hook = {[GN_HOOK_READING] = find_debris, [GN_HOOK_AFTER_STEP] = check_debris},
+    .hook = {[GN_HOOK_REQUEST_READING] = find_debris, [GN_HOOK_AFTER_STEP] = check_debris},
 };
 
 /* --- readings --- */
@@ -285,8 +282,9 @@ GN_HOOK(move_box) {
 const gn_feature gn_feature_box = {
     .name = "box",
     .used = is_periodic,
-    .hook =
-        {[GN_HOOK_READING] = ask_for_sums, [GN_HOOK_WORK] = book_box, [GN_HOOK_MOVED] = move_box},
+    .hook = {[GN_HOOK_REQUEST_READING] = ask_for_sums,
+             [GN_HOOK_WORK] = book_box,
+             [GN_HOOK_MOVED] = move_box},
 };
 
 static bool has_zones(const gn_world *world) {
@@ -330,5 +328,5 @@ const gn_feature gn_feature_zones = {
              [GN_HOOK_BEFORE_FORCES] = read_zones,
              [GN_HOOK_ACT] = act_on_zones,
              [GN_HOOK_ELEMENTS_MOVED] = follow_elements,
-             [GN_HOOK_READ] = add_zones},
+             [GN_HOOK_ADD_TO_READING] = add_zones},
 };

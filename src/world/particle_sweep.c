@@ -49,7 +49,7 @@ static void work_on_contacts(void *context, int list, size_t block) {
     size_t end = (block + 1) * length < count ? (block + 1) * length : count;
     sums[block] = (gn_contact_sums){0};
     if (list == GN_LIST_PAIRS && w->dem.near.on) {
-        gn_near_work(&w->ctx, &w->dem, args, block, &sums[block]);
+        gn_active_pairs_work(&w->ctx, &w->dem, args, block, &sums[block]);
         book(k, phase);
         return;
     }
@@ -73,13 +73,13 @@ static void move(void *context, size_t block) {
     book(k, GN_PHASE_motion);
 }
 
-void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
-                  const gn_motion_args *motion) {
+void gn_world_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
+                    const gn_motion_args *motion) {
     static const gn_deal_work blocks = {work_on_contacts, move, waited};
     const double begin = gn_now();
     const bool booked = world->ctx.step % GN_BOOKED == 0;
     gn_deal_begin(&world->dem.deal);
-    gn_near_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
+    gn_active_pairs_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
 #pragma omp parallel num_threads(world->dem.deal.team)
     {
         work k = {world, contacts, motion, .mark = gn_now()};
@@ -94,7 +94,7 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
 }
 
 /* Forces on walls were computed together with the loads. */
-void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
+void gn_world_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
     const size_t held = dem->hold.count;
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;

@@ -20,7 +20,7 @@
 gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error) {
     const double start = gn_now();
     const bool first = world->dem.verlet.rebuilds == 0;
-    GN_TRY(gn_dem_refresh(world, error));
+    GN_TRY(gn_world_refresh_particles(world, error));
     GN_TRY(gn_boundary_refresh(&world->ctx, &world->dem, &world->boundary, first, error));
     GN_TRY(gn_features_follow_lists(world, error));
     GN_TRY(gn_depth_update(&world->ctx, &world->dem, &world->boundary, error));
@@ -37,7 +37,7 @@ gn_convertible gn_world_convertible(gn_world *world) {
 }
 
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error) {
-    GN_TRY(gn_dem_restore(&world->ctx, &world->dem, &world->box, error));
+    GN_TRY(gn_world_restore_particles(&world->ctx, &world->dem, &world->box, error));
     GN_TRY(gn_boundary_restore(&world->ctx, &world->dem, &world->boundary, error));
     return gn_features_follow_lists(world, error);
 }
@@ -46,7 +46,8 @@ gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error) {
     bool more = false;
     GN_TRY(gn_world_rebuild(world, error));
     /* A deformable surface may have come close to many particles since the last check. */
-    GN_TRY(gn_boundary_yields_more(&world->ctx, &world->dem, &world->boundary, &more, error));
+    GN_TRY(
+        gn_timestep_surfaces_yield_more(&world->ctx, &world->dem, &world->boundary, &more, error));
     if (more)
         GN_TRY(gn_timestep_check(&world->ctx, &world->dem, &world->boundary, &world->solids,
                                  &world->zones, &world->ledger, false, error));
@@ -63,9 +64,9 @@ static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
                : 8.0 * skin;
 }
 
-/* Returns the largest path of a particle in a step, m, where Hertzian contacts do not limit the
- * step: a pair that is not listed one step before it touches would collide with a step that is far
- * too long. Where contacts limit the step, paths are shorter, and 0 is returned. */
+/* Returns the largest path of a particle in a step, m, if Hertzian contacts do not limit the step:
+ * pairs must then be listed one step before they touch, because the step is far too long for their
+ * collision. If contacts limit the step, paths are shorter, and 0 is returned. */
 static double flown(const gn_step_context *ctx, const gn_dem *dem) {
     if (!(ctx->effects & GN_FX_HERTZ) || ctx->scene.step > 0.0 || ctx->step == 0) return 0.0;
     const double way = ctx->dt * sqrt(dem->done.motion.speed2);
