@@ -211,6 +211,9 @@ some thousand, so that this region excludes little: simultaneous intervals (Bonf
 - Intervals of 50 % hold in {sum(half)} of {len(half)} cases; half of them are {0.5 * len(half):g}.
 - All parameters of a set at once: within the joint region in {sum(regions)} of {len(regions)} sets, within simultaneous intervals (Bonferroni)
   in {sum(each)} of {len(each)}."""
+    checks = [(entry["fresh"]["inside"], len(entry["fresh"]["values"])) for _, result in found for entry in result["found"].values() if "fresh" in entry]
+    held, count = map(sum, zip(*checks))
+    text += f"\n- Checks of these calibrations on three fresh packings each: {held} of {count} readings are inside the 95 % prediction intervals ({100.0 * held / count:.1f} %)."
     if without:
         text += f"\n- Without calibration, as a test of the drawn parameters has no peak: sets {', '.join(map(str, without))}."
     if missing:
@@ -275,11 +278,6 @@ for ten, 82 % for twenty: an interval that by itself is to hold 90 to 99 % takes
 {spans[0]} from five, {spans[1]} from {MORE}. Intervals from five packings at random hold fewer than 95 % where readings are skewed: in the plane some packings bend, which
 lowers E, Poisson's ratio and strength together.
 """
-    study.KEPT = True
-    found, _, _ = sets()  # Only those that exist.
-    inside = [(entry["fresh"]["inside"], len(entry["fresh"]["values"])) for _, result in found for entry in result["found"].values() if "fresh" in entry]
-    text += f"\nThe checks of all {len(found)} calibrations on three fresh packings each: {sum(a for a, _ in inside)} of {sum(b for _, b in inside)} " \
-            f"readings are inside ({100.0 * sum(a for a, _ in inside) / max(1, sum(b for _, b in inside)):.1f} %)."
     if missing:
         text += f"\n\nNot run: sets {', '.join(map(str, missing))}."
     return "Prediction intervals", text
