@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/new.h"
 #include "io/io.h"
+#include "io/listing.h"
 #include "io/snapshot.h"
 #include "run/part_files.h"
 #include "run/quantities.h"

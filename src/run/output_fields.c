@@ -1,4 +1,4 @@
-/* The tables state what fields require, independent of the build. */
+/* Needed because the tables name all effects, also those that this build leaves out. */
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
@@ -112,7 +112,8 @@ enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
 
 static const gn_output_field of_particles[] = {
     {"id", "1",
-     "index in the specimen file, base 0; particles of sources follow in the order of their "
+     "index in the specimen file (by its ids, if it has them), base 0; particles of sources follow "
+     "in the order of their "
      "insertion",
      BOTH, GN_I32, false, 1, read_id, 0},
     {"position", "m", "centre", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
