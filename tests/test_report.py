@@ -94,7 +94,7 @@ def expected_pictures(kind):
     dimension, rows, test, with_bonds, _, _ = KINDS[kind]
     expected = {"profile"}
     if rows:
-        expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"stress_strain"} if test else {"forces"})
+        expected |= {"energy", "unbalanced", "strains"} | ({"broken_bonds"} if rows > 1 else set()) | ({"stress_strain"} if test else {"forces"})
         expected |= {"events", "bursts"} if kind in WITH_EVENTS else {"breaking"} if rows > 2 else set()
         expected |= {"forces"} if kind == "stages" else set()
     if kind != "no_particles":

@@ -7,6 +7,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from report_files import write
 from report_results import scale_of
@@ -146,14 +147,15 @@ def plot_stress(results, path):
             + (" Strain counts from the start of the stage." if results.of_stage else ""))
 
 
-def draw_stress_beside(axes, x, stress, label):
-    """Draws a thin line with an axis of its own at the right; the unit is inserted into `label`."""
+def draw_stress_beside(results, axes, x, stress):
+    """Draws a thin line with an axis of its own at the right, under the name of the stress if that is short."""
     factor, unit = scale_of(stress, "Pa")
     other = axes.twinx()
     other.grid(False)
     other.spines["right"].set_visible(True)
     other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
-    other.set_ylabel(label.format(unit))
+    name = results.words[1] if len(results.words[1]) < 15 else "stress"
+    other.set_ylabel(f"{name} [{unit}]\n(thin line)")
     other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
 
 
@@ -162,6 +164,8 @@ def plot_broken(results, path):
     tension, shear = results.column("broken_tension"), results.column("broken_shear")
     if x is None or tension is None or shear is None:
         return None
+    if not np.nanmax(tension + shear) > 0:
+        return None
     figure, axes = new_axes("Broken bonds", label, "broken bonds")
     axes.fill_between(x, tension + shear, color=GREY, alpha=0.18, lw=0, label="all")
     axes.plot(x, tension, color=RED, label="in tension", **style_for(tension))
@@ -169,7 +173,7 @@ def plot_broken(results, path):
     axes.set_ylim(bottom=0)
     stress = results.column("stress")
     if stress is not None:
-        draw_stress_beside(axes, x, stress, f"{results.words[1]} [{{}}] (thin line)")
+        draw_stress_beside(results, axes, x, stress)
     axes.margins(x=0.02)
     place_legend(results, axes, "upper left")
     mark_stages(results, axes, x)
@@ -197,6 +201,7 @@ def plot_events(results, path):
     axes.hist([at[cause == number] for number, _, _ in shown], edges, stacked=True, color=[color for _, _, color in shown],
               label=[f"{text} ({np.count_nonzero(cause == number)})" for number, text, _ in shown])
     axes.margins(x=0.02)
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(loc="best")
     save(figure, path)
     return "How many bonds broke, and began to soften or to yield, as the test went on."
@@ -218,6 +223,7 @@ def plot_bursts(results, path):
     above.set_title("Bursts")
     above.hist(at, edges, color=BLUE)
     above.set_ylabel("bursts per 1/60 of the run")
+    above.yaxis.set_major_locator(MaxNLocator(integer=True))
     few = size.max() < 10
     below.vlines(at, 0 if few else 0.7, size, color=RED, lw=0.8)
     below.plot(at, size, "o", color=RED, ms=2.5)
@@ -228,7 +234,7 @@ def plot_bursts(results, path):
     below.set_ylabel("bonds broken in a burst")
     below.set_xlabel(label)
     if stress is not None:
-        draw_stress_beside(above, x, stress, f"{results.words[1] if len(results.words[1]) < 15 else 'stress'} [{{}}]\n(thin line)")
+        draw_stress_beside(results, above, x, stress)
     above.margins(x=0.02)
     mark_stages(results, above, x)
     save(figure, path)
@@ -257,7 +263,7 @@ def plot_energy(results, path):
     shown = [n for n in stack if np.abs(terms[n]).max() > 2e-3 * largest]
     factor, unit = scale_of([largest], "J")
     residual = results.column("energy_residual")
-    figure, (axes, below) = plt.subplots(2, 1, figsize=(8.2, 5.2), sharex=True, constrained_layout=True,
+    figure, (axes, below) = plt.subplots(2, 1, figsize=(7.2, 5.2), sharex=True, constrained_layout=True,
                                          gridspec_kw={"height_ratios": [3.4, 1]})
     axes.set_title("Energy")
     if shown and results.rows > 1 and all(terms[n].min() >= -1e-6 * largest for n in shown):
@@ -267,7 +273,7 @@ def plot_energy(results, path):
     else:
         for n in shown:
             axes.plot(x, terms[n] / factor, label=n.replace("_", " "), color=shade[n], **style_for(terms[n]))
-    axes.plot(x, inputs / factor, color=INK, lw=1.4, dashes=(5, 2), label="put in (work, stored at the start)")
+    axes.plot(x, inputs / factor, color=INK, lw=1.4, dashes=(5, 2), label="put in")
     axes.set_ylabel(f"energy [{unit}]")
     handles, names = axes.get_legend_handles_labels()
     # The legend is beside the plot, because the curves fill it and the names of stages are along its upper edge.
@@ -281,7 +287,7 @@ def plot_energy(results, path):
     axes.margins(x=0.02)
     mark_stages(results, axes, x)
     save(figure, path)
-    return ("Where the energy is and where it went, stacked; the dashed line is what was put in and should be the "
+    return ("Where the energy is and where it went, stacked; the dashed line is what was put in (work, and energy at the start) and should be the "
             "upper edge of the stack. Below: what is missing, over the energy that has gone through. Terms under 0.2 % are left out.")
 
 
@@ -307,7 +313,7 @@ def plot_flow(results, path):
     axes.set_ylabel(f"mass [{unit}]")
     below.set_ylabel("rate [kg/s]")
     below.set_xlabel(label)
-    place_legend(results, axes, "upper left")
+    place_legend(results, axes)
     axes.margins(x=0.02)
     mark_stages(results, axes, x)
     save(figure, path)
@@ -377,7 +383,7 @@ def plot_forces(results, path):
         return None
     peaks = {n: np.nanmax(np.abs(results.column(n))) for n in names}
     largest = max(peaks.values())
-    shown = sorted((n for n in names if peaks[n] > 0.01 * largest), key=peaks.get, reverse=True)[:8]
+    shown = sorted((n for n in names if peaks[n] > 0.05 * largest), key=peaks.get, reverse=True)[:8]
     factor, unit = scale_of([largest], "N")
     t_factor, t_unit = scale_of(time, "s")
     figure, axes = new_axes("Forces on walls, sets and motions", f"time [{t_unit}]", f"force [{unit}]")
@@ -388,7 +394,7 @@ def plot_forces(results, path):
         place_legend(results, axes, "best")
     mark_stages(results, axes, time / t_factor)
     save(figure, path)
-    return "The largest components; smaller than 1 % of the largest are left out."
+    return "The largest components; smaller than 5 % of the largest are left out."
 
 
 def plot_conversion(results, path):

@@ -100,10 +100,13 @@ class Specimen:
         within = [m for m in middles if self.lower[2] < m < self.upper[2]]
         return float(within[0]) if within else self.middle[2]
 
-    def displacement_quantiles(self):
-        """quantiles of displacements: of the particles that a bond still holds, if there are any, as chips fly far."""
+    def held(self):
+        """True for the particles that a bond still holds, if there are any, as chips fly far; else for all."""
         held = self.damage < 1 if self.damage is not None and self.has_bonds else np.ones(len(self.moved), bool)
-        return quantiles(self.moved[held] if held.any() else self.moved, "m")
+        return held if held.any() else ~held
+
+    def displacement_quantiles(self):
+        return quantiles(self.moved[self.held()], "m")
 
     def displacement_scale(self):
         """(factor, unit, top of the colours)."""
@@ -122,8 +125,8 @@ class Specimen:
             result.insert(0, ("Speed", self.speed / factor, plt.cm.magma, norm, f"speed [{unit}]"))
         if self.is_bed() and len(self.beside.facet):
             height = self.position[:, 1] - self.lower[1]
-            factor, unit, _ = quantiles(height, "m")
-            low, high = np.percentile(height / factor, (50, 99.5))
+            factor, unit, _ = quantiles(height[self.held()], "m")
+            low, high = np.percentile(height[self.held()] / factor, (50, 99.5))
             result.insert(0, ("Height", height / factor, plt.cm.cividis, Normalize(low, max(high, low + 1e-12)), f"height [{unit}]"))
         return result
 
@@ -259,17 +262,19 @@ def scale_bar(axes, low, high):
 
 
 def panels(count, aspect, height=5.6):
-    """Figure with `count` pictures side by side; aspect is width over height of a picture."""
+    """Figure with `count` pictures side by side, long ones one above the other; aspect is width over height of a picture."""
     width = np.clip(height * aspect + 1.4, 3.4, 8.0)
-    figure, axes = plt.subplots(1, count, figsize=(count * width, height), constrained_layout=True, squeeze=False)
-    for a in axes[0]:
+    long = aspect > 2.4
+    size = (11.0, count * (0.9 + 8.5 / aspect)) if long else (count * width, height)
+    figure, axes = plt.subplots(count if long else 1, 1 if long else count, figsize=size, constrained_layout=True, squeeze=False)
+    for a in axes.flat:
         a.set_aspect("equal")
         a.grid(False)
         for side in a.spines.values():
             side.set_visible(False)
         a.set_xticks([])
         a.set_yticks([])
-    return figure, axes[0]
+    return figure, axes.ravel()
 
 
 def color_bar(figure, axes, norm, colors, label, extend):

@@ -160,7 +160,7 @@ def plot_rose(results, path):
     counts, _ = np.histogram(angle, edges)
     sines = np.sin(np.radians(edges))
     share = np.diff(edges) / 90 if results.dimension == 2 else np.diff(sines)  # share of uniformly distributed directions
-    figure = plt.figure(figsize=(4.6, 4.0), constrained_layout=True)
+    figure = plt.figure(figsize=(6.4, 4.0), constrained_layout=True)
     axes = figure.add_subplot(projection="polar")
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
@@ -251,7 +251,7 @@ def moments(results, folder):
     for title, (at, path) in (("before", taken[0]), (share, taken[most]), ("at the end", taken[-1])):
         factor, unit = scale_of([max(taken[-1][0], 1e-30)], "s")
         try:
-            chosen.append((f"{title}, {at / factor:.3g} {unit}", At(results, path), path, at))
+            chosen.append((f"{title}, {float(f'{at / factor:.3g}'):g} {unit}", At(results, path), path, at))
         except (OSError, KeyError):
             return []
     return chosen

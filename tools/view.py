@@ -78,7 +78,8 @@ def main(arguments):
     parser.add_argument("folder")
     given = parser.parse_args(arguments)
     try:
-        print(printable(write_paraview(given.folder) if given.paraview else write_view(given.folder, number_of(given.instants), [name for name in given.fields.split(",") if name])))
+        fields = [name for name in given.fields.split(",") if name]
+        print(printable(write_paraview(given.folder) if given.paraview else write_view(given.folder, number_of(given.instants), fields)))
     except Unreadable as e:
         print(printable(f"gneiss: input error: {e}"), file=sys.stderr)
         return 2
