@@ -264,7 +264,7 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
 
 /* The outermost particles of the zone of a packing would require a smaller step on their own;
  * springs are softer than the bound has to assume. */
-static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
+static void the_coupled_limit_may_exceed_those_of_both_sides(void **state) {
     (void)state;
     for (int k = 4; k < 7; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
@@ -488,7 +488,7 @@ int main(void) {
         cmocka_unit_test(both_as_one_are_stable_up_to_their_sharp_limit),
         cmocka_unit_test(a_million_steps_at_0_99_of_the_limit_keep_the_energy),
         cmocka_unit_test(an_automatic_step_is_that_of_both_as_one),
-        cmocka_unit_test(both_as_one_may_hold_more_than_each_by_itself),
+        cmocka_unit_test(the_coupled_limit_may_exceed_those_of_both_sides),
         cmocka_unit_test(the_side_with_the_fastest_mode_is_named),
         cmocka_unit_test(the_limit_is_the_same_on_any_number_of_threads),
         cmocka_unit_test(small_elements_that_turn_particles_are_in_bound_and_step),

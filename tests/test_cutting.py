@@ -65,7 +65,7 @@ def closes(folder, tools=1):
 def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
     run(example("disc"), folder, *COARSE, *sets(test__run_in="45 mm", test__length="60 mm"))
     h, s = closes(folder), summary(folder)
-    assert s["stop_reason"].startswith("the tool has come its path"), s["stop_reason"]
+    assert s["stop_reason"].startswith("the tool has reached the end of its path"), s["stop_reason"]
     assert not any(w["name"] == "cutting_path" for w in s["warnings"]), s["warnings"]
     path = [0.045, 0.105]
     mean = {name: np.diff(np.interp(path, h["cut_path"], h[name]))[0] for name in ("normal_impulse", "time")}
@@ -144,7 +144,7 @@ def a_chisel_that_meets_nothing_has_no_force(folder):
     s = summary(folder)
     text = {w["name"]: w["text"] for w in s["warnings"]}
     assert "depth is 0.005 m, the tool begins 0.003858 m above the surface of the rock" in text["cutting_depth"], text  # its top is at 1.142 mm
-    assert "the tool 'pick' never met the rock" in text["nothing_measured"], text
+    assert "the tool 'pick' never touched the rock" in text["nothing_measured"], text
     assert s["readings"]["normal_force"] is None
 
 

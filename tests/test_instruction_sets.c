@@ -37,7 +37,7 @@ static void every_set_of_this_machine_is_found_by_its_name(void **state) {
 }
 
 /* A scene may name any instruction set that exists, wherever the scene was written. */
-static void a_set_of_another_processor_is_refused_with_what_there_is(void **state) {
+static void an_unavailable_set_is_refused_and_available_ones_are_named(void **state) {
     (void)state;
     for (gn_isa isa = GN_ISA_AUTO + 1; isa < GN_ISA_COUNT; isa++) {
         const gn_kernel_set *chosen = NULL;
@@ -55,7 +55,7 @@ int main(void) {
         cmocka_unit_test(every_set_of_this_build_can_be_named),
         cmocka_unit_test(sets_stand_from_narrow_to_wide),
         cmocka_unit_test(every_set_of_this_machine_is_found_by_its_name),
-        cmocka_unit_test(a_set_of_another_processor_is_refused_with_what_there_is),
+        cmocka_unit_test(an_unavailable_set_is_refused_and_available_ones_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,10 +84,10 @@ static void the_default_is_not_touched(void **state) {
     }
 }
 
-/* 36 spheres side by side come into contact in one step. Their reaction is at most the force that
- * was to be taken up in it, 0.1 of 5 N: the wall's path is that force over k (and over c/dt of
- * dashpots) of all of them, and the dashpot of a closing contact acts for at most 1.5 steps. A path
- * computed for one of them alone gave up to 36 times as much, at any step. */
+/* 36 spheres side by side come into contact in one step. Their reaction is at most the fraction of
+ * the missing force that one step corrects, 0.1 of 5 N: the path of the wall is this force over the
+ * sum of k (and of c/dt of dashpots) of all contacts, and the dashpot of a closing contact acts for
+ * at most 1.5 steps. A path computed for one contact would give up to 36 times as much. */
 static void a_servo_approaches_a_crowd_of_grains_softly(void **state) {
     (void)state;
     const char layer[] = "lattice: {kind: cubic, radius: 1 mm, cells: [6, 6, 1], spacing: 1.01}";

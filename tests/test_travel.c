@@ -59,8 +59,8 @@ static void a_uniform_stream_keeps_its_lists(void **state) {
     const double way = 800 * 4e-6 * 5.0;
     print_message("# lists: %lld at rest, %lld in a stream that goes %g skins far\n",
                   (long long)few, (long long)more, way / 4e-4);
-    /* Two lists are at most 8 skins apart; to this the number of lists is added that the stream
-     * needs at rest. */
+    /* Lists are made at most 8 skins of path apart, in addition to those that the specimen needs at
+     * rest. */
     assert_true(more <= few + (int64_t)(way / (7.2 * 4e-4)) + 1);
     assert_true((double)more < 0.25 * 2.0 * way / 4e-4);
     world_end(still);

@@ -162,7 +162,7 @@ static void read_energies(const gn_curves *curves, const course *c, gn_readings 
     r->specific_energy_removed = work_of(c) / r->removed_volume;
     if (!(r->removed_volume > 0.0))
         gn_reading_absent(r, GN_READING_specific_energy_removed,
-                          "nothing came off along the path of the means");
+                          "no rock was detached along the path of the means");
 }
 
 static void need_strengths(const gn_cut *cut, bool compressive, gn_reading which, gn_readings *r) {
