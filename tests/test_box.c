@@ -255,7 +255,7 @@ static void a_box_holds_the_stress_of_hertzian_grains(void **state) {
 
 /* Discs with bonds that resist bending, pulled apart along y at 35 ms. Breaking bonds cause
  * vibrations. */
-static void bonded_discs_are_held_while_they_are_torn(void **state) {
+static void a_box_holds_the_stress_of_bonded_discs_while_they_break(void **state) {
     (void)state;
     stress_held_to_the_end(
         "dimension: 2\n"
@@ -453,7 +453,7 @@ int main(void) {
         cmocka_unit_test(a_servo_is_stable_at_the_limit_of_the_step),
         cmocka_unit_test(a_box_is_compacted_bonded_and_loaded),
         cmocka_unit_test(a_box_holds_the_stress_of_hertzian_grains),
-        cmocka_unit_test(bonded_discs_are_held_while_they_are_torn),
+        cmocka_unit_test(a_box_holds_the_stress_of_bonded_discs_while_they_break),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(instruction_sets_do_not_matter),
         cmocka_unit_test(a_resumed_box_has_the_same_bits),

@@ -383,7 +383,7 @@ static void an_angle_of_friction_stands_for_its_tangent(void **state) {
     gn_scene_free(&scene);
 }
 
-static void bad_values_are_refused_where_they_stand(void **state) {
+static void bad_values_are_refused_at_their_place(void **state) {
     (void)state;
     static const struct {
         const char *material, *law, *says;
@@ -434,7 +434,7 @@ int main(void) {
         cmocka_unit_test(the_ledger_closes_while_bonds_break),
         cmocka_unit_test(threads_give_the_same_bits),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
-        cmocka_unit_test(bad_values_are_refused_where_they_stand),
+        cmocka_unit_test(bad_values_are_refused_at_their_place),
     };
     return cmocka_run_group_tests_name("mohr", tests, NULL, NULL);
 }

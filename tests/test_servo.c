@@ -198,7 +198,7 @@ static void refused(const char *servo, const char *expected) {
     if (!strstr(error.message, expected)) fail_msg("'%s' is not in '%s'", expected, error.message);
 }
 
-static void servos_that_cannot_be_are_refused(void **state) {
+static void impossible_servos_are_refused(void **state) {
     (void)state;
     refused("max_velocity: 1", "s.yaml:6:72: walls[0].servo: expected force or stress, found none");
     refused("max_velocity: 1, force: 1, stress: 1", "expected force or stress, found both");
@@ -216,7 +216,7 @@ int main(void) {
         cmocka_unit_test(a_servo_approaches_a_crowd_of_grains_softly),
         cmocka_unit_test(a_stress_is_held_over_the_section_of_the_box),
         cmocka_unit_test(a_lid_holds_its_force_on_grains_in_motion),
-        cmocka_unit_test(servos_that_cannot_be_are_refused),
+        cmocka_unit_test(impossible_servos_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
