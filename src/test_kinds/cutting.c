@@ -120,8 +120,8 @@ static bool find_course(const gn_curves *curves, course *c, gn_readings *reading
     if (c->end - c->begin > 0.1 * (cut->end - cut->begin)) return true;
     for (int k = GN_READING_normal_force; k <= GN_READING_specific_energy_removed; k++)
         gn_reading_absent(readings, (gn_reading)k,
-                          "the tool moved %.4g m, means are taken from %.4g m to %.4g m",
-                          reached, cut->begin, cut->end);
+                          "the tool moved %.4g m, means are taken from %.4g m to %.4g m", reached,
+                          cut->begin, cut->end);
     return false;
 }
 
