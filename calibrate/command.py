@@ -125,7 +125,7 @@ def lacking_targets(search):
         elif abs(residual) > 1.0:
             mean, wanted = nearest.mean(name), search.targets[name].value
             away.append(f"{name} {100.0 * (mean / wanted - 1.0):+.3g} %")
-    return f"law {law.name} ({law.text}): two packings are still away from targets: {', '.join(away)}"
+    return f"law {law.name} ({law.text}): two packings do not reach the targets: {', '.join(away)}"
 
 
 def choose(request, laboratory, progress):
@@ -170,7 +170,7 @@ def solve(request, search):
         if not search.steps:
             raise Problem(f"budget of {end}: expected at least one evaluation of the targets, found no run finished within it") from end
         result.evaluation = search.best()
-        result.notes.append(f"the budget of {end} is used up: parameters are the best ones up to there")
+        result.notes.append(f"the budget of {end} is used up: parameters are the best ones found so far")
     search.parameters = dict(result.evaluation.parameters)
     residuals = search.residuals(result.evaluation)
     result.reached = all(one is not None and abs(one) <= 1.0 for one in residuals.values())
@@ -189,7 +189,7 @@ def reasons(search, result, name):
         absent = next((text for by_test in result.evaluation.outcomes.values() for one in by_test.values() for text in [one.message, *one.absent.values()] if text), "")
         return [f"{name}: a run has no such reading: {absent}"]
     if name in search.off:
-        return [f"{name}: no envelope that rises ever more slowly meets the wanted strengths within their tolerances: found {shown(mean, target)}, "
+        return [f"{name}: no concave envelope meets the wanted strengths within their tolerances: found {shown(mean, target)}, "
                 f"wanted {shown(target.value, target)}"]
     parameters, law = result.evaluation.parameters, laws.label(search.material.law)
     chi = parameters.get("chi", 1.0)

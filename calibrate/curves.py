@@ -15,7 +15,7 @@ _UNIT = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
 
 def read(path):
     """(strains, stresses in Pa) of a text file: two columns in a row, strain and stress, compression positive, rising strains. A first line of
-    names may have units in brackets, as `strain [%], stress [MPa]`; else they are 1 and Pa. ValueError where a row is wrong."""
+    names may have units in brackets, as `strain [%], stress [MPa]`; the default units are 1 and Pa. ValueError where a row is wrong."""
     factors, rows = [1.0, 1.0], []
     with open(path, encoding="utf-8", newline="") as file:
         for number, row in enumerate(csv.reader(line for line in file if line.strip() and not line.startswith("#")), 1):

@@ -5,7 +5,7 @@ _signals = []
 
 
 def listen():
-    """From here on signals are noted."""
+    """Notes signals from here on."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda given, _: _signals.append(given))
 

@@ -46,7 +46,7 @@ def groups(radii, branches, volume, dimension, thickness=1.0):
 
 
 class Start(NamedTuple):
-    """Start values: law parameters, measures (means over packings) at them, whether the wanted values are within the maps, and why not."""
+    """Start values: law parameters, measures at them (means over packings), whether the wanted values are within the maps, else the reason."""
 
     law: str
     keys: dict  # values of PLAIN's keys

@@ -14,7 +14,7 @@ LINEAR = {"poisson_ratio", "bond_friction"}
 
 
 def is_linear(name):
-    """True for what is compared by difference; all others are by the logarithm of their ratio. Points of curves are shares of its peak."""
+    """True for values that are compared by their difference; all others are compared by the logarithm of their ratio. Points of curves are shares of its peak."""
     return name in LINEAR or name.startswith("curve")
 
 

@@ -141,7 +141,7 @@ def write(folder, request, laboratory, result, tried):
 
 
 def with_unit(value, unit):
-    """A value for the eye: stresses in MPa, moduli in GPa."""
+    """A value as it is printed: stresses in MPa, moduli in GPa."""
     if value is None:
         return "absent"
     if unit == "Pa":
@@ -150,7 +150,7 @@ def with_unit(value, unit):
 
 
 def interval_text(entry):
-    """The 95 % interval of a reading or parameter for the eye, "-" if there is none."""
+    """The 95 % interval of a reading or parameter as it is printed, "-" if there is none."""
     return ", 95 %: " + (" .. ".join(with_unit(one, entry["unit"]) for one in entry["interval"]) if entry["interval"] else "-")
 
 

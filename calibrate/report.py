@@ -107,7 +107,7 @@ def pairs_picture(whole):
                 if shown:
                     ax.set(**{side + "label": names[k] + ("" if is_linear(names[k]) else " over found")})
             ax.tick_params(labelsize=7)
-    return embedded(figure, "95 % regions of pairs of parameters, within their limits: ellipses of logarithms (of bond_friction, of its values).")
+    return embedded(figure, "95 % regions of pairs of parameters, within their limits: ellipses in the logarithms of the parameters (for bond_friction in its values).")
 
 
 def curves_picture(curves):

@@ -1,4 +1,4 @@
-"""Runs of tests: side by side, a thread each, kept under a hash of their scene and of the version of the program, and taken up again."""
+"""Runs tests side by side, one thread each. Runs are kept under a hash of their scene and of the program's version, and are continued."""
 import ctypes
 import hashlib
 import json

@@ -220,7 +220,7 @@ class Search:
         return min((one for one in self.steps if len(one.values) == most), key=lambda one: self.cost(one, away))
 
     def near(self, evaluation):
-        """True if targets that are not given up are so near that all packings should join."""
+        """True if targets that are not given up are so near that all packings should be evaluated."""
         given_up = self.given_up(evaluation)
         offs = np.abs(self.outputs(evaluation) - self.aims)
         return all(off < max(NEAR, 0.5 * allowed) for name, off, allowed in zip(self.names, offs, self.allowed) if name not in given_up)

@@ -373,7 +373,7 @@ def _scene(file, found):
     if "scene" in found:
         for key in ("dimension", "density"):
             if key in found:
-                file.fail(found[key], f"{key}: expected it in the scene itself, found it beside scene")
+                file.fail(found[key], f"{key}: expected this section in the scene itself, found it beside the key scene")
         base, nodes, scene = _base_scene(file, found["scene"])
         _law(base, nodes["law"], "law" not in found or found["law"].value == "scene")
         scene["dimension"] = base.whole(nodes["dimension"], "dimension", 2, 3) if "dimension" in nodes else 3

@@ -1,4 +1,4 @@
-"""Meshes of CalculiX and Abaqus (.inp), and of what meshio reads, as gmsh files with sets as physical groups."""
+"""Meshes of CalculiX and Abaqus (.inp), and of formats that meshio reads, as gmsh files with sets as physical groups."""
 import os
 import re
 from dataclasses import dataclass, field

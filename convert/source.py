@@ -29,7 +29,7 @@ class Source:
         return Problem(f"{self.path}:{line + 1}:{column + 1}: {text}")
 
     def line(self, number, expected):
-        """Text of a line; refused behind the end of the file."""
+        """Text of a line; refuses a line behind the end of the file."""
         if number >= len(self.lines):
             raise self.refuse(len(self.lines), 0, f"expected {expected}, found the end of the file (cut short?)")
         return self.lines[number]

@@ -111,7 +111,7 @@ def _whole(file, text, what):
 
 
 def _attribute(file, words, count, arrays):
-    """Reads one attribute of points; False: the line is none."""
+    """Reads one attribute of points; returns False if the line does not begin one."""
     kind = words[0].upper()
     if kind == "SCALARS" and len(words) in (3, 4):
         width = _whole(file, words[3], "components") if len(words) == 4 else 1

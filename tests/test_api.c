@@ -469,7 +469,7 @@ static void every_field_is_found_by_index_and_by_name(void **state) {
     gneiss_world_free(w);
 }
 
-static void a_scene_has_only_the_fields_it_calls_for(void **state) {
+static void a_scene_has_only_the_fields_it_needs(void **state) {
     (void)state;
     gneiss_view view;
     gneiss_world *w = world_of(loose, NULL, NULL);
@@ -656,7 +656,7 @@ static void outputs_are_those_of_the_files(void **state) {
     gneiss_world_free(w);
 }
 
-static void outputs_that_are_not_there_are_refused(void **state) {
+static void unknown_outputs_are_refused(void **state) {
     (void)state;
     gneiss_error error;
     gneiss_view what;
@@ -959,7 +959,7 @@ static void slices_of_wall_time_come_to_the_same_end(void **state) {
     gneiss_world_free(b);
 }
 
-static void two_worlds_in_turns_do_not_touch_each_other(void **state) {
+static void two_worlds_advanced_in_turns_do_not_affect_each_other(void **state) {
     (void)state;
     gneiss_world *alone = world_of(block, NULL, NULL);
     step(alone, 90);
@@ -1011,7 +1011,7 @@ static gneiss_world *unstable_world(const char *folder) {
     return world;
 }
 
-static void a_run_that_went_bad_can_be_looked_at_and_nothing_else(void **state) {
+static void a_failed_run_can_only_be_read(void **state) {
     (void)state;
     place p = make_place();
     gneiss_world *w = unstable_world(inside(&p, "out"));
@@ -1189,12 +1189,12 @@ int main(void) {
         cmocka_unit_test(contact_views_lead_to_particles),
         cmocka_unit_test(column_views_stride_by_component),
         cmocka_unit_test(every_field_is_found_by_index_and_by_name),
-        cmocka_unit_test(a_scene_has_only_the_fields_it_calls_for),
+        cmocka_unit_test(a_scene_has_only_the_fields_it_needs),
         cmocka_unit_test(nodes_and_elements_have_fields),
         cmocka_unit_test(elements_that_convert_are_counted),
         cmocka_unit_test(zones_have_elements_and_a_reading),
         cmocka_unit_test(outputs_are_those_of_the_files),
-        cmocka_unit_test(outputs_that_are_not_there_are_refused),
+        cmocka_unit_test(unknown_outputs_are_refused),
         cmocka_unit_test(views_show_positions_from_the_origin),
         cmocka_unit_test(counts_follow_the_views),
         cmocka_unit_test(the_history_has_a_row_every_interval),
@@ -1206,9 +1206,9 @@ int main(void) {
         cmocka_unit_test(step_takes_exactly_as_many_also_past_the_end),
         cmocka_unit_test(calls_in_any_order_leave_the_world_as_it_is),
         cmocka_unit_test(slices_of_wall_time_come_to_the_same_end),
-        cmocka_unit_test(two_worlds_in_turns_do_not_touch_each_other),
+        cmocka_unit_test(two_worlds_advanced_in_turns_do_not_affect_each_other),
         cmocka_unit_test(two_worlds_in_two_threads_give_the_same_bits),
-        cmocka_unit_test(a_run_that_went_bad_can_be_looked_at_and_nothing_else),
+        cmocka_unit_test(a_failed_run_can_only_be_read),
         cmocka_unit_test(a_saved_world_resumes_to_the_same_bits),
         cmocka_unit_test(a_loaded_world_takes_a_later_end),
         cmocka_unit_test(a_file_that_is_no_checkpoint_is_refused),

@@ -169,7 +169,7 @@ static void a_flat_skin_misses_the_faces_that_the_lattice_had(void **state) {
 }
 
 /* Points distributed evenly over the sphere, except those in a cone. */
-static void many_neighbours_are_counted_as_few(void **state) {
+static void neighbours_around_a_large_hole_are_extrapolated(void **state) {
     (void)state;
     enum { MANY = 400 };
     static double all[MANY][3], kept[MANY][3];
@@ -566,7 +566,7 @@ int main(void) {
         cmocka_unit_test(gamma_of_the_source_is_forty_times_porosity_over_neighbours),
         cmocka_unit_test(the_ratio_is_that_of_the_regular_solids),
         cmocka_unit_test(a_flat_skin_misses_the_faces_that_the_lattice_had),
-        cmocka_unit_test(many_neighbours_are_counted_as_few),
+        cmocka_unit_test(neighbours_around_a_large_hole_are_extrapolated),
         cmocka_unit_test(one_and_two_neighbours_are_those_of_a_column),
         cmocka_unit_test(two_spheres_are_a_bar),
         cmocka_unit_test(a_bar_breaks_at_its_strain),

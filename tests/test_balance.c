@@ -87,7 +87,7 @@ static void a_falling_body_is_no_balance(void **state) {
 }
 
 /* Grains without weight and contacts carry no load. */
-static void grains_that_nothing_touches_are_not_in_balance(void **state) {
+static void grains_without_contacts_are_not_in_balance(void **state) {
     (void)state;
     bool balanced;
     text *t = calloc(1, sizeof *t);
@@ -148,7 +148,7 @@ int main(void) {
         cmocka_unit_test(free_fall_is_no_balance),
         cmocka_unit_test(a_grain_at_rest_on_a_wall_or_a_body_is_in_balance),
         cmocka_unit_test(a_falling_body_is_no_balance),
-        cmocka_unit_test(grains_that_nothing_touches_are_not_in_balance),
+        cmocka_unit_test(grains_without_contacts_are_not_in_balance),
         cmocka_unit_test(the_ratio_that_is_reported_is_bounded),
         cmocka_unit_test(a_source_with_grains_to_come_keeps_a_run_going),
     };

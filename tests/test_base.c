@@ -62,7 +62,7 @@ static void threads_that_help_are_used(void **state) {
     assert_in_range(rounds_alone(&pace, 10000, 3.0, 1.0, -1.0), 20, 80);
 }
 
-static void threads_that_hinder_are_left_alone(void **state) {
+static void threads_that_slow_the_work_are_not_used(void **state) {
     (void)state;
     gn_pace pace = gn_pace_start(4, 4, 32, 1024);
     assert_in_range(rounds_alone(&pace, 10000, 1.0, 9.0, 0.6), 10000 - 32 - 80, 10000 - 33);
@@ -122,7 +122,7 @@ int main(void) {
         cmocka_unit_test(a_product_that_overflows_is_refused),
         cmocka_unit_test(every_effect_has_a_name),
         cmocka_unit_test(threads_that_help_are_used),
-        cmocka_unit_test(threads_that_hinder_are_left_alone),
+        cmocka_unit_test(threads_that_slow_the_work_are_not_used),
         cmocka_unit_test(an_unlucky_trial_is_repeated_soon),
         cmocka_unit_test(a_trial_of_all_threads_ends_when_it_is_lost),
         cmocka_unit_test(one_thread_stays_one),

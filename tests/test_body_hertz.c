@@ -262,7 +262,7 @@ static const char *warning(const gn_run *run, gn_warnings *list, const char *nam
 }
 
 /* A cube near a floor, near another body, far from both; with a stiffness. */
-static void bodies_without_a_stiffness_are_warned_of(void **state) {
+static void bodies_without_a_stiffness_cause_a_warning(void **state) {
     (void)state;
     static const char *const origin[] = {"0, 0, 0.01", "0, 0, 7.05", "0, 0, 3", "0, 0, 0.01"};
     for (int k = 0; k < 4; k++) {
@@ -318,7 +318,7 @@ int main(void) {
         cmocka_unit_test(the_automatic_step_follows_any_stiffness),
         cmocka_unit_test(a_block_rests_on_grains_with_its_weight),
         cmocka_unit_test(threads_and_a_resumed_run_give_the_same_bits),
-        cmocka_unit_test(bodies_without_a_stiffness_are_warned_of),
+        cmocka_unit_test(bodies_without_a_stiffness_cause_a_warning),
         cmocka_unit_test(errors_say_where_and_what),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -365,7 +365,7 @@ static bool warns(const gn_run *run, const char *name) {
 /* A cube of 0.02 kg hits a held plate of 1 mm thickness at 1 m/s or 30 m/s, on half of 1e6 N/m: it
  * penetrates by v sqrt(m/k), 0.2 mm, or passes through. A cube that starts inside is pushed with k
  * h. The result is kept over a checkpoint. */
-static void bodies_too_deep_in_each_other_are_warned_of(void **state) {
+static void bodies_too_deep_in_each_other_cause_a_warning(void **state) {
     (void)state;
     const char *const saved = "/tmp/gneiss-body-depth.h5";
     const double cube[3] = {0.02, 0.02, 0.02}, plate[3] = {0.1, 0.1, 1e-3}, speed[3] = {1, 30, 0},
@@ -489,7 +489,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_sliding_cube_stops_by_friction),
         cmocka_unit_test(polygons_meet_in_the_plane),
         cmocka_unit_test(bodies_that_pass_through_bodies_are_known),
-        cmocka_unit_test(bodies_too_deep_in_each_other_are_warned_of),
+        cmocka_unit_test(bodies_too_deep_in_each_other_cause_a_warning),
         cmocka_unit_test(threads_and_a_resumed_run_give_the_same_bits),
         cmocka_unit_test(blocks_come_to_rest_on_each_other),
     };

@@ -779,7 +779,7 @@ static void bits_are_the_same_for_any_width_of_vectors(void **state) {
     }
 }
 
-static void bad_values_are_refused_where_they_stand(void **state) {
+static void bad_values_are_refused_at_their_place(void **state) {
     (void)state;
     expect_refusal("", "radius_multiplier: -1", "2", "s.yaml:5:", "bonds.radius_multiplier");
     expect_refusal("", "radius_multiplier: nan", "2", "s.yaml:5:", "bonds.radius_multiplier");
@@ -815,7 +815,7 @@ int main(void) {
         cmocka_unit_test(moments_in_single_precision_follow_the_double_ones),
         cmocka_unit_test(thin_beams_are_no_beams),
         cmocka_unit_test(bits_are_the_same_for_any_width_of_vectors),
-        cmocka_unit_test(bad_values_are_refused_where_they_stand),
+        cmocka_unit_test(bad_values_are_refused_at_their_place),
     };
     return cmocka_run_group_tests_name("bond_moments", tests, NULL, NULL);
 }

@@ -175,7 +175,7 @@ static void a_bond_does_not_break_in_compression(void **state) {
 
 /* Output evaluates the force at the present distance and changes nothing; beyond its strength the
  * bond is still intact, because the world has not taken the step that breaks it. */
-static void looking_at_the_forces_changes_nothing(void **state) {
+static void reading_the_forces_changes_nothing(void **state) {
     (void)state;
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0.2", "bonds: {}\n", 1e-8);
     double last = 0.0;
@@ -373,7 +373,7 @@ int main(void) {
         cmocka_unit_test(a_bond_breaks_at_its_tensile_strength),
         cmocka_unit_test(a_bond_breaks_at_its_shear_strength),
         cmocka_unit_test(a_bond_does_not_break_in_compression),
-        cmocka_unit_test(looking_at_the_forces_changes_nothing),
+        cmocka_unit_test(reading_the_forces_changes_nothing),
         cmocka_unit_test(a_broken_overlapping_bond_keeps_its_zero_gap),
         cmocka_unit_test(a_bond_broken_in_tension_touches_again_at_its_own_length),
         cmocka_unit_test(bonded_centres_keep_a_distance),

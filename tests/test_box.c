@@ -239,7 +239,7 @@ static void stress_held_to_the_end(const char *scene, double wanted) {
 }
 
 /* Contacts that stiffen with the overlap, with dashpots and rolling resistance, under gravity. */
-static void grains_of_hertzs_law_are_held(void **state) {
+static void a_box_holds_the_stress_of_hertzian_grains(void **state) {
     (void)state;
     stress_held_to_the_end(
         "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.01, jitter: "
@@ -255,7 +255,7 @@ static void grains_of_hertzs_law_are_held(void **state) {
 
 /* Discs with bonds that resist bending, pulled apart along y at 35 ms. Breaking bonds cause
  * vibrations. */
-static void bonded_discs_are_held_while_they_are_torn(void **state) {
+static void a_box_holds_the_stress_of_bonded_discs_while_they_break(void **state) {
     (void)state;
     stress_held_to_the_end(
         "dimension: 2\n"
@@ -415,13 +415,14 @@ static void keys_of_a_box_that_exclude_each_other_are_refused(void **state) {
     expect_refused("x: {stress: 1 m, max_rate: 1}", "", "periodic.x.stress");
     expect_refused("x: {stress: 1, max_rate: 0}", "", "periodic.x.max_rate");
     expect_refused("x: {stress: 1, max_rate: 1, relaxation: 2}", "", "periodic.x.relaxation");
-    expect_refused("x: {max_rate: 1}", "", "periodic.x.max_rate: expected a stress beside it");
+    expect_refused("x: {max_rate: 1}", "",
+                   "periodic.x.max_rate: expected stress (a servo) for this side");
     expect_refused("x: {rate: 1, max_rate: 1}", "",
-                   "periodic.x.max_rate: expected a stress beside it, found a rate");
+                   "periodic.x.max_rate: expected stress (a servo) for this side, found a rate");
     expect_refused("y: {relaxation: 0.1}", "",
-                   "periodic.y.relaxation: expected a stress beside it, found none");
+                   "periodic.y.relaxation: expected stress (a servo) for this side, found none");
     expect_refused("y: {rate: 1, relaxation: 0.5}", "",
-                   "periodic.y.relaxation: expected a stress beside it, found a rate");
+                   "periodic.y.relaxation: expected stress (a servo) for this side, found a rate");
     expect_refused("z: {}", "", "periodic.z: expected stress or rate, found neither");
     expect_refused("x: {rate: 1e9}", "", "periodic.x.rate");
     expect_refused("z: {rate: 1}",
@@ -451,8 +452,8 @@ int main(void) {
         cmocka_unit_test(a_stress_is_held_while_another_side_moves_on),
         cmocka_unit_test(a_servo_is_stable_at_the_limit_of_the_step),
         cmocka_unit_test(a_box_is_compacted_bonded_and_loaded),
-        cmocka_unit_test(grains_of_hertzs_law_are_held),
-        cmocka_unit_test(bonded_discs_are_held_while_they_are_torn),
+        cmocka_unit_test(a_box_holds_the_stress_of_hertzian_grains),
+        cmocka_unit_test(a_box_holds_the_stress_of_bonded_discs_while_they_break),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(instruction_sets_do_not_matter),
         cmocka_unit_test(a_resumed_box_has_the_same_bits),

@@ -493,7 +493,7 @@ static void assert_held(bool fine, const char *elements, const char *couple, boo
     world_end(w);
 }
 
-static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
+static void nodes_of_elements_that_stay_keep_some_mass(void **state) {
     (void)state;
     static const char box[] = "box: {min: [5.9 mm, 7.9 mm, 0], max: [6.1 mm, 8.1 mm, %s]}, ";
     char at[96], driven[256], loaded[256];
@@ -545,7 +545,7 @@ static void motions_that_only_record_are_named(void **state) {
         }
 }
 
-static void places_that_are_looked_at_stay_as_they_were(void **state) {
+static void checking_places_does_not_change_the_state(void **state) {
     (void)state;
     const double thin[] = {0.3e-3, 1.2e-3, 3e-3};
     for (int k = 0; k < 3; k++) {
@@ -572,9 +572,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(neighbours_convert_as_well_and_the_invariants_of_the_body_are_kept),
         cmocka_unit_test(too_few_particles_end_the_run_and_leave_it_as_it_was),
-        cmocka_unit_test(no_node_of_elements_that_may_not_go_is_left_bare),
+        cmocka_unit_test(nodes_of_elements_that_stay_keep_some_mass),
         cmocka_unit_test(motions_that_only_record_are_named),
-        cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
+        cmocka_unit_test(checking_places_does_not_change_the_state),
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
         cmocka_unit_test(changes_of_the_whole_body_by_conversions_are_summed),

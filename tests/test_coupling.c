@@ -376,7 +376,7 @@ static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
     }
 }
 
-static void diagonals_that_there_are_not_are_refused(void **state) {
+static void unknown_diagonals_are_refused(void **state) {
     (void)state;
     strip s = small_strip(true);
     assert_refused(
@@ -480,7 +480,7 @@ int main(void) {
         cmocka_unit_test(consistent_masses_are_damped),
         cmocka_unit_test(a_pulse_beside_a_zone_takes_its_particles_along),
         cmocka_unit_test(parallel_diagonals_give_inner_nodes_one_mass),
-        cmocka_unit_test(diagonals_that_there_are_not_are_refused),
+        cmocka_unit_test(unknown_diagonals_are_refused),
         cmocka_unit_test(a_zone_is_measured),
         cmocka_unit_test(a_zone_is_weighed),
         cmocka_unit_test(invalid_zones_are_refused),

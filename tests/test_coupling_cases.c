@@ -352,7 +352,7 @@ static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **sta
 }
 
 /* The strip is pulled apart, and breaks in the zone, where bonds are weakest. */
-static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
+static void bonds_that_break_in_a_zone_cause_a_warning(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_scene scene;
@@ -426,7 +426,7 @@ int main(void) {
         cmocka_unit_test(a_zone_across_two_materials_keeps_energy),
         cmocka_unit_test(a_zone_may_lose_all_its_particles),
         cmocka_unit_test(a_zone_that_has_lost_particles_resumes_with_the_same_bits),
-        cmocka_unit_test(bonds_that_break_in_a_zone_are_warned_of),
+        cmocka_unit_test(bonds_that_break_in_a_zone_cause_a_warning),
         cmocka_unit_test(a_test_takes_its_sizes_from_all_of_the_body),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -164,7 +164,7 @@ static double dense_limit(const model *m, double limit) {
 }
 
 /* Lanczos stops at 1e-3 of the square of the frequency. */
-static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
+static void the_coupled_limit_is_that_of_the_assembled_matrix(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
@@ -223,7 +223,7 @@ static double energy_at(const model *m, double part, int steps) {
 
 /* Just below the limit, velocities of the fastest modes reach 1/sqrt(1 - 0.99^2) = 7 times their
  * initial values, and the small part of the energy that is in them grows 50 times. */
-static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
+static void coupled_bodies_are_stable_up_to_their_sharp_limit(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         double below = energy_at(&models[k], 0.99, 5000), above = energy_at(&models[k], 1.05, 2000);
@@ -251,7 +251,7 @@ static void a_million_steps_at_0_99_of_the_limit_keep_the_energy(void **state) {
     }
 }
 
-static void an_automatic_step_is_that_of_both_as_one(void **state) {
+static void an_automatic_step_follows_the_coupled_limit(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
@@ -264,7 +264,7 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
 
 /* The outermost particles of the zone of a packing would require a smaller step on their own;
  * springs are softer than the bound has to assume. */
-static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
+static void the_coupled_limit_may_exceed_those_of_both_sides(void **state) {
     (void)state;
     for (int k = 4; k < 7; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
@@ -326,7 +326,7 @@ static double damped_energy(const char *more, double part, int steps) {
     return grown;
 }
 
-static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
+static void the_coupled_limit_includes_dashpots(void **state) {
     (void)state;
     const char *more[] = {NULL, "constraint: penalty, penalty_damping: 0.3"};
     for (int k = 0; k < 2; k++) {
@@ -409,7 +409,7 @@ static double asked_by_softening(const char *couple) {
 /* If bonds soften, the shortest period must last five steps. With the masses of particles at the
  * edge of a zone, which touch others with weighted contacts, it would not, but these particles move
  * with nodes. */
-static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void **state) {
+static void softening_bonds_of_a_zone_need_no_shorter_step_than_others(void **state) {
     (void)state;
     static const char *const with[] = {"", ", constraint: consistent", ", spins: slaved"};
     const double alone = asked_by_softening("");
@@ -483,18 +483,18 @@ static void small_elements_that_turn_particles_are_in_bound_and_step(void **stat
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_limit_of_both_as_one_is_that_of_the_whole_matrix),
+        cmocka_unit_test(the_coupled_limit_is_that_of_the_assembled_matrix),
         cmocka_unit_test(springs_of_a_zone_do_not_depend_on_how_the_step_is_given),
-        cmocka_unit_test(both_as_one_are_stable_up_to_their_sharp_limit),
+        cmocka_unit_test(coupled_bodies_are_stable_up_to_their_sharp_limit),
         cmocka_unit_test(a_million_steps_at_0_99_of_the_limit_keep_the_energy),
-        cmocka_unit_test(an_automatic_step_is_that_of_both_as_one),
-        cmocka_unit_test(both_as_one_may_hold_more_than_each_by_itself),
+        cmocka_unit_test(an_automatic_step_follows_the_coupled_limit),
+        cmocka_unit_test(the_coupled_limit_may_exceed_those_of_both_sides),
         cmocka_unit_test(the_side_with_the_fastest_mode_is_named),
         cmocka_unit_test(the_limit_is_the_same_on_any_number_of_threads),
         cmocka_unit_test(small_elements_that_turn_particles_are_in_bound_and_step),
-        cmocka_unit_test(dashpots_are_in_the_limit_of_both_as_one),
+        cmocka_unit_test(the_coupled_limit_includes_dashpots),
         cmocka_unit_test(particles_of_zones_give_way_as_their_nodes_do),
-        cmocka_unit_test(bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others),
+        cmocka_unit_test(softening_bonds_of_a_zone_need_no_shorter_step_than_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -137,7 +137,7 @@ static void forces_are_means_over_the_path_after_the_run_in(void **state) {
     assert_true(fabs(r.side_force_deviation) < 1e-9);
 }
 
-static void energies_refer_to_the_section_and_to_what_came_off(void **state) {
+static void energies_refer_to_the_section_and_to_the_detached_volume(void **state) {
     (void)state;
     const gn_readings r = read_cut(1.0, whole);
     assert_close(r.specific_energy, 30.5 / (0.01 * 0.1), 1e-9);
@@ -150,11 +150,11 @@ static void energies_refer_to_the_section_and_to_what_came_off(void **state) {
     assert_close(read_cut(1.0, chisel).specific_energy, 30.5 / (0.01 * 0.02), 1e-9);
 }
 
-static void a_tool_that_did_not_come_so_far_has_no_means(void **state) {
+static void a_tool_that_stops_in_the_run_in_has_no_means(void **state) {
     (void)state;
     const gn_readings r = read_cut(0.25, whole);
     assert_true(isnan(r.normal_force) && isnan(r.specific_energy) && isnan(r.removed_volume));
-    if (!strstr(r.reason[GN_READING_normal_force], "the tool came 0.25 m far"))
+    if (!strstr(r.reason[GN_READING_normal_force], "the tool moved 0.25 m,"))
         fail_msg("%s", r.reason[GN_READING_normal_force]);
     assert_close(r.predicted_coefficient, tan(0.5 * acos(0.95)), 1e-12);
     /* Halfway a cut has the readings of the part that is cut. */
@@ -210,8 +210,8 @@ int main(void) {
         cmocka_unit_test(an_exponent_of_the_pressure_divides_the_force),
         cmocka_unit_test(a_chisel_and_a_pick_have_their_closed_forms),
         cmocka_unit_test(forces_are_means_over_the_path_after_the_run_in),
-        cmocka_unit_test(energies_refer_to_the_section_and_to_what_came_off),
-        cmocka_unit_test(a_tool_that_did_not_come_so_far_has_no_means),
+        cmocka_unit_test(energies_refer_to_the_section_and_to_the_detached_volume),
+        cmocka_unit_test(a_tool_that_stops_in_the_run_in_has_no_means),
         cmocka_unit_test(predictions_say_what_they_lack),
         cmocka_unit_test(a_plane_cut_has_no_side_force),
     };

@@ -65,7 +65,7 @@ def closes(folder, tools=1):
 def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
     run(example("disc"), folder, *COARSE, *sets(test__run_in="45 mm", test__length="60 mm"))
     h, s = closes(folder), summary(folder)
-    assert s["stop_reason"].startswith("the tool has come its path"), s["stop_reason"]
+    assert s["stop_reason"].startswith("the tool has reached the end of its path"), s["stop_reason"]
     assert not any(w["name"] == "cutting_path" for w in s["warnings"]), s["warnings"]
     path = [0.045, 0.105]
     mean = {name: np.diff(np.interp(path, h["cut_path"], h[name]))[0] for name in ("normal_impulse", "time")}
@@ -150,7 +150,7 @@ def a_chisel_that_meets_nothing_has_no_force(folder):
     s = summary(folder)
     text = {w["name"]: w["text"] for w in s["warnings"]}
     assert "depth is 0.005 m, the tool begins 0.003858 m above the surface of the rock" in text["cutting_depth"], text  # its top is at 1.142 mm
-    assert "the tool 'pick' never met the rock" in text["nothing_measured"], text
+    assert "the tool 'pick' never touched the rock" in text["nothing_measured"], text
     assert s["readings"]["normal_force"] is None
 
 
@@ -205,7 +205,7 @@ def a_reserve_that_ends_before_the_path_is_told_by_check(folder):
         return " ".join(re.findall("warning: .*", gneiss("check", example("adaptive"), *options).stdout))
 
     assert "couple.convert.bodies" not in said(), said()
-    # The chisel comes 15 mm far into the rock; it is 0.15 mm ahead of its origin at the surface, and 4 + 8 mm more convert or are a zone.
+    # The chisel moves 15 mm into the rock; it is 0.15 mm ahead of its origin at the surface, and 4 + 8 mm more convert or are a zone.
     short = said(*sets(specimen__packing__region="{min: [0 mm, -65.1 mm], max: [25.1 mm, 0 mm]}"))
     found = re.search(r"would cross the upper x side of couple.convert.box after a path of (\S+) m, before means end at 0.021 m", short)
     assert found and 0.0185 < float(found[1]) < 0.0200 and "or a smaller test.length" in short, short
@@ -267,7 +267,7 @@ def a_cut_that_cannot_be_read_as_given_is_doubted(folder):
         ("test.spacing=10 m", "spacing is 10 m, the rock is 0.08"),
         ("test.tensile_strength=200 MPa", r"compressive_strength is 1.47e\+08 Pa, below tensile_strength of 2e\+08 Pa"),
         ("test.peak_window=1 m", "peak_window is 1 m, longer than the path of the means"),
-        ("time.end=1 ms", r"until time.end \(0.001 s\) the tool comes 0.004 m far, means are taken from 0.04"),
+        ("time.end=1 ms", r"until time.end \(0.001 s\) the tool moves 0.004 m, means are taken from 0.04"),
         ("bodies.disc.motion.vz=0.1 m/s", r"the tool is 0.00[23]\d* m below the surface of the rock where means begin and 0.00[12]\d* m below it where they end"),
     ]
     for setting, words in cases:
@@ -283,7 +283,7 @@ def a_cut_in_stages_is_followed_and_read(folder):
     checked = gneiss("check", scene).stdout  # 14 mm at 5 m/s after 0.4 ms of rest and 0.2 ms of acceleration: 3.3 ms
     assert "the tool comes" not in checked and "where they end" not in checked, checked
     short = gneiss("check", scene, "--set", "time.end=3 ms").stdout
-    assert re.search(r"until time.end \(0.003 s\) the tool comes 0.0125 m far, means are taken from 0.004", short), short
+    assert re.search(r"until time.end \(0.003 s\) the tool moves 0.0125 m, means are taken from 0.004", short), short
     rise = gneiss("check", scene, "--set", "stages.cut.bodies.pick.motion.vz=0.5 m/s").stdout
     # The upper face is at 1.142 mm; the tool rises for 0.9 ms until means begin, and for 2.9 ms until they end.
     assert re.search(r"the tool is 0.00569\d* m below .* begin and 0.00469\d* m below it where they end", rise), rise

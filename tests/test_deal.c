@@ -171,7 +171,7 @@ static void every_block_once_and_in_time_when_fewer_threads_come(void **state) {
 
 /* A thread that is delayed with its first items, for example by another program, finds all others
  * done. */
-static void others_help_a_thread_that_stands_still(void **state) {
+static void other_threads_take_the_work_of_a_stalled_one(void **state) {
     (void)state;
     static const gn_deal_work work = {items, particles, NULL};
     uint64_t seed = 5;
@@ -230,7 +230,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_block_once_and_in_time),
         cmocka_unit_test(every_block_once_and_in_time_when_fewer_threads_come),
-        cmocka_unit_test(others_help_a_thread_that_stands_still),
+        cmocka_unit_test(other_threads_take_the_work_of_a_stalled_one),
         cmocka_unit_test(shares_follow_the_pace),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

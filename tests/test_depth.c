@@ -47,7 +47,7 @@ static bool same(const gn_depth *a, const gn_depth *b) {
            a->looked == b->looked;
 }
 
-static void deep_overlaps_are_warned_of(void **state) {
+static void deep_overlaps_cause_a_warning(void **state) {
     (void)state;
     const char *const saved = "/tmp/gneiss-depth.h5";
     const char *const who[] = {"particle 0 and wall 'u'", "particle 0 and body 'u'",
@@ -81,7 +81,7 @@ static void deep_overlaps_are_warned_of(void **state) {
 
 /* A grain by Hertz's law penetrates by almost a radius. The overlap is checked in steps without
  * readings too. */
-static void soft_grains_are_warned_of(void **state) {
+static void soft_grains_cause_a_warning(void **state) {
     (void)state;
     gn_run run;
     start(&run, "dimension: 3\nspecimen: {particles: [[0, 0, 0.05, 0.01]], group: 0}\n"
@@ -116,8 +116,8 @@ static void held_particles_may_overlap(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(deep_overlaps_are_warned_of),
-        cmocka_unit_test(soft_grains_are_warned_of),
+        cmocka_unit_test(deep_overlaps_cause_a_warning),
+        cmocka_unit_test(soft_grains_cause_a_warning),
         cmocka_unit_test(held_particles_may_overlap),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

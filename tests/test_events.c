@@ -282,7 +282,7 @@ static bool warns(const gn_run *run, const char *name) {
     return false;
 }
 
-static void a_break_that_makes_energy_is_warned_of(void **state) {
+static void a_break_that_generates_energy_causes_a_warning(void **state) {
     (void)state;
     gn_run *run = calloc(1, sizeof *run);
     swing(run, 0.9);
@@ -312,7 +312,7 @@ int main(void) {
         cmocka_unit_test(the_list_changes_no_bits_and_is_absent_when_off),
         cmocka_unit_test(places_in_a_periodic_box_are_between_the_images),
         cmocka_unit_test(a_resumed_run_has_the_same_list_and_results_hold_it),
-        cmocka_unit_test(a_break_that_makes_energy_is_warned_of),
+        cmocka_unit_test(a_break_that_generates_energy_causes_a_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

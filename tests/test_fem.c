@@ -305,7 +305,7 @@ static void incompressible_material_is_refused(void **state) {
     }
 }
 
-static void a_missing_group_is_named_with_those_there_are(void **state) {
+static void a_missing_group_is_named_with_the_existing_ones(void **state) {
     (void)state;
     gn_fem_material m = rock;
     m.group = "granite";
@@ -458,7 +458,7 @@ int main(void) {
         cmocka_unit_test(two_materials_meet_with_the_same_stress),
         cmocka_unit_test(a_gmsh_file_becomes_a_body),
         cmocka_unit_test(incompressible_material_is_refused),
-        cmocka_unit_test(a_missing_group_is_named_with_those_there_are),
+        cmocka_unit_test(a_missing_group_is_named_with_the_existing_ones),
         cmocka_unit_test(elements_without_a_material_are_refused),
         cmocka_unit_test(a_mesh_without_elements_is_refused),
         cmocka_unit_test(elements_without_volume_are_refused_by_number),

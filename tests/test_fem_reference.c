@@ -95,7 +95,7 @@ static void mixed_tetrahedra_reach_the_reference_where_plain_ones_lock(void **st
     assert_true(error_of(&spec, "mean") < -0.1);
 }
 
-static void cases_that_there_are_not_are_refused(void **state) {
+static void unknown_cases_are_refused(void **state) {
     (void)state;
     const fem_case_spec wrong[] = {{"cook", "soft", GN_FEM_DISPLACEMENT, 8, false, 1},
                                    {"beam", "compressible", GN_FEM_DISPLACEMENT, 8, false, 1},
@@ -115,7 +115,7 @@ int main(void) {
         cmocka_unit_test(plain_triangles_lock_when_nearly_incompressible),
         cmocka_unit_test(mixed_triangles_converge_when_nearly_incompressible),
         cmocka_unit_test(mixed_tetrahedra_reach_the_reference_where_plain_ones_lock),
-        cmocka_unit_test(cases_that_there_are_not_are_refused),
+        cmocka_unit_test(unknown_cases_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

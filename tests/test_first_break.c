@@ -262,7 +262,7 @@ static void mixed_precision_finds_the_same_start(void **state) {
 
 /* Kinetic energy stays that of the steady motion, step by step, up to the break. After a start at
  * rest undamped bodies would oscillate with more than that. */
-static void nothing_rings_after_the_start(void **state) {
+static void nothing_oscillates_after_the_start(void **state) {
     (void)state;
     gn_world *w = block("", "double", 1);
     gn_first_break found = begin(w);
@@ -519,7 +519,7 @@ int main(void) {
         cmocka_unit_test(the_fraction_is_taken_as_it_is),
         cmocka_unit_test(threads_leave_the_same_bits),
         cmocka_unit_test(mixed_precision_finds_the_same_start),
-        cmocka_unit_test(nothing_rings_after_the_start),
+        cmocka_unit_test(nothing_oscillates_after_the_start),
         cmocka_unit_test(the_ledger_closes_with_everything_on),
         cmocka_unit_test(a_periodic_box_is_solved),
         cmocka_unit_test(discs_are_solved),

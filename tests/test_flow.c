@@ -116,7 +116,7 @@ static void sizes_are_those_of_the_distribution(void **state) {
 }
 
 /* A cube of 20 mm is filled by at most 38 % of spheres that are inserted one after the other. */
-static void without_room_a_rate_falls_behind_and_says_so(void **state) {
+static void a_source_without_space_falls_behind_and_warns(void **state) {
     (void)state;
     gn_world *w = world_of(LOOSE "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, "
                                  "mean_radius: 2 mm}]\n" ENDLESS);
@@ -265,7 +265,7 @@ static void momentum_and_energy_pass_from_source_to_sink(void **state) {
 }
 
 /* A particle is in a region if it is entirely inside. */
-static void a_region_takes_what_is_wholly_inside(void **state) {
+static void a_region_removes_particles_that_are_wholly_inside(void **state) {
     (void)state;
     gn_world *w = world_of(
         LOOSE "specimen: {particles: [[0.05, 0.05, 0.05, 1e-3], [0.05, 0.05, 0.0095, 1e-3], "
@@ -304,7 +304,7 @@ static void a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch(vo
 }
 
 /* A grain flies up and down through a plane, through which another one falls. */
-static void a_plane_that_counts_takes_nothing(void **state) {
+static void a_plane_that_counts_removes_nothing(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\n" GRAINS "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
@@ -514,7 +514,7 @@ static void a_resumed_run_has_the_same_bits(void **state) {
 
 /* The second stage keeps the particles of stage and source; sets still are parts of the specimen.
  * */
-static void stages_go_on_with_what_came(void **state) {
+static void stages_continue_with_inserted_particles(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_scene scene;
@@ -596,7 +596,7 @@ static void refuses(const char *from, const char *to, const char *message) {
     if (!strstr(error.message, message)) fail_msg("%s\nexpected %s", error.message, message);
 }
 
-static void slips_are_refused_where_they_stand(void **state) {
+static void typing_errors_are_refused_at_their_place(void **state) {
     (void)state;
     refuses("rate", "rate", NULL);
     refuses("rate: 100", "rate: 0", "s.yaml:7:11: sources[0].rate: expected a value in [1e-12, ");
@@ -651,7 +651,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "s.yaml:5:5: sources: expected room for a first particle, radius 0.001 m");
 }
 
-static void a_specimen_wholly_in_a_sink_is_warned_of(void **state) {
+static void a_specimen_wholly_in_a_sink_causes_a_warning(void **state) {
     (void)state;
     static const char *const steps[] = {"", ", step: 1 us"};
     for (int k = 0; k < 2; k++) {
@@ -743,15 +743,15 @@ int main(void) {
         cmocka_unit_test(a_source_keeps_its_rate_of_mass),
         cmocka_unit_test(a_source_stops_at_its_end_and_total),
         cmocka_unit_test(sizes_are_those_of_the_distribution),
-        cmocka_unit_test(without_room_a_rate_falls_behind_and_says_so),
+        cmocka_unit_test(a_source_without_space_falls_behind_and_warns),
         cmocka_unit_test(a_run_warns_of_a_source_that_is_behind),
         cmocka_unit_test(a_run_warns_of_a_source_behind_a_wall),
         cmocka_unit_test(nothing_comes_in_where_walls_and_bodies_are),
         cmocka_unit_test(nothing_overlaps_across_a_periodic_box),
         cmocka_unit_test(in_the_plane_discs_come_in),
         cmocka_unit_test(momentum_and_energy_pass_from_source_to_sink),
-        cmocka_unit_test(a_region_takes_what_is_wholly_inside),
-        cmocka_unit_test(a_plane_that_counts_takes_nothing),
+        cmocka_unit_test(a_region_removes_particles_that_are_wholly_inside),
+        cmocka_unit_test(a_plane_that_counts_removes_nothing),
         cmocka_unit_test(a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch),
         cmocka_unit_test(a_sink_takes_bonded_particles),
         cmocka_unit_test(lost_particles_are_known_by_id_and_place),
@@ -759,10 +759,10 @@ int main(void) {
         cmocka_unit_test(the_ledger_closes_beside_everything),
         cmocka_unit_test(threads_have_the_same_bits),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
-        cmocka_unit_test(stages_go_on_with_what_came),
+        cmocka_unit_test(stages_continue_with_inserted_particles),
         cmocka_unit_test(grains_fall_on_finite_elements),
-        cmocka_unit_test(slips_are_refused_where_they_stand),
-        cmocka_unit_test(a_specimen_wholly_in_a_sink_is_warned_of),
+        cmocka_unit_test(typing_errors_are_refused_at_their_place),
+        cmocka_unit_test(a_specimen_wholly_in_a_sink_causes_a_warning),
         cmocka_unit_test(the_examples_begin),
         cmocka_unit_test(a_sphere_comes_to_rest_in_a_bed),
     };

@@ -182,7 +182,7 @@ static void a_sink_as_thick_as_a_grain_takes_all_that_pass(void **state) {
         }
 }
 
-static void a_sink_that_no_grain_fits_in_is_warned_of(void **state) {
+static void a_sink_that_no_grain_fits_in_causes_a_warning(void **state) {
     (void)state;
     for (int wide = 0; wide < 2; wide++) {
         gn_run run;
@@ -252,7 +252,7 @@ int main(void) {
         cmocka_unit_test(a_late_source_is_described_as_it_is_given),
         cmocka_unit_test(a_thin_sink_takes_all_that_pass),
         cmocka_unit_test(a_sink_as_thick_as_a_grain_takes_all_that_pass),
-        cmocka_unit_test(a_sink_that_no_grain_fits_in_is_warned_of),
+        cmocka_unit_test(a_sink_that_no_grain_fits_in_causes_a_warning),
         cmocka_unit_test(the_last_step_of_a_run_that_flows_has_a_row),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

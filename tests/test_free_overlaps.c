@@ -90,7 +90,7 @@ static void burst_of(const char *scene_text, gn_run *run, char found[GNEISS_MESS
             snprintf(found, GNEISS_MESSAGE_SIZE, "%s", list.warning[c].text);
 }
 
-static void energy_stored_at_rest_is_warned_of(void **state) {
+static void energy_stored_at_rest_causes_a_warning(void **state) {
     (void)state;
     static const char *const cases[] = {"bonds: {}\ntime: {end: 1}\n",
                                         "bonds: {passive_gaps: false}\ntime: {end: 1}\n",
@@ -111,7 +111,7 @@ static void energy_stored_at_rest_is_warned_of(void **state) {
 
 /* A cubic block of 5 x 5 x 5 (5 x 5) spheres that touch, bonded, in which a wall or a body begins
  * 0.4 mm deep. */
-static void a_wall_or_body_inside_particles_at_the_start_is_warned_of(void **state) {
+static void a_wall_or_body_inside_particles_at_the_start_causes_a_warning(void **state) {
     (void)state;
     static const struct {
         const char *what[2], *more;
@@ -191,8 +191,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unbonded_neighbours_of_a_bonded_packing_are_free_of_stress),
         cmocka_unit_test(a_free_overlap_presses_from_its_distance_of_the_start_on),
-        cmocka_unit_test(energy_stored_at_rest_is_warned_of),
-        cmocka_unit_test(a_wall_or_body_inside_particles_at_the_start_is_warned_of),
+        cmocka_unit_test(energy_stored_at_rest_causes_a_warning),
+        cmocka_unit_test(a_wall_or_body_inside_particles_at_the_start_causes_a_warning),
         cmocka_unit_test(ends_of_a_test_do_not_count_as_walls_inside_particles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

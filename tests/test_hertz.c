@@ -589,7 +589,7 @@ static void a_wall_and_a_facet_are_the_same(void **state) {
 
 /* A sphere that falls on a bar of finite elements, which acts differently from a rigid wall: both
  * ledgers together. */
-static void elements_are_hit_by_hertz(void **state) {
+static void the_ledger_closes_when_a_hertzian_sphere_hits_elements(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {particles: [[0.02, 0.02, 0.0501, 0.01]], group: 0}\n"
@@ -803,7 +803,7 @@ int main(void) {
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
         cmocka_unit_test(a_step_that_follows_flight_does_so_after_resume),
         cmocka_unit_test(a_wall_and_a_facet_are_the_same),
-        cmocka_unit_test(elements_are_hit_by_hertz),
+        cmocka_unit_test(the_ledger_closes_when_a_hertzian_sphere_hits_elements),
         cmocka_unit_test(the_ledger_of_a_crowd_closes),
         cmocka_unit_test(the_step_follows_the_overlap),
         cmocka_unit_test(the_example_runs),

@@ -17,7 +17,7 @@ static void every_set_of_this_build_can_be_named(void **state) {
     assert_int_equal(named, GN_KERNEL_SETS);
 }
 
-static void sets_stand_from_narrow_to_wide(void **state) {
+static void sets_are_ordered_from_narrow_to_wide(void **state) {
     (void)state;
     assert_string_equal(gn_kernel_set_at(0)->name, "scalar");
     assert_int_equal(gn_kernel_set_at(0)->lanes, 1);
@@ -37,7 +37,7 @@ static void every_set_of_this_machine_is_found_by_its_name(void **state) {
 }
 
 /* A scene may name any instruction set that exists, wherever the scene was written. */
-static void a_set_of_another_processor_is_refused_with_what_there_is(void **state) {
+static void an_unavailable_set_is_refused_and_available_ones_are_named(void **state) {
     (void)state;
     for (gn_isa isa = GN_ISA_AUTO + 1; isa < GN_ISA_COUNT; isa++) {
         const gn_kernel_set *chosen = NULL;
@@ -53,9 +53,9 @@ static void a_set_of_another_processor_is_refused_with_what_there_is(void **stat
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_set_of_this_build_can_be_named),
-        cmocka_unit_test(sets_stand_from_narrow_to_wide),
+        cmocka_unit_test(sets_are_ordered_from_narrow_to_wide),
         cmocka_unit_test(every_set_of_this_machine_is_found_by_its_name),
-        cmocka_unit_test(a_set_of_another_processor_is_refused_with_what_there_is),
+        cmocka_unit_test(an_unavailable_set_is_refused_and_available_ones_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

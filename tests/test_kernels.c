@@ -849,7 +849,7 @@ static bench make_touching(unsigned v, bool mixed) {
     return b;
 }
 
-static void contacts_that_begin_at_touch_do_not_hang_on_their_neighbours(void **state) {
+static void contacts_that_begin_at_touch_do_not_depend_on_their_neighbours(void **state) {
     (void)state;
     for (int s = 2; s < 2 * GN_KERNEL_SETS; s++) {
         const gn_kernel_set *set = gn_kernel_set_at(s / 2);
@@ -1101,7 +1101,7 @@ int main(void) {
         cmocka_unit_test(exchanging_the_ends_mirrors_the_force),
         cmocka_unit_test(partial_sums_hold_force_and_moment_of_both_ends),
         cmocka_unit_test(every_mixed_kernel_has_the_bits_of_the_scalar_one),
-        cmocka_unit_test(contacts_that_begin_at_touch_do_not_hang_on_their_neighbours),
+        cmocka_unit_test(contacts_that_begin_at_touch_do_not_depend_on_their_neighbours),
         cmocka_unit_test(mixed_forces_follow_the_double_ones),
         cmocka_unit_test(sums_of_many_mixed_contacts_follow_the_double_ones),
         cmocka_unit_test(shear_turns_with_a_spin_about_the_normal),

@@ -73,7 +73,7 @@ static void moduli_are_slopes_over_the_given_ranges(void **state) {
     assert_true(r.average_modulus > 80 && r.average_modulus < 120);
 }
 
-static void cracks_begin_where_one_in_a_hundred_of_them_has_come(void **state) {
+static void crack_initiation_is_where_a_hundredth_of_the_bonds_has_broken(void **state) {
     (void)state;
     table t = course();
     gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
@@ -81,7 +81,7 @@ static void cracks_begin_where_one_in_a_hundred_of_them_has_come(void **state) {
     assert_close(r.crack_initiation_stress, stress_at((0.6875 + 0.35) * 2020 / 4000.0), 1e-12);
 }
 
-static void damage_begins_where_the_volume_is_least(void **state) {
+static void crack_damage_is_where_the_volume_is_smallest(void **state) {
     (void)state;
     table t = course();
     gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
@@ -431,7 +431,7 @@ static void elastic_constants_are_read_before_bonds_break_yield_or_soften(void *
         }
 }
 
-static void the_secant_at_half_the_peak_has_what_broke_in_it(void **state) {
+static void the_secant_at_half_the_peak_includes_broken_bonds(void **state) {
     (void)state;
     const weakening of = {.from = 20, .column = "broken_tension", .rows = 1000};
     /* Between 1 and 50 Pa the stress rises by 19 Pa at 100 Pa per unit strain and by 30 Pa at 50.
@@ -591,8 +591,8 @@ int main(void) {
         cmocka_unit_test(descriptors_of_kinds_do_not_contradict_themselves),
         cmocka_unit_test(ends_that_do_not_move_or_hold_a_load_have_no_strength),
         cmocka_unit_test(moduli_are_slopes_over_the_given_ranges),
-        cmocka_unit_test(cracks_begin_where_one_in_a_hundred_of_them_has_come),
-        cmocka_unit_test(damage_begins_where_the_volume_is_least),
+        cmocka_unit_test(crack_initiation_is_where_a_hundredth_of_the_bonds_has_broken),
+        cmocka_unit_test(crack_damage_is_where_the_volume_is_smallest),
         cmocka_unit_test(ratios_in_the_middle_of_a_disc_are_those_before_it_cracks),
         cmocka_unit_test(a_specimen_that_only_expands_has_no_onset_of_damage),
         cmocka_unit_test(breaks_are_reported_though_the_stress_has_the_other_sense),
@@ -608,7 +608,7 @@ int main(void) {
         cmocka_unit_test(an_oedometer_reads_its_modulus_and_lateral_ratio),
         cmocka_unit_test(a_confined_strength_adds_the_pressure_at_the_peak),
         cmocka_unit_test(elastic_constants_are_read_before_bonds_break_yield_or_soften),
-        cmocka_unit_test(the_secant_at_half_the_peak_has_what_broke_in_it),
+        cmocka_unit_test(the_secant_at_half_the_peak_includes_broken_bonds),
         cmocka_unit_test(too_few_rows_before_the_first_break_leave_no_constant),
         cmocka_unit_test(a_few_bonds_that_platens_break_do_not_end_the_elastic_rows),
         cmocka_unit_test(the_change_of_a_slope_over_its_rows_is_its_nonlinearity),

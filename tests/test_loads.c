@@ -56,9 +56,9 @@ static const char *const damping[] = {
     "damping: {background: {model: nonviscous_component, coefficient: 0.6}}\n",
     "damping: {background: {model: nonviscous_component, coefficient: 0.6, velocity: instant}}\n"};
 
-/* Bonds that neither slide nor open: the loads agree to rounding of forces of some newtons. (A
- * contact that opens acts for a part of the step, which is not known before.) */
-static void without_tangents_the_total_force_is_what_moves(void **state) {
+/* Bonds neither slide nor open, so the loads agree to the rounding of forces of some newtons. (A
+ * contact that opens would act for a part of the step that is not known in advance.) */
+static void without_tangents_loads_equal_the_total_force(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)
         for (size_t d = 0; d < sizeof damping / sizeof *damping; d++) {
@@ -83,7 +83,7 @@ static void without_tangents_the_total_force_is_what_moves(void **state) {
 
 /* With tangential forces the coming step adds k_t times the tangential displacement in it, for at
  * most twelve contacts, and single precision adds 1e-7 of normal forces of 10 N. */
-static void with_tangents_the_increment_of_a_step_is_missing(void **state) {
+static void with_tangents_loads_lack_the_increment_of_a_step(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++)
         for (size_t d = 0; d < sizeof damping / sizeof *damping; d++) {
@@ -131,8 +131,8 @@ static void a_wall_carries_the_weight_on_it(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_tangents_the_total_force_is_what_moves),
-        cmocka_unit_test(with_tangents_the_increment_of_a_step_is_missing),
+        cmocka_unit_test(without_tangents_loads_equal_the_total_force),
+        cmocka_unit_test(with_tangents_loads_lack_the_increment_of_a_step),
         cmocka_unit_test(a_wall_carries_the_weight_on_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -47,7 +47,7 @@ static void a_pair_gets_the_square_of_the_factor(void **state) {
     world_end(w);
 }
 
-static void a_step_that_is_there_already_adds_nothing(void **state) {
+static void a_wanted_step_below_the_present_one_adds_no_mass(void **state) {
     (void)state;
     gn_world *plain = pair_with("step: auto", ""), *w;
     text t = {0};
@@ -307,7 +307,7 @@ static void wrong_keys_of_mass_scaling_are_refused_at_their_line(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pair_gets_the_square_of_the_factor),
-        cmocka_unit_test(a_step_that_is_there_already_adds_nothing),
+        cmocka_unit_test(a_wanted_step_below_the_present_one_adds_no_mass),
         cmocka_unit_test(masses_are_raised_where_it_is_needed_and_never_lowered),
         cmocka_unit_test(collisions_are_resolved_at_the_wanted_step),
         cmocka_unit_test(dashpots_are_those_of_the_raised_mass),

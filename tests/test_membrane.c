@@ -375,7 +375,7 @@ static void halves_keep_the_membrane(void **state) {
 }
 
 /* Dead loads do not change; those of detached particles remain at their position. */
-static void dead_loads_are_handed_on(void **state) {
+static void dead_loads_are_transferred(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
         gn_world *w = specimen(d, false);
@@ -561,7 +561,7 @@ int main(void) {
         cmocka_unit_test(halves_keep_the_membrane),
         cmocka_unit_test(a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one),
         cmocka_unit_test(a_body_without_its_shell_has_the_mean_stress),
-        cmocka_unit_test(dead_loads_are_handed_on),
+        cmocka_unit_test(dead_loads_are_transferred),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -140,7 +140,7 @@ static void grains_that_roll_stretch_no_patch(void **state) {
 
 /* If the surroundings of a patch, a corner of a block, have been stretched to five times their
  * length, the patch follows the skin as a whole, and the share of such patches is recorded. */
-static void a_patch_is_not_stretched_out_of_all_measure(void **state) {
+static void the_stretch_of_a_patch_is_limited(void **state) {
     (void)state;
     gn_world *w = world_of("dimension: 2\nspecimen: {lattice: {kind: square, radius: 1 mm, cells: "
                            "[24, 24]}}\n" MATTER);
@@ -162,7 +162,7 @@ int main(void) {
         cmocka_unit_test(pivoting_particles_carry_no_pressure),
         cmocka_unit_test(particles_that_cannot_pivot_support_the_membrane),
         cmocka_unit_test(grains_that_roll_stretch_no_patch),
-        cmocka_unit_test(a_patch_is_not_stretched_out_of_all_measure),
+        cmocka_unit_test(the_stretch_of_a_patch_is_limited),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

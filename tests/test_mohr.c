@@ -68,7 +68,7 @@ static void pressure_makes_a_bond_stronger_in_shear(void **state) {
     }
 }
 
-static void tension_takes_nothing_unless_coupled(void **state) {
+static void tension_leaves_the_shear_strength_unless_coupled(void **state) {
     (void)state;
     broke b = break_it(0.3, 0.9, "none", 15.0, "double");
     assert_int_equal(b.cause, GN_BROKEN_SHEAR);
@@ -383,7 +383,7 @@ static void an_angle_of_friction_stands_for_its_tangent(void **state) {
     gn_scene_free(&scene);
 }
 
-static void bad_values_are_refused_where_they_stand(void **state) {
+static void bad_values_are_refused_at_their_place(void **state) {
     (void)state;
     static const struct {
         const char *material, *law, *says;
@@ -421,7 +421,7 @@ static void bad_values_are_refused_where_they_stand(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pressure_makes_a_bond_stronger_in_shear),
-        cmocka_unit_test(tension_takes_nothing_unless_coupled),
+        cmocka_unit_test(tension_leaves_the_shear_strength_unless_coupled),
         cmocka_unit_test(quadratic_coupling_adds_the_squares_of_both_shares),
         cmocka_unit_test(linear_coupling_takes_the_friction_of_the_pull),
         cmocka_unit_test(in_mixed_precision_a_bond_breaks_at_the_same_force),
@@ -434,7 +434,7 @@ int main(void) {
         cmocka_unit_test(the_ledger_closes_while_bonds_break),
         cmocka_unit_test(threads_give_the_same_bits),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
-        cmocka_unit_test(bad_values_are_refused_where_they_stand),
+        cmocka_unit_test(bad_values_are_refused_at_their_place),
     };
     return cmocka_run_group_tests_name("mohr", tests, NULL, NULL);
 }

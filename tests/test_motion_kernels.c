@@ -290,7 +290,7 @@ static void scalar_motion_kernel_follows_the_formulas(void **state) {
 }
 
 /* The velocity of the instant decides the sign; forces here change the sign of some components. */
-static void component_damping_may_look_at_the_velocity_of_the_instant(void **state) {
+static void component_damping_may_use_the_velocity_of_the_instant(void **state) {
     (void)state;
     for (unsigned v = 0; v < GN_MOTION_VARIANTS; v++) {
         if (!gn_motion_table_scalar[v] ||
@@ -362,7 +362,7 @@ static void a_velocity_that_is_not_finite_is_named(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scalar_motion_kernel_follows_the_formulas),
-        cmocka_unit_test(component_damping_may_look_at_the_velocity_of_the_instant),
+        cmocka_unit_test(component_damping_may_use_the_velocity_of_the_instant),
         cmocka_unit_test(every_motion_kernel_has_the_bits_of_the_scalar_one),
         cmocka_unit_test(a_velocity_that_is_not_finite_is_named),
     };

@@ -387,7 +387,7 @@ static gn_world *wedged(double speed, double strength, const char *more) {
 
 /* Without the resolution of debris the residual is 6e-3; 4e-4 is the error of ten steps per contact
  * in a slot of exactly the particle's size. */
-static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
+static void wedged_debris_is_resolved_once_the_ledger_has_an_error(void **state) {
     (void)state;
     gn_world *w = wedged(0.1, 0.005, "");
     const double contact = pi * sqrt(mass_of(w, 1) / 1e5), start = w->ctx.dt;
@@ -401,7 +401,7 @@ static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
 }
 
 /* Slow motion, and the damping of a collision: the former has 1e-4 of the energy. */
-static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
+static void debris_that_generates_no_energy_does_not_change_the_step(void **state) {
     (void)state;
     for (int damped = 0; damped < 2; damped++) {
         gn_world *w = damped ? wedged(0.1, 0.005, "damping: {contact: {restitution: 0.5}}\n")
@@ -562,8 +562,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(an_unbonded_particle_in_a_pore_is_not_resolved),
         cmocka_unit_test(a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds),
         cmocka_unit_test(detached_particles_are_resolved_as_unbonded_ones),
-        cmocka_unit_test(wedged_debris_is_resolved_once_the_ledger_misses_it),
-        cmocka_unit_test(debris_that_makes_no_energy_leaves_the_step_alone),
+        cmocka_unit_test(wedged_debris_is_resolved_once_the_ledger_has_an_error),
+        cmocka_unit_test(debris_that_generates_no_energy_does_not_change_the_step),
         cmocka_unit_test(bodies_that_break_between_lists_are_resolved_at_once),
         cmocka_unit_test(a_crowd_that_rattles_undamped_gets_more_steps),
         cmocka_unit_test(a_lattice_that_rattles_keeps_its_ledger),

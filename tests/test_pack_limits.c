@@ -105,7 +105,7 @@ static void progress_goes_through_all_stages_to_the_end(void **state) {
     }
 }
 
-static void a_watch_gives_the_packing_up_at_any_iteration(void **state) {
+static void a_watch_can_end_the_packing_at_any_iteration(void **state) {
     const fixture *f = *state;
     gn_scene s = scene_in(f->dir, 2, "disc: {diameter: 1}\n  particles: 300");
     gn_pack_result whole = packed(&s);
@@ -208,7 +208,7 @@ int main(void) {
         cmocka_unit_test(a_limit_of_time_ends_the_search_and_says_so),
         cmocka_unit_test(a_residual_that_is_enough_ends_the_search),
         cmocka_unit_test(progress_goes_through_all_stages_to_the_end),
-        cmocka_unit_test(a_watch_gives_the_packing_up_at_any_iteration),
+        cmocka_unit_test(a_watch_can_end_the_packing_at_any_iteration),
         cmocka_unit_test(more_particles_than_memory_are_refused_with_both_sizes),
         cmocka_unit_test(a_mean_radius_too_large_for_the_body_is_refused),
         cmocka_unit_test(a_mesh_without_inner_nodes_cannot_start_from_them),

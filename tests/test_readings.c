@@ -247,7 +247,7 @@ static void a_constant_pressure_on_the_sides_leaves_the_readings(void **state) {
     gn_history_free(&h);
 }
 
-static void a_little_on_the_sides_leaves_the_modulus_but_not_poissons_ratio(void **state) {
+static void a_small_lateral_stress_leaves_the_modulus_but_not_poissons_ratio(void **state) {
     (void)state;
     gn_history h;
     history_of_test(&h, 2, -1, 1000);
@@ -423,7 +423,7 @@ static double waved(double stress) {
     return stress + ((long)(stress / 0.64e6 + 0.5) % 2 ? 1e6 : -1e6);
 }
 
-static void a_missing_share_of_the_load_shows_and_waves_do_not(void **state) {
+static void end_imbalance_includes_missing_load_and_excludes_waves(void **state) {
     (void)state;
     gn_history h;
     history_that_falls_to(&h, 0.5);
@@ -523,7 +523,7 @@ static void without_input_the_scale_is_the_energy_at_the_start(void **state) {
     assert_close(gn_energy_residual(&e), -0.3, 1e-15);
 }
 
-static void work_that_is_taken_back_still_counts_as_passed(void **state) {
+static void returned_work_still_counts_as_throughput(void **state) {
     (void)state;
     /* A ball launched upwards: 2 J at the start, all of it potential energy at the top, kinetic
      * again at the bottom. */
@@ -536,7 +536,7 @@ static void work_that_is_taken_back_still_counts_as_passed(void **state) {
     assert_close(gn_energy_residual(&e), 1e-9 / 3, 1e-12);
 }
 
-static void energy_from_nowhere_cannot_hide_behind_itself(void **state) {
+static void generated_energy_does_not_reduce_the_residual(void **state) {
     (void)state;
     /* 1 J was supplied, 10 J are stored and 20 J were dissipated: 29 of 20 that passed. */
     gn_energy e = {.work_walls = 1, .elastic_normal = 12, .kinetic = -2, .friction = 20};
@@ -554,7 +554,7 @@ int main(void) {
         cmocka_unit_test(no_test_gives_no_readings),
         cmocka_unit_test(plane_strain_readings_are_converted_to_the_material),
         cmocka_unit_test(a_constant_pressure_on_the_sides_leaves_the_readings),
-        cmocka_unit_test(a_little_on_the_sides_leaves_the_modulus_but_not_poissons_ratio),
+        cmocka_unit_test(a_small_lateral_stress_leaves_the_modulus_but_not_poissons_ratio),
         cmocka_unit_test(sides_or_shear_that_grow_with_the_load_leave_no_constants),
         cmocka_unit_test(a_stress_that_falls_while_the_ends_close_is_no_modulus),
         cmocka_unit_test(scattered_rows_are_no_modulus),
@@ -565,14 +565,14 @@ int main(void) {
         cmocka_unit_test(only_a_stress_that_falls_again_is_a_peak),
         cmocka_unit_test(a_fall_without_a_broken_bond_is_no_strength),
         cmocka_unit_test(a_specimen_that_cannot_fail_has_no_strength),
-        cmocka_unit_test(a_missing_share_of_the_load_shows_and_waves_do_not),
+        cmocka_unit_test(end_imbalance_includes_missing_load_and_excludes_waves),
         cmocka_unit_test(a_history_grows_and_keeps_its_rows),
         cmocka_unit_test(a_column_is_refused_when_it_cannot_be_added),
         cmocka_unit_test(the_residual_counts_every_term_once_with_its_sign),
         cmocka_unit_test(a_balanced_ledger_has_no_residual),
         cmocka_unit_test(without_input_the_scale_is_the_energy_at_the_start),
-        cmocka_unit_test(work_that_is_taken_back_still_counts_as_passed),
-        cmocka_unit_test(energy_from_nowhere_cannot_hide_behind_itself),
+        cmocka_unit_test(returned_work_still_counts_as_throughput),
+        cmocka_unit_test(generated_energy_does_not_reduce_the_residual),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -227,7 +227,7 @@ static void it_takes_energy_and_leaves_velocities(void **state) {
 /* A held block in equilibrium: without relaxation the energy that it removes would oscillate
  * between springs and motion, half of it in each on average. (Waves from the imbalance of the zone
  * itself remain.) */
-static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
+static void half_of_the_energy_removed_would_have_become_kinetic(void **state) {
     (void)state;
     enum { LOOKS = 40 };
     double kinetic[2], held[2];
@@ -435,7 +435,7 @@ static void conversion_makes_no_energy_where_contacts_close(void **state) {
     world_end(w);
 }
 
-static void iterations_end_where_they_are_to(void **state) {
+static void iterations_end_at_their_limit(void **state) {
     (void)state;
     const packed few = with(&packed_plate, "relax: 1e-3, relax_iterations: 4");
     gn_world *w = converted(&few, strain, stretched);
@@ -562,13 +562,13 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_disordered_packing_is_in_balance_afterwards),
         cmocka_unit_test(it_takes_energy_and_leaves_velocities),
-        cmocka_unit_test(half_of_the_removed_energy_would_have_become_kinetic),
+        cmocka_unit_test(half_of_the_energy_removed_would_have_become_kinetic),
         cmocka_unit_test(a_lattice_in_uniform_strain_stays),
         cmocka_unit_test(a_block_that_moves_and_turns_does_not_relax),
         cmocka_unit_test(a_wave_stays_a_wave),
         cmocka_unit_test(no_bond_breaks_by_it),
         cmocka_unit_test(conversion_makes_no_energy_where_contacts_close),
-        cmocka_unit_test(iterations_end_where_they_are_to),
+        cmocka_unit_test(iterations_end_at_their_limit),
         cmocka_unit_test(neighbours_that_do_not_touch_count_for_nothing),
         cmocka_unit_test(overlaps_of_dormant_particles_are_no_contacts),
         cmocka_unit_test(threads_precision_and_resumption_give_the_same_bits),

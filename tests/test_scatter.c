@@ -87,7 +87,7 @@ static void strength_and_stiffness_are_drawn_apart(void **state) {
     }
 }
 
-static void nothing_is_drawn_for_what_is_no_bond(void **state) {
+static void pairs_without_a_bond_draw_no_random_number(void **state) {
     (void)state;
     const gn_scatter scatter = {GN_SCATTER_WEIBULL, 4.0, 0.0}, none = {0};
     assert_true(gn_scatter_factor(&scatter, 1, 0, 1) == 1.0);
@@ -441,7 +441,7 @@ int main(void) {
         cmocka_unit_test(normal_numbers_have_the_deviation_asked_for),
         cmocka_unit_test(weibull_numbers_have_their_distribution),
         cmocka_unit_test(strength_and_stiffness_are_drawn_apart),
-        cmocka_unit_test(nothing_is_drawn_for_what_is_no_bond),
+        cmocka_unit_test(pairs_without_a_bond_draw_no_random_number),
         cmocka_unit_test(bonds_draw_by_the_ids_of_their_ends),
         cmocka_unit_test(dashpots_are_those_of_the_drawn_stiffness),
         cmocka_unit_test(the_limit_is_that_of_the_drawn_stiffness),

@@ -52,7 +52,7 @@ static void the_rock_scene_reads_as_written(void **state) {
     gn_scene_free(&s);
 }
 
-static void units_turn_into_si(void **state) {
+static void units_are_converted_to_si(void **state) {
     (void)state;
     static const struct {
         const char *text, *unit;
@@ -349,7 +349,7 @@ static void keys_that_need_particles_spins_or_damping_are_noted(void **state) {
     }
 }
 
-static void a_material_that_nothing_is_of_is_noted_and_needs_its_keys(void **state) {
+static void an_unused_material_is_noted_and_needs_its_keys(void **state) {
     (void)state;
     static const char text[] = "dimension: 3\n"
                                "specimen: {particles: [[0, 0, 0, 1 mm]], material: rock}\n"
@@ -437,7 +437,7 @@ static void a_table_is_linear_between_and_constant_outside(void **state) {
 
 /* ---- refusals ---- */
 
-static void every_slip_is_reported_with_its_place(void **state) {
+static void every_typing_error_is_reported_at_its_place(void **state) {
     (void)state;
     static const char *const cases[][3] = {
         {"2650 kg/m3", "23 mm",
@@ -784,7 +784,7 @@ static void names_that_no_path_can_hold_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_rock_scene_reads_as_written),
-        cmocka_unit_test(units_turn_into_si),
+        cmocka_unit_test(units_are_converted_to_si),
         cmocka_unit_test(a_value_that_is_no_quantity_is_refused),
         cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
         cmocka_unit_test(a_strain_is_a_number_or_a_ratio_of_lengths),
@@ -793,13 +793,13 @@ int main(void) {
         cmocka_unit_test(keys_that_change_nothing_are_noted),
         cmocka_unit_test(keys_that_need_particles_spins_or_damping_are_noted),
         cmocka_unit_test(friction_without_a_tangential_spring_is_refused),
-        cmocka_unit_test(a_material_that_nothing_is_of_is_noted_and_needs_its_keys),
+        cmocka_unit_test(an_unused_material_is_noted_and_needs_its_keys),
         cmocka_unit_test(a_key_that_some_stage_reads_is_not_noted),
         cmocka_unit_test(defaults_fill_what_is_left_out),
         cmocka_unit_test(a_normal_becomes_a_unit_vector),
         cmocka_unit_test(a_2d_scene_has_short_vectors),
         cmocka_unit_test(a_table_is_linear_between_and_constant_outside),
-        cmocka_unit_test(every_slip_is_reported_with_its_place),
+        cmocka_unit_test(every_typing_error_is_reported_at_its_place),
         cmocka_unit_test(names_that_no_path_can_hold_are_refused),
         cmocka_unit_test(keys_that_contradict_each_other_are_refused),
         cmocka_unit_test(a_2d_scene_stays_in_its_plane),

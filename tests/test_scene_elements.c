@@ -73,7 +73,7 @@ static void it_comes_back_from_its_echo(void **state) {
     }
 }
 
-static void slips_are_reported_with_their_place(void **state) {
+static void typing_errors_are_reported_at_their_place(void **state) {
     (void)state;
     static const struct {
         const char *from, *to, *message;
@@ -195,7 +195,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_scene_of_elements_alone_is_read),
         cmocka_unit_test(it_comes_back_from_its_echo),
-        cmocka_unit_test(slips_are_reported_with_their_place),
+        cmocka_unit_test(typing_errors_are_reported_at_their_place),
         cmocka_unit_test(a_beam_must_be_one),
         cmocka_unit_test(a_scene_needs_particles_or_elements),
         cmocka_unit_test(overrides_reach_motions_by_name),

@@ -200,7 +200,7 @@ static gn_effects effects_of(gn_scene scene) {
     return mask;
 }
 
-static void effects_are_what_the_scene_calls_for(void **state) {
+static void effects_are_those_that_the_scene_needs(void **state) {
     (void)state;
     assert_int_equal(effects_of(loaded("scenes/ucs-rock.yaml")),
                      GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR | GN_FX_FRICTION |
@@ -423,7 +423,7 @@ int main(void) {
         cmocka_unit_test(a_scene_without_a_shape_says_nothing_of_packing),
         cmocka_unit_test(a_copy_is_independent_of_its_original),
         cmocka_unit_test(awkward_numbers_come_back_bit_for_bit),
-        cmocka_unit_test(effects_are_what_the_scene_calls_for),
+        cmocka_unit_test(effects_are_those_that_the_scene_needs),
         cmocka_unit_test(bonds_need_a_group),
         cmocka_unit_test(every_key_is_documented),
         cmocka_unit_test(every_range_is_checked),

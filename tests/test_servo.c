@@ -84,10 +84,10 @@ static void the_default_is_not_touched(void **state) {
     }
 }
 
-/* 36 spheres side by side come into contact in one step. Their reaction is at most the force that
- * was to be taken up in it, 0.1 of 5 N: the wall's path is that force over k (and over c/dt of
- * dashpots) of all of them, and the dashpot of a closing contact acts for at most 1.5 steps. A path
- * computed for one of them alone gave up to 36 times as much, at any step. */
+/* 36 spheres side by side come into contact in one step. Their reaction is at most the fraction of
+ * the missing force that one step corrects, 0.1 of 5 N: the path of the wall is this force over the
+ * sum of k (and of c/dt of dashpots) of all contacts, and the dashpot of a closing contact acts for
+ * at most 1.5 steps. A path computed for one contact would give up to 36 times as much. */
 static void a_servo_approaches_a_crowd_of_grains_softly(void **state) {
     (void)state;
     const char layer[] = "lattice: {kind: cubic, radius: 1 mm, cells: [6, 6, 1], spacing: 1.01}";
@@ -198,7 +198,7 @@ static void refused(const char *servo, const char *expected) {
     if (!strstr(error.message, expected)) fail_msg("'%s' is not in '%s'", expected, error.message);
 }
 
-static void servos_that_cannot_be_are_refused(void **state) {
+static void impossible_servos_are_refused(void **state) {
     (void)state;
     refused("max_velocity: 1", "s.yaml:6:72: walls[0].servo: expected force or stress, found none");
     refused("max_velocity: 1, force: 1, stress: 1", "expected force or stress, found both");
@@ -216,7 +216,7 @@ int main(void) {
         cmocka_unit_test(a_servo_approaches_a_crowd_of_grains_softly),
         cmocka_unit_test(a_stress_is_held_over_the_section_of_the_box),
         cmocka_unit_test(a_lid_holds_its_force_on_grains_in_motion),
-        cmocka_unit_test(servos_that_cannot_be_are_refused),
+        cmocka_unit_test(impossible_servos_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

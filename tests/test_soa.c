@@ -107,7 +107,7 @@ static void a_permutation_and_its_inverse_give_the_record_back(void **state) {
 
 /* One byte of any component of any item decides if the field is state, and only then; padding
  * never. */
-static void the_hash_sees_state_and_nothing_else(void **state) {
+static void the_hash_depends_on_state_alone(void **state) {
     (void)state;
     gn_contacts k = contacts(37, every);
     fill(&gn_contact_record, &k, 5);
@@ -204,7 +204,7 @@ int main(void) {
         cmocka_unit_test(only_fields_of_active_effects_are_allocated),
         cmocka_unit_test(permutation_moves_every_component_of_every_field),
         cmocka_unit_test(a_permutation_and_its_inverse_give_the_record_back),
-        cmocka_unit_test(the_hash_sees_state_and_nothing_else),
+        cmocka_unit_test(the_hash_depends_on_state_alone),
         cmocka_unit_test(all_state_of_a_contact_is_kept),
         cmocka_unit_test(a_column_has_one_form_or_the_other_or_both),
         cmocka_unit_test(the_hash_is_fnv_1a),

@@ -560,7 +560,7 @@ static void beside_all_else_threads_and_resumption_give_the_same_bits(void **sta
     }
 }
 
-static void bonds_that_store_more_than_they_may_dissipate_are_warned_of(void **state) {
+static void bonds_that_store_more_than_they_may_dissipate_cause_a_warning(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [0, 3e-3, 0, "
@@ -869,7 +869,7 @@ static void breaks_are_named_by_their_last_mode(void **state) {
     }
 }
 
-static void bad_values_are_refused_where_they_stand(void **state) {
+static void bad_values_are_refused_at_their_place(void **state) {
     (void)state;
     static const struct {
         const char *material, *law, *says;
@@ -936,7 +936,7 @@ int main(void) {
         cmocka_unit_test(damaged_bodies_that_swing_on_keep_their_energy),
         cmocka_unit_test(yielding_on_closure_is_in_the_ledger),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
-        cmocka_unit_test(bonds_that_store_more_than_they_may_dissipate_are_warned_of),
+        cmocka_unit_test(bonds_that_store_more_than_they_may_dissipate_cause_a_warning),
         cmocka_unit_test(sections_are_those_of_the_law),
         cmocka_unit_test(a_pair_of_materials_has_a_fracture_energy_of_its_own),
         cmocka_unit_test(a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_cut),
@@ -945,7 +945,7 @@ int main(void) {
         cmocka_unit_test(random_paths_coupled_by_squares_follow_the_ellipse),
         cmocka_unit_test(coupled_by_squares_forces_stay_within_what_is_left),
         cmocka_unit_test(breaks_are_named_by_their_last_mode),
-        cmocka_unit_test(bad_values_are_refused_where_they_stand),
+        cmocka_unit_test(bad_values_are_refused_at_their_place),
     };
     return cmocka_run_group_tests_name("softening", tests, NULL, NULL);
 }

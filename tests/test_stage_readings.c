@@ -63,7 +63,7 @@ static void write_rows(gn_run *run, double before) {
     }
 }
 
-static void ways_count_from_the_start_of_the_stage(void **state) {
+static void displacements_count_from_the_start_of_the_stage(void **state) {
     (void)state;
     gneiss_error error = {0};
     for (size_t k = 0; k < sizeof tests / sizeof *tests; k++) {
@@ -90,7 +90,7 @@ static void ways_count_from_the_start_of_the_stage(void **state) {
 
 int main(void) {
     const struct CMUnitTest all[] = {
-        cmocka_unit_test(ways_count_from_the_start_of_the_stage),
+        cmocka_unit_test(displacements_count_from_the_start_of_the_stage),
     };
     return cmocka_run_group_tests(all, NULL, NULL);
 }

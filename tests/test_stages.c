@@ -569,7 +569,7 @@ static void a_membrane_of_stages_has_the_same_bits(void **state) {
     resumes_with_the_same_bits(confined(mixed), 41, 0x1f);
 }
 
-static void worn_bonds_of_several_stages_have_the_same_bits(void **state) {
+static void damaged_bonds_of_several_stages_have_the_same_bits(void **state) {
     (void)state;
     const size_t seen = 1 + 2 + 4 + 16 + 32; /* the fourth has no steps */
     const char *const mixed = "threads: 2, precision: mixed";
@@ -596,7 +596,7 @@ static gn_run *before_more_bonds(int64_t step) {
     return run;
 }
 
-static void bonds_that_form_beside_worn_ones_leave_them_as_they_are(void **state) {
+static void new_bonds_do_not_change_damaged_ones(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_run *run = run_of(worn("linear", "threads: 1"));
@@ -1210,8 +1210,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
         cmocka_unit_test(a_membrane_of_stages_has_the_same_bits),
         cmocka_unit_test(materials_of_walls_and_bodies_have_the_same_bits),
-        cmocka_unit_test(worn_bonds_of_several_stages_have_the_same_bits),
-        cmocka_unit_test(bonds_that_form_beside_worn_ones_leave_them_as_they_are),
+        cmocka_unit_test(damaged_bonds_of_several_stages_have_the_same_bits),
+        cmocka_unit_test(new_bonds_do_not_change_damaged_ones),
         cmocka_unit_test(a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage),
         cmocka_unit_test(a_settled_heap_goes_on),
         cmocka_unit_test(readings_are_found_once_for_a_state),

@@ -408,7 +408,7 @@ static bool limit_by_few(specimen *s, double tolerance, gn_step_limit *limit) {
 }
 
 /* The limit of all lies between the two numbers, which are as near as requested. */
-static void few_particles_have_the_limit_of_all(void **state) {
+static void the_limit_of_a_few_particles_is_that_of_all(void **state) {
     (void)state;
     const double alphas[] = {0.0, 0.4}, kratios[] = {0.0, 3.7};
     for (int k = 0; k < 4; k++) {
@@ -603,7 +603,7 @@ int main(void) {
         cmocka_unit_test(the_bound_is_exact_for_a_cubic_lattice),
         cmocka_unit_test(the_bound_is_below_the_sharp_limit_in_packings),
         cmocka_unit_test(the_limits_have_the_same_bits_for_any_number_of_threads),
-        cmocka_unit_test(few_particles_have_the_limit_of_all),
+        cmocka_unit_test(the_limit_of_a_few_particles_is_that_of_all),
         cmocka_unit_test(a_lattice_has_no_limit_by_few_particles),
         cmocka_unit_test(pairs_that_touch_have_a_limit_by_few),
         cmocka_unit_test(the_bound_is_that_of_the_worst_block),

@@ -59,8 +59,8 @@ static void a_uniform_stream_keeps_its_lists(void **state) {
     const double way = 800 * 4e-6 * 5.0;
     print_message("# lists: %lld at rest, %lld in a stream that goes %g skins far\n",
                   (long long)few, (long long)more, way / 4e-4);
-    /* Two lists are at most 8 skins apart; to this the number of lists is added that the stream
-     * needs at rest. */
+    /* Lists are made at most 8 skins of path apart, in addition to those that the specimen needs at
+     * rest. */
     assert_true(more <= few + (int64_t)(way / (7.2 * 4e-4)) + 1);
     assert_true((double)more < 0.25 * 2.0 * way / 4e-4);
     world_end(still);
@@ -116,7 +116,7 @@ static void two_distant_particles_are_listed_before_they_touch(void **state) {
 
 /* Lists are rebuilt for every skin of a particle's own travel if there is a domain, or walls are
  * near. */
-static void walls_and_domains_are_looked_at_after_a_skin_of_way(void **state) {
+static void walls_and_domains_are_checked_after_each_skin_of_path(void **state) {
     (void)state;
     static const char *const more[] = {
         "walls: [{name: w, point: [0, 0, -1], normal: [0, 0, 1], stiffness: 1e4}]\n",
@@ -135,7 +135,7 @@ int main(void) {
         cmocka_unit_test(a_uniform_stream_keeps_its_lists),
         cmocka_unit_test(streams_that_pass_each_other_have_their_lists_made),
         cmocka_unit_test(two_distant_particles_are_listed_before_they_touch),
-        cmocka_unit_test(walls_and_domains_are_looked_at_after_a_skin_of_way),
+        cmocka_unit_test(walls_and_domains_are_checked_after_each_skin_of_path),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

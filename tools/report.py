@@ -71,8 +71,8 @@ def stages_table(results):
             rows.append((reading.replace("_", " "), *((reading_text(reading, c) if c is not None else "–", "number") for c in columns)))
     if not rows:
         return ""
-    return ('<h2>Readings of the stages</h2>\n<p class="soft">Strains, ways and broken bonds count from the start of each. Why one is absent (–) '
-            "stands in <code>results.h5</code> and <code>summary.json</code>.</p>\n" + table(rows, ("reading", *names)))
+    return ('<h2>Readings of the stages</h2>\n<p class="soft">Strains, displacements and broken bonds count from the start of each stage. If a value '
+            "is absent (–), the reason is in <code>results.h5</code> and <code>summary.json</code>.</p>\n" + table(rows, ("reading", *names)))
 
 
 def count_rows(results):
@@ -143,7 +143,7 @@ def residual_text(results):
     if not np.isfinite(value):
         return ""
     unit = results.energy["residual"].unit
-    return f"{value:.2e} of the energy that has gone through" if unit in ("", "1") else quantity(value, unit)
+    return f"{value:.2e} of the energy throughput" if unit in ("", "1") else quantity(value, unit)
 
 
 # --- figures -------------------------------------------------------------------------------------------
@@ -178,8 +178,8 @@ def banner(results):
                        for name, _, said in lines)
     if results.finished:
         return warnings
-    return warnings + ('<p class="warning"><b>Unfinished.</b> The run goes on or was interrupted; '
-            "what follows is its state when the file was written.</p>")
+    return warnings + ('<p class="warning"><b>Unfinished.</b> The run is in progress or was interrupted; '
+            "this page shows its state when the file was written.</p>")
 
 
 def percent(share):

@@ -287,8 +287,8 @@ def plot_energy(results, path):
     axes.margins(x=0.02)
     mark_stages(results, axes, x)
     save(figure, path)
-    return ("Where the energy is and where it went, stacked; the dashed line is what was put in (work, and energy at the start) and should be the "
-            "upper edge of the stack. Below: what is missing, over the energy that has gone through. Terms under 0.2 % are left out.")
+    return ("Stored and dissipated energies, stacked; the dashed line is the energy that was put in and should be the upper "
+            "edge of the stack. Below: the residual over the energy throughput. Terms below 0.2 % are omitted.")
 
 
 def plot_flow(results, path):
@@ -317,7 +317,7 @@ def plot_flow(results, path):
     axes.margins(x=0.02)
     mark_stages(results, axes, x)
     save(figure, path)
-    return "Mass that came in by sources (dashed) and went out by sinks; below, its rate over a sixtieth of the run."
+    return "Masses that sources inserted (dashed) and sinks removed; below, their rates over a sixtieth of the run."
 
 
 def plot_unbalanced(results, path):
@@ -334,7 +334,7 @@ def plot_unbalanced(results, path):
     axes.margins(x=0.02)
     mark_stages(results, axes, x)
     save(figure, path)
-    return "Mean resultant over mean contact or element force: small means quasi-static, jumps are fracture."
+    return "Mean resultant over mean contact or element force: small values mean quasi-static loading, jumps mean fracture."
 
 
 def plot_strains(results, path):
@@ -394,7 +394,7 @@ def plot_forces(results, path):
         place_legend(results, axes, "best")
     mark_stages(results, axes, time / t_factor)
     save(figure, path)
-    return "The largest components; smaller than 5 % of the largest are left out."
+    return "The largest components; those below 5 % of the largest are omitted."
 
 
 def plot_conversion(results, path):
@@ -430,7 +430,7 @@ def plot_profile(results, path):
     axes.margins(x=0.4)
     axes.set_xlim(left=0)
     save(figure, path)
-    return f"Where the {total:.3g} s of wall time went."
+    return f"Wall time of the phases, {total:.3g} s in all."
 
 
 CURVES = {

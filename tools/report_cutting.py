@@ -24,7 +24,7 @@ def mean_forces(results):
 
 
 def plot_cut(results, path):
-    """Forces in the axes of the tool over its path, and the volume that came off."""
+    """Forces in the axes of the tool over its path, and the detached volume."""
     found = mean_forces(results)
     if found is None:
         return None
@@ -47,7 +47,7 @@ def plot_cut(results, path):
     below.set_xlabel("path of the tool [mm]")
     save(figure, path)
     return (f"Means over {len(at)} windows along the path: out of the rock (normal), against the motion (rolling), along normal x axis (side)."
-            + ("" if removed is None else " Below, the rock that no intact bond joins to the anchored rest, with its pores."))
+            + ("" if removed is None else "Below: the volume, with pores, of rock that no intact bond connects to the anchored rest."))
 
 
 def plot_rim(results, path):

@@ -138,8 +138,8 @@ def groups(sweep, parameter):
 
 
 def plot_panel(sweep, name, parameter, axes):
-    """Mean and 95 % interval over one parameter, single runs behind; where every combination has other values of
-    everything (a sample), or lines would be too many, points alone."""
+    """Mean and 95 % interval over one parameter, single runs behind; points alone if combinations differ in every
+    parameter (a sample) or lines would be too many."""
     mean, interval, values, label = scaled(sweep, name)
     x = parameter.axis()[0]
     if np.any(sweep.statistics[name]["count"] > 1):
@@ -225,7 +225,7 @@ def plot_map(sweep, name, pair, path):
     dress(pair[1], axes, "y")
     save(figure, path)
     return f"{name.replace('_', ' ')} over {pair[0].key} and {pair[1].key}" + (
-        "" if len(sweep.varied) == 2 else ", mean over what else is varied")
+        "" if len(sweep.varied) == 2 else ", mean over the other parameters")
 
 
 def write_cells(axes, across, up, cells):

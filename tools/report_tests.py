@@ -172,7 +172,7 @@ def plot_rose(results, path):
     axes.set_title("Directions of cracks")
     save(figure, path)
     return (f"{counts.sum()} broken bonds by the angle of their crack with the axis {'xyz'[axis]}, at the places of the start; 1 "
-            "(grey): as many as if all directions were alike.")
+            "(grey): as many as if cracks had no preferred direction.")
 
 
 def fragment_sizes(results):
@@ -188,7 +188,7 @@ def plot_fragments(results, path):
     figure, axes = new_axes("Fragments", "particles in a fragment", "fragments with as many or more", 3.2)
     axes.loglog(sizes, np.arange(1, len(sizes) + 1), "o", color=INK, ms=3)
     save(figure, path)
-    return f"{len(sizes)} pieces that bonds hold at the end, single particles among them; the largest has {sizes[0]} particles."
+    return f"{len(sizes)} pieces that bonds connect at the end, including single particles; the largest has {sizes[0]} particles."
 
 
 CURVES = {

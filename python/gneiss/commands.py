@@ -22,7 +22,7 @@ Seeds = Union[int, Sequence[int], None]
 
 
 def _shared(name: str) -> int:
-    """Opens a file that calls of the same content share: the last one that holds it may remove it."""
+    """Opens a file that is shared by calls with the same content; the last one that holds it may remove it."""
     while True:
         file = os.open(name, os.O_RDWR | os.O_CREAT, 0o600)
         fcntl.flock(file, fcntl.LOCK_SH)
@@ -130,8 +130,8 @@ def pack(specimen: Scene | Source, out: Path, *, set: Changes = None, folder: Pa
 
 def plan(scene: Scene | Source, *, error: str | None = None, reading: str | None = None, particles: str | None = None,
          set: Changes = None, folder: Path | None = None, threads: int | None = None) -> dict[str, Any]:
-    """Without `error` what a run consists of: particles, bonds, dt, steps, ... With `error` ('5%') the cheapest settings for it: proposed,
-    as_is, estimate, cost. reading: 'strength' or 'stiffness'; particles: 'any'. docs/log.md and docs/plan.md have the members."""
+    """Without `error`: the size of a run (particles, bonds, dt, steps, ...). With `error` ('5%'): the cheapest settings for it (proposed,
+    as_is, estimate, cost). reading: 'strength' or 'stiffness'; particles: 'any'. docs/log.md and docs/plan.md have the members."""
     with _file_of(scene, folder) as path:
         return _call("plan", path, changes=set, error=error, reading=reading, particles=particles, threads=threads)
 
@@ -170,7 +170,7 @@ def report(folder: Path) -> str:
 
 
 def view(folder: Path, *, instants: int | None = None, fields: Sequence[str] | None = None, paraview: bool = False) -> str:
-    """Makes view.html, in which a run turns and moves in a browser (docs/view.md); with `paraview` a script that opens it in ParaView.
+    """Makes view.html, an interactive picture of a run for a browser (docs/view.md); with `paraview` a script that opens it in ParaView.
     Returns the path."""
     _call("view", folder, instants=instants, fields=fields, paraview=paraview)
     return os.path.join(folder, "paraview_state.py" if paraview else "view.html")

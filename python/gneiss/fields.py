@@ -16,7 +16,7 @@ _TYPES = {lib.GNEISS_F64: "<f8", lib.GNEISS_I64: "<i8", lib.GNEISS_I32: "<i4", l
 
 
 class _Memory:
-    """Memory of the engine for numpy. An array holds it, and it keeps the memory readable, whatever becomes of the world."""
+    """Memory of the engine for numpy. An array holds it, and thus keeps the memory readable even after the world is closed."""
 
     def __init__(self, pointer: Any, shape: tuple[int, ...], strides: tuple[int, ...] | None, kind: str, writable: bool) -> None:
         self._pointer = None

@@ -663,7 +663,7 @@ class SinkCylinder(TypedDict, total=False):
 class Membrane(TypedDict, total=False):
     pressure: Table  # number or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
     ramp: Number  # number, s, in [0, inf): time over which the pressure rises linearly from 0; in a stage that changes the membrane, from the present pressure since the start of the stage (default 0)
-    surface: Literal['shape', 'particles']  # of a specimen with a shape: its whole surface; or the particles that bear the pressure, inside it, as for specimens without a shape (default shape)
+    surface: Literal['shape', 'particles']  # surface that is loaded. shape: that of the specimen's shape; particles: that of the particles, which lies inside it, as for specimens without a shape (default shape)
     faces: Literal['all', 'sides']  # all of the surface, as in a pressure cell; or only the sides, which face across the axis (default all)
     axis: Literal['test', 'x', 'y', 'z']  # axis that the sides face across; test: the axis of the test (default test)
     follow: Literal['true', 'false'] | bool  # areas and normals rotate and stretch with the particles around them, so that the pressure is maintained; false: they stay as at the start, and an unsupported specimen turns over (default true)
@@ -671,7 +671,7 @@ class Membrane(TypedDict, total=False):
 
 class Test(TypedDict, total=False):
     kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
-    axis: Literal['none', 'x', 'y', 'z']  # direction of loading, in a cut of the motion of the tool; needed by all but hydrostatic (default none)
+    axis: Literal['none', 'x', 'y', 'z']  # direction of loading, or of the motion of the tool (cutting); needed by all but hydrostatic (default none)
     lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic and cutting
     upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic and cutting
     normal: Literal['none', 'x', 'y', 'z']  # shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of the rock (default none)
@@ -685,7 +685,7 @@ class Test(TypedDict, total=False):
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, used for predicted forces only (default none)
     pressure_exponent: Number  # number, in [-0.2, 0.2]: cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp to -0.2 of wide tips (default 0)
     length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock (default auto)
-    area: Number  # number, m2, in [1e-18, 1e18], or auto: area of its section; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
+    area: Number  # number, m2, in [1e-18, 1e18], or auto: area of the section of the specimen; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
     diameter: Number  # number, m, in [1e-9, 1e9], or none: diameter of a cylinder; brazilian: of the disc, none: its extent along the axis (default none)
     thickness: Number  # number, m, in [1e-9, 1e9], or auto: thickness of the disc of a brazilian test, or of the beam of a bending test; auto: its extent, in 2D 1 m (default auto)
     span: Number  # number, m, in [1e-9, 1e9], or none: bending: distance of the supports (default none)

@@ -373,7 +373,7 @@ class World:
 
     def force(self, function: Callable[[Points], Any] | None = None, *, stiffness: float = 0.0, on: str = "particles") -> Any:
         """Adds a field of force: function(points) writes points.force [n][3], N, or returns it, in every step. Its work is `work_user` of
-        the energy ledger. `stiffness`, N/m: the largest by which it stiffens the motion of a particle; an automatic time step is lowered
+        the energy ledger. `stiffness`, N/m: the largest stiffness that it adds to the motion of a particle; an automatic time step is lowered
         for it. on: 'particles', or 'nodes' of finite elements. Also a decorator. Returns a Hook."""
         return self._hooked(hooks.add_force, function, stiffness=stiffness, on=on)
 

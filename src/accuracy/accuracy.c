@@ -224,9 +224,9 @@ static void predict_particles(const gn_test_groups *groups, const char *reading,
     if (groups->mixed) add_bias(causes, groups, reading, "precision", "precision", 0.0);
     if (groups->step_ratio > 1.0 &&
         !add_bias(causes, groups, reading, "mass scaling", "mass scaling", groups->step_ratio))
-        gn_causes_note(causes, "mass scaling: the study has no law of it");
+        gn_causes_note(causes, "mass scaling: the study has no law for it");
     if (groups->first_break && !add_bias(causes, groups, reading, "start", "start", 0.0))
-        gn_causes_note(causes, "start: the study has no law of it");
+        gn_causes_note(causes, "start: the study has no law for it");
     note_size(causes, groups, reading);
     note_damping(causes, groups, reading);
 }
@@ -245,7 +245,7 @@ static void note_points(gn_error_causes *causes, const gn_test_groups *groups,
 static void predict_elements(const gn_test_groups *groups, const char *reading,
                              gn_error_causes *causes) {
     if (!add_bias(causes, groups, reading, groups->mesh, "mesh", groups->cell))
-        gn_causes_note(causes, "mesh: the study has no law of it");
+        gn_causes_note(causes, "mesh: the study has no law for it");
     if (groups->tip > 0.0)
         add_bias(causes, groups, reading, "cells at the tip", "notch", groups->tip);
     if (groups->mixed) add_bias(causes, groups, reading, "precision", "precision", 0.0);

@@ -149,7 +149,7 @@ gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary 
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s:%d:%d: bodies: expected the centre of mass of the free body '%s' "
                            "outside body '%s', found it inside, at %s m (a surface with a hole "
-                           "meets no bodies)",
+                           "has no contact with bodies)",
                            ctx->scene.source, def->where.line, def->where.column, def->name,
                            ctx->scene.bodies[a].name,
                            gn_point_text(ctx->scene.origin, boundary->bodies[b].position, at));

@@ -162,7 +162,7 @@ static bool is_short(const cut *q, char *text, size_t size) {
     const double came = c.came;
     if (came > (1.0 - 1e-3) * q->state->end) return false;
     snprintf(text, size,
-             "%s: until time.end (%g s) the tool comes %.4g m far, means are taken from %.4g m to "
+             "%s: until time.end (%g s) the tool moves %.4g m, means are taken from %.4g m to "
              "%.4g m of its path: they will be those of a part of it, or absent",
              q->place.text, q->ctx->scene.end, came, q->state->begin, q->state->end);
     return true;

@@ -223,11 +223,12 @@ static void check_stop_conditions(gn_run *run) {
         check_fall(run, stops.peak_drop);
     if (gn_scene_tested(s) && !(stops.by_kind && run->finished) && stops.strain > 0.0 &&
         last(run, "strain") >= stops.strain)
-        (stops.strain_by_kind ? stop_by_kind : stop)(run,
-                                                     gn_scene_test(s)->tool && stops.strain == 1.0
-                                                         ? "the tool has come its path"
-                                                         : "strain reached %g",
-                                                     stops.strain);
+        (stops.strain_by_kind ? stop_by_kind
+                              : stop)(run,
+                                      gn_scene_test(s)->tool && stops.strain == 1.0
+                                          ? "the tool has reached the end of its path"
+                                          : "strain reached %g",
+                                      stops.strain);
     if (gn_run_balanced(run, run->samples.count, s->stop_unbalanced))
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }

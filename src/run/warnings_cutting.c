@@ -71,11 +71,11 @@ void gn_no_force_text(const gn_run *run, char *text, size_t size) {
     bool met = false;
     for (int a = 0; a < GN_CUT_AXES; a++) met = met || c->seen[a] != 0.0;
     if (!met)
-        snprintf(text, size, "the tool '%s' never met the rock", tool);
+        snprintf(text, size, "the tool '%s' never touched the rock", tool);
     else if (c->seen[GN_CUT_ROLLING] > 0.0)
         snprintf(text, size,
                  "none of the %zu rows of the history has a force against the motion of '%s', "
-                 "which was met between them: more output.history_rows show it",
+                 "which was touched between them: more output.history_rows show it",
                  run->history.row_count, tool);
     else
         snprintf(text, size, "the force on '%s' never was against its motion", tool);

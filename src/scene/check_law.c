@@ -502,7 +502,7 @@ static gneiss_status check_idle(const check *section, const gn_box_side *side, c
         return gn_check_fail(section, key, "expected stress or rate, found neither");
     if (side->stress.count || !idle) return GNEISS_OK;
     snprintf(more, sizeof more, "%s.%s", key, idle);
-    return gn_check_fail(section, more, "expected a stress beside it, found %s",
+    return gn_check_fail(section, more, "expected stress (a servo) for this side, found %s",
                          side->rate.count ? "a rate" : "none");
 }
 

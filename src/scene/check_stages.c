@@ -300,7 +300,7 @@ static gneiss_status check_growth(const check *section, const gn_scene *before,
         never_so_pressed(before, scene, e->stress))
         return gn_check_fail(section, "end.stress",
                              "expected at most twice the pressure of the membrane, %g Pa, the only "
-                             "load, found %g Pa: it would never end",
+                             "load, found %g Pa: the stage would never end",
                              largest_pressure(scene), e->stress);
     return GNEISS_OK;
 }

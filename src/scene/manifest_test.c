@@ -36,7 +36,7 @@ static const gn_key test_keys[] = {
            "kind of test, which decides the definitions of stress and strain and the "
            "readings" KINDS_TEXT),
     CHOICE("axis", gn_scene, test.axis, gn_axes_or_none, BY("none"),
-           "direction of loading, in a cut of the motion of the tool; needed by all but "
+           "direction of loading, or of the motion of the tool (cutting); needed by all but "
            "hydrostatic"),
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
           PRESENT(COUNT, gn_scene, test.lower.count), PLACED(gn_scene, test.lower.where),
@@ -73,7 +73,8 @@ static const gn_key test_keys[] = {
          "between the ends along the normal; cutting: path of the means, auto: until the tool "
          "leaves the rock"),
     REAL("area", gn_scene, test.given.area, "m2", GN_AREAS, OR("auto", 0),
-         "area of its section; auto: from the diameter, else the specimen's volume over the length "
+         "area of the section of the specimen; auto: from the diameter, else the specimen's volume "
+         "over the length "
          "(in shear its height)"),
     REAL("diameter", gn_scene, test.given.diameter, "m", GN_LENGTHS, OR("none", 0),
          "diameter of a cylinder; brazilian: of the disc, none: its extent along the axis"),
@@ -119,8 +120,8 @@ static const gn_key membrane_keys[] = {
          "time over which the pressure rises linearly from 0; in a stage that changes the "
          "membrane, from the present pressure since the start of the stage"),
     CHOICE("surface", gn_scene, membrane.surface, surfaces, BY("shape"),
-           "of a specimen with a shape: its whole surface; or the particles that bear the "
-           "pressure, inside it, as for specimens without a shape"),
+           "surface that is loaded. shape: that of the specimen's shape; particles: that of the "
+           "particles, which lies inside it, as for specimens without a shape"),
     CHOICE(
         "faces", gn_scene, membrane.faces, faces, BY("all"),
         "all of the surface, as in a pressure cell; or only the sides, which face across the axis"),

@@ -120,8 +120,8 @@ static bool find_course(const gn_curves *curves, course *c, gn_readings *reading
     if (c->end - c->begin > 0.1 * (cut->end - cut->begin)) return true;
     for (int k = GN_READING_normal_force; k <= GN_READING_specific_energy_removed; k++)
         gn_reading_absent(readings, (gn_reading)k,
-                          "the tool came %.4g m far, means are taken from %.4g m to %.4g m",
-                          reached, cut->begin, cut->end);
+                          "the tool moved %.4g m, means are taken from %.4g m to %.4g m", reached,
+                          cut->begin, cut->end);
     return false;
 }
 
@@ -166,7 +166,7 @@ static void read_energies(const gn_curves *curves, const course *c, gn_readings 
     r->specific_energy_removed = work_of(c) / r->removed_volume;
     if (!(r->removed_volume > 0.0))
         gn_reading_absent(r, GN_READING_specific_energy_removed,
-                          "nothing came off along the path of the means");
+                          "no rock was detached along the path of the means");
 }
 
 static void need_strengths(const gn_cut *cut, bool compressive, gn_reading which, gn_readings *r) {

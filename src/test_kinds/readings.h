@@ -139,8 +139,8 @@
       "peak force along the cut of a chisel (Evans 1962) or a conical pick (Evans 1984)")          \
     X(predicted_peak_goktan, "N", "peak force along the cut of a conical pick (Goktan 1997)")      \
     X(returned_energy, "1",                                                                        \
-      "energy of plane waves in elements outside of zones that travel away from the particles of " \
-      "the first zone at the end, over the energy that was there or has come in")
+      "energy of plane waves that travel away from the particles of the first zone, in elements "  \
+      "outside of zones at the end, over the initial energy and the energy supplied")
 
 #define X(name, unit, text) GN_READING_##name,
 typedef enum gn_reading { GN_READINGS(X) GN_READING_COUNT } gn_reading;
