@@ -23,6 +23,7 @@
 #include "cli/sweep.h"
 #include "conversion/conversion.h"
 #include "io/io.h"
+#include "ranks/program.h"
 #include "run/folder.h"
 #include "run/status.h"
 #include "scene/tree.h"
@@ -160,7 +161,7 @@ static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error
     if (status != GNEISS_OK) return status;
     GN_TRY(gn_print_summary(options, run, error));
     GN_TRY(gn_print_warnings(run, error));
-    if (options->json) {
+    if (options->json && gn_rank_writes()) {
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);
         GN_TRY(gn_read_text_file(path, 1 << 20, &text, error));
@@ -218,7 +219,7 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
             gn_status_write(run, GNEISS_OK, "");
             written = gn_now();
         }
-        if (!*interrupted || run->finished) continue;
+        if (!run->interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
         status = gn_run_checkpoint(run, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
@@ -256,7 +257,7 @@ static gneiss_status check_replacing(const gn_options *options, const gn_scene *
     char folder[GN_PATH_SIZE], text[32];
     GN_TRY(gn_folder_choose(scene, options->out, folder, error));
     double seconds = 0.0;
-    if (options->force) return GNEISS_OK;
+    if (options->force || !gn_rank_writes()) return GNEISS_OK;
     GN_TRY(gn_folder_check(folder, error));
     GN_TRY(gn_folder_finished(folder, &seconds, error));
     if (!(seconds > LONG_RUN)) return GNEISS_OK;
@@ -449,6 +450,19 @@ static gneiss_status command_run_planned(const gn_options *options, gneiss_error
     return command_run_once_or_more(&run, error);
 }
 
+/* Several ranks share one run. Runs of several scenes are processes of their own. */
+static gneiss_status check_ranks(const gn_options *options, gneiss_error *error) {
+    const gn_transport *ranks = gn_transport_now();
+    const bool runs = strcmp(options->command, "run") == 0;
+    if (!ranks || ranks->count == 1 || strcmp(options->command, "resume") == 0) return GNEISS_OK;
+    if (runs && !options->seeds && !options->jobs && !options->dry_run && !(options->error > 0.0))
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected gneiss run of one scene or gneiss resume for several ranks of MPI, "
+                   "found gneiss %s%s",
+                   options->command, runs ? " with --seeds, --jobs, --dry-run or --error" : "");
+}
+
 static gneiss_status command_run_all(const gn_options *options, gneiss_error *error) {
     return options->error > 0.0 ? command_run_planned(options, error)
                                 : command_run_once_or_more(options, error);
@@ -544,6 +558,7 @@ static gneiss_status command_keys(const gn_options *options, gneiss_error *error
 }
 
 static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
+    GN_TRY(check_ranks(options, error));
     if (strcmp(options->command, "run") == 0) return command_run_all(options, error);
     if (strcmp(options->command, "sweep") == 0) return gn_command_sweep(options, error);
     if (strcmp(options->command, "pack") == 0) return gn_command_pack(options, error);
@@ -621,6 +636,7 @@ static void leave(gn_log *log, gneiss_status status, gneiss_error *error) {
     if (status != GNEISS_OK && error->message[0])
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error->message);
     if (!gn_log_end(log, status) && status == GNEISS_OK) status = GNEISS_ERROR_IO;
+    gn_program_end((int)status, error->message);
     finished = true;
     /* HDF5 may hold files that it could not close for lack of memory; its clean-up would fail on
      * them. */
@@ -630,6 +646,7 @@ static void leave(gn_log *log, gneiss_status status, gneiss_error *error) {
 
 int main(int argc, char **argv) {
     spin_briefly(argv);
+    gn_program_begin(&argc, &argv);
     give_back_large_blocks();
     (void)atexit(report_library_exit);
     omp_set_dynamic(

@@ -61,6 +61,8 @@ gneiss_status gn_rim_results(const gn_world *world, gn_h5 *file, gneiss_error *e
 /* Loading creates the part; `path` is named in messages. The boundary is loaded after the
  * particles, and surfaces after everything that has them. */
 gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
+/* Continues as a run that saved its particles, without a file: another rank writes it. */
+void gn_dem_as_saved(const gn_world *world);
 gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
                           gneiss_error *error);
 gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error);

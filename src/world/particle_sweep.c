@@ -10,6 +10,7 @@
 #include "particles/particles.h"
 #include "sched/deal.h"
 #include "world/particle_step.h"
+#include "world/ranks.h"
 #include "world/world.h"
 
 #include <omp.h>
@@ -19,6 +20,7 @@ typedef struct work {
     gn_world *w;
     const gn_contact_args *contacts; /* [GN_LIST_COUNT] */
     const gn_motion_args *motion;
+    const gn_ranks *ranks; /* NULL: all blocks are own ones */
     bool books;
     double mark;
 } work;
@@ -43,6 +45,7 @@ static void work_on_contacts(void *context, int list, size_t block) {
     work *k = context;
     gn_world *w = k->w;
     const gn_contact_args *args = &k->contacts[list];
+    if (k->ranks) block += k->ranks->item_block[list][k->ranks->rank];
     const gn_phase phase = list == GN_LIST_PAIRS ? GN_PHASE_pairs : GN_PHASE_bonds;
     gn_contact_sums *sums = w->dem.list[list].sums;
     size_t length = args->partials->length, count = args->contacts->soa.count;
@@ -61,8 +64,7 @@ static void work_on_contacts(void *context, int list, size_t block) {
 }
 
 /* Walls and motion of a block of particles, whose contacts are done. */
-static void move(void *context, size_t block) {
-    work *k = context;
+static void move_block(work *k, size_t block) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
@@ -73,6 +75,28 @@ static void move(void *context, size_t block) {
     book(k, GN_PHASE_motion);
 }
 
+static void move(void *context, size_t block) {
+    work *k = context;
+    if (!k->ranks || !k->ranks->waits[block]) move_block(k, block);
+}
+
+/* The end of a sweep with ranks: own blocks that awaited rows of others move; then all ranks have
+ * the sums of all blocks. */
+static void join_ranks(gn_world *world, const gn_motion_args *motion, bool booked) {
+    const gn_ranks *ranks = world->ctx.ranks;
+    work first = {world, NULL, motion, ranks, booked, gn_now()};
+    gn_world_take_rows(world);
+    book(&first, GN_PHASE_waiting);
+#pragma omp parallel for schedule(dynamic) num_threads(world->dem.deal.team)
+    for (size_t k = 0; k < ranks->late_count; k++) {
+        work own = {world, NULL, motion, ranks, false, 0.0};
+        move_block(&own, (size_t)ranks->late[k]);
+    }
+    book(&first, GN_PHASE_motion);
+    gn_world_share_step(world);
+    book(&first, GN_PHASE_waiting);
+}
+
 void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
                   const gn_motion_args *motion) {
     static const gn_deal_work blocks = {work_on_contacts, move, waited};
@@ -80,9 +104,10 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
     const bool booked = world->ctx.step % GN_BOOKED == 0;
     gn_deal_begin(&world->dem.deal);
     gn_near_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
+    if (world->ctx.ranks) gn_world_begin_exchange(world);
 #pragma omp parallel num_threads(world->dem.deal.team)
     {
-        work k = {world, contacts, motion, .mark = gn_now()};
+        work k = {world, contacts, motion, .ranks = world->ctx.ranks, .mark = gn_now()};
         k.books = booked && omp_get_thread_num() == 0;
         gn_deal_sweep(&world->dem.deal, 0, &blocks, &k);
         if (booked && omp_get_num_threads() > 1) {
@@ -91,6 +116,7 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
         }
     }
     gn_deal_end(&world->dem.deal, 1, gn_now() - begin);
+    if (world->ctx.ranks) join_ranks(world, motion, booked);
 }
 
 /* Forces on walls were found with the loads. */

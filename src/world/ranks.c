@@ -1,0 +1,179 @@
+#include "world/ranks.h"
+
+#include "base/new.h"
+#include "boundary/boundary.h"
+#include "frame/frame.h"
+#include "particles/active_pairs.h"
+#include "particles/particles.h"
+#include "ranks/ranks.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "world/world.h"
+
+#include <string.h>
+
+/* --- what ranks cannot do --- */
+
+static gneiss_status refuse(const gn_scene *scene, gn_scene_place where, const char *key,
+                            const char *what, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a scene for several ranks of MPI, found %s, which run in a single "
+                   "process only",
+                   gn_scene_at(scene, where, key).text, what);
+}
+
+static gneiss_status check_walls(const gn_scene *s, gneiss_error *error) {
+    char key[64];
+    for (size_t k = 0; k < s->wall_count; k++) {
+        snprintf(key, sizeof key, "walls[%zu].servo", k);
+        if (s->walls[k].servo.active)
+            return refuse(s, s->walls[k].where, key, "walls with a servo", error);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_box(const gn_scene *s, gneiss_error *error) {
+    static const char *const key[] = {"periodic.x", "periodic.y", "periodic.z"};
+    for (int a = 0; a < 3; a++)
+        if (s->box[a].rate.count || s->box[a].stress.count)
+            return refuse(s, s->periodic_where, key[a], "periodic boxes that move", error);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_check_ranks(const gn_scene *s, const gn_ranks *ranks, gneiss_error *error) {
+    if (!ranks) return GNEISS_OK;
+    if (s->has_elements) return refuse(s, s->elements.where, "elements", "finite elements", error);
+    if (s->body_count) return refuse(s, s->bodies[0].where, "bodies", "rigid bodies", error);
+    if (s->has_membrane) return refuse(s, s->membrane.where, "membrane", "membranes", error);
+    if (s->source_count) return refuse(s, s->sources[0].where, "sources", "sources", error);
+    if (s->sink_count) return refuse(s, s->sinks[0].where, "sinks", "sinks", error);
+    if (s->stage_count) return refuse(s, s->time_where, "stages", "stages", error);
+    if (s->confinement == GN_CONFINEMENT_MEAN)
+        return refuse(s, s->law_where, "law.confinement", "bonds under the mean pressure", error);
+    if (s->has_mass_scaling)
+        return refuse(s, s->scaling_where, "time.mass_scaling", "scaled masses", error);
+    if (s->start == GN_START_FIRST_BREAK)
+        return refuse(s, s->start_where, "time.start", "starts at the first break", error);
+    GN_TRY(check_box(s, error));
+    return check_walls(s, error);
+}
+
+/* --- what all ranks know in a step --- */
+
+enum { STEP_PARTS = GN_LIST_COUNT + 5 };
+
+/* Sums of blocks, forces of walls, loads of prescribed particles. */
+static size_t parts_of_step(gn_world *world, gn_rank_part part[STEP_PARTS]) {
+    const gn_ranks *r = world->ctx.ranks;
+    gn_dem *d = &world->dem;
+    gn_boundary *b = &world->boundary;
+    size_t n = 0;
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        part[n++] = (gn_rank_part){d->list[l].sums, sizeof *d->list[l].sums, r->item_block[l], 0};
+    part[n++] = (gn_rank_part){d->motion_sums, sizeof *d->motion_sums, r->block, NULL};
+    if (d->near.on)
+        part[n++] = (gn_rank_part){d->near.count, sizeof *d->near.count,
+                                   r->item_block[GN_LIST_PAIRS], NULL};
+    if (world->ctx.effects & GN_FX_WALLS) {
+        part[n++] = (gn_rank_part){b->sums, sizeof *b->sums, r->block, NULL};
+        part[n++] =
+            (gn_rank_part){b->contacts.row, 8 * sizeof *b->contacts.row, r->wall_contact, NULL};
+    }
+    if (d->prescribed.count)
+        part[n++] = (gn_rank_part){d->prescribed.load, 6 * sizeof *d->prescribed.load,
+                                   r->prescribed_first, r->prescribed};
+    return n;
+}
+
+/* Sorts the slots of prescribed particles by ranks. */
+static gneiss_status list_prescribed(gn_ranks *r, const gn_dem *dem, gneiss_error *error) {
+    size_t n = 0;
+    gn_free(r->prescribed);
+    GN_TRY(gn_new(&r->prescribed, dem->prescribed.count + 1, "prescribed particles", error));
+    for (int k = 0; k < r->count; k++) {
+        for (size_t p = r->particle[k]; p < r->particle[k + 1]; p++)
+            if (dem->particles.slot[p] >= 0) r->prescribed[n++] = dem->particles.slot[p];
+        r->prescribed_first[k + 1] = n;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_share_lists(gn_world *world, gneiss_error *error) {
+    gn_ranks *r = world->ctx.ranks;
+    gn_rank_part part[STEP_PARTS];
+    if (world->ctx.effects & GN_FX_WALLS)
+        for (int k = 0; k <= r->count; k++)
+            r->wall_contact[k] = (size_t)world->boundary.first[r->particle[k]];
+    if (world->dem.prescribed.count) GN_TRY(list_prescribed(r, &world->dem, error));
+    return gn_ranks_reserve(r, part, parts_of_step(world, part), error);
+}
+
+/* --- the whole state --- */
+
+/* Columns that are the same on all ranks, or that the next evaluation fills. */
+static const char *const known[] = {"i", "j", "happened", "released", "row4", "row8", NULL};
+static const char *const known_of_particles[] = {"start",  "ref",  "id",    "material", "group",
+                                                 "bonds0", "slot", "marks", NULL};
+static const char *const known_of_walls[] = {"i", "wall", "row", NULL};
+
+/* Columns of packed pairs are in place on the rank of their block. */
+static void settle_pairs(gn_world *world) {
+    gn_ranks *r = world->ctx.ranks;
+    gn_near *n = &world->dem.near;
+    size_t *bytes = r->range;
+    if (!n->on) return;
+    for (int k = 0; k <= r->count; k++)
+        bytes[k] = r->item_block[GN_LIST_PAIRS][k] * (n->stride / GN_NEAR_GROUP);
+    r->transport->gather(n->act, bytes);
+    gn_near_settle(&world->ctx, &world->dem);
+}
+
+static void gather_all(void *context) {
+    gn_world *world = context;
+    gn_ranks *r = world->ctx.ranks;
+    gn_dem *d = &world->dem;
+    settle_pairs(world);
+    gn_ranks_gather_record(r, &gn_particle_record, &d->particles, r->particle, known_of_particles);
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        const gn_contacts *list = &d->list[l].contacts;
+        const size_t length = d->list[l].partials.length;
+        for (int k = 0; k <= r->count; k++) {
+            const size_t first = r->item_block[l][k] * length;
+            r->range[k] = first < list->soa.count ? first : list->soa.count;
+        }
+        gn_ranks_gather_record(r, &gn_contact_record, list, r->range, known);
+    }
+    if (world->ctx.effects & GN_FX_WALLS)
+        gn_ranks_gather_record(r, &gn_wall_contact_record, &world->boundary.contacts,
+                               r->wall_contact, known_of_walls);
+    r->whole = true;
+}
+
+/* --- a step --- */
+
+void gn_world_begin_exchange(gn_world *world) {
+    gn_ranks *r = world->ctx.ranks;
+    r->gather = gather_all;
+    r->context = world;
+    gn_ranks_begin_step(r);
+}
+
+/* Pairs of other ranks were not searched: none of them is packed here. */
+static void clear_pairs_of_others(const gn_ranks *r, gn_near *near) {
+    const size_t bytes = near->stride / GN_NEAR_GROUP;
+    const size_t *own = r->item_block[GN_LIST_PAIRS] + r->rank;
+    if (!near->on || !near->look) return;
+    memset(near->act, 0, own[0] * bytes);
+    memset(near->act + own[1] * bytes, 0, (near->blocks - own[1]) * bytes);
+}
+
+void gn_world_take_rows(gn_world *world) {
+    clear_pairs_of_others(world->ctx.ranks, &world->dem.near);
+    gn_ranks_exchange_rows(world->ctx.ranks);
+}
+
+void gn_world_share_step(gn_world *world) {
+    gn_rank_part part[STEP_PARTS];
+    gn_ranks_exchange_places(world->ctx.ranks);
+    gn_ranks_share(world->ctx.ranks, part, parts_of_step(world, part));
+}
