@@ -313,15 +313,20 @@ static gneiss_status command_resume(const gn_options *options, gneiss_error *err
     return status;
 }
 
+/* Tells whether several ranks share one run. */
+static bool shares_run(void) {
+    return gn_transport_now() && gn_transport_now()->count > 1;
+}
+
 /* Each of several confinements in a scene is a scene of its own: a problem of one is reported as
  * `run` reports it. */
-static gneiss_status check_confinements(const gn_options *options, gneiss_error *error) {
-    bool several = false;
+static gneiss_status check_confinements(const gn_options *options, bool *several,
+                                        gneiss_error *error) {
     GN_FREED gn_sweep *sweep = NULL;
     GN_TRY(gn_new(&sweep, 1, "a sweep", error));
     GN_TRY(gn_sweep_of_scene(options->target, options->overrides, options->override_count, NULL,
-                             sweep, &several, error));
-    if (several) gn_sweep_free(sweep);
+                             sweep, several, error));
+    if (*several) gn_sweep_free(sweep);
     return GNEISS_OK;
 }
 
@@ -347,11 +352,12 @@ static gneiss_status look(const gn_options *options, bool plan, int *packings,
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
     GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     int warnings = 0;
+    bool several = false;
     char shown[GN_PATH_SIZE];
     GN_TRY(gn_new(&world, 1, "a model", error));
     gn_signals_end_at_once(nothing_lost, NULL);
     GN_TRY(load_scene(options, &scene, error));
-    GN_TRY(check_confinements(options, error));
+    GN_TRY(check_confinements(options, &several, error));
     GN_TRY(gn_pack_ahead(options, scene, error));
     double before = gn_process_time();
     GN_TRY(gn_world_create(scene, world, error));
@@ -368,6 +374,14 @@ static gneiss_status look(const gn_options *options, bool plan, int *packings,
 
 static gneiss_status command_run_once_or_more(const gn_options *options, gneiss_error *error) {
     bool several = false;
+    if (shares_run()) {
+        GN_TRY(check_confinements(options, &several, error));
+        return several ? gn_fail(error, GNEISS_ERROR_INPUT,
+                                 "%.1000s: expected one run for several ranks of MPI, found "
+                                 "several confinements",
+                                 options->target)
+                       : command_run(options, error);
+    }
     GN_TRY(gn_command_several(options, &several, error));
     if (several) return GNEISS_OK;
     if (options->jobs || options->dry_run)
@@ -450,11 +464,10 @@ static gneiss_status command_run_planned(const gn_options *options, gneiss_error
     return command_run_once_or_more(&run, error);
 }
 
-/* Several ranks share one run. Runs of several scenes are processes of their own. */
+/* Runs of several scenes are processes of their own. */
 static gneiss_status check_ranks(const gn_options *options, gneiss_error *error) {
-    const gn_transport *ranks = gn_transport_now();
     const bool runs = strcmp(options->command, "run") == 0;
-    if (!ranks || ranks->count == 1 || strcmp(options->command, "resume") == 0) return GNEISS_OK;
+    if (!shares_run() || strcmp(options->command, "resume") == 0) return GNEISS_OK;
     if (runs && !options->seeds && !options->jobs && !options->dry_run && !(options->error > 0.0))
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,

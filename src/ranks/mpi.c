@@ -135,10 +135,11 @@ void gn_program_begin(int *argc, char ***argv) {
 }
 
 void gn_program_end(int code, const char *message) {
-    enum { PATIENCE = 5 };
+    enum { PATIENCE = 20 };
+    const bool alone = code == GNEISS_ERROR_MEMORY || code == GNEISS_ERROR_IO;
     if (code != 0) {
         (void)fflush(NULL);
-        if (transport.rank > 0) (void)sleep(PATIENCE);
+        if (transport.rank > 0 && !alone) (void)sleep(PATIENCE);
         if (transport.rank > 0 && errors) {
             fprintf(errors, "gneiss: rank %d: %s\n", transport.rank, message);
             (void)fflush(errors);
