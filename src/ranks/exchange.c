@@ -115,12 +115,16 @@ gneiss_status gn_ranks_reserve(gn_ranks *r, const gn_rank_part *part, size_t par
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a message of %zu bytes", size);
 }
 
-void gn_ranks_share(gn_ranks *r, const gn_rank_part *part, size_t parts) {
+void gn_ranks_begin_sharing(gn_ranks *r, const gn_rank_part *part, size_t parts) {
     const size_t size = lay_out(r, part, parts);
     assert(size < r->shared_room);
-    if (size == 0) return;
+    (void)size;
     copy_parts(r, part, parts, r->rank, true);
-    r->transport->gather(r->shared, r->shared_first);
+    r->transport->begin_gather(r->shared, r->shared_first);
+}
+
+void gn_ranks_end_sharing(gn_ranks *r, const gn_rank_part *part, size_t parts) {
+    r->transport->end_gather();
     for (int k = 0; k < r->count; k++)
         if (k != r->rank) copy_parts(r, part, parts, k, false);
 }

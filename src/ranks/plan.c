@@ -3,7 +3,7 @@
 #include "base/new.h"
 #include "ranks/ranks.h"
 
-#include <string.h>
+#include <math.h>
 
 /* --- create, free --- */
 
@@ -23,6 +23,9 @@ gneiss_status gn_ranks_create(gn_ranks **ranks, gneiss_error *error) {
         GN_TRY(gn_new(ranges[k], count + 1, "ranks", error));
     for (int l = 0; l < GN_LISTS_MOST; l++)
         GN_TRY(gn_new(&r->item_block[l], count + 1, "ranks", error));
+    GN_TRY(gn_new(&r->share, count, "ranks", error));
+    GN_TRY(gn_new(&r->busy_of, count, "ranks", error));
+    for (size_t k = 0; k < count; k++) r->share[k] = 1.0 / (double)count;
     return gn_new(&r->peer, count, "ranks", error);
 }
 
@@ -61,8 +64,9 @@ static void free_plan(gn_ranks *r) {
 void gn_ranks_free(gn_ranks *r) {
     if (!r) return;
     free_plan(r);
-    void *blocks[] = {r->block, r->particle,     r->shared,           r->shared_first, r->peer,
-                      r->range, r->wall_contact, r->prescribed_first, r->prescribed};
+    void *blocks[] = {r->block,     r->particle, r->shared,  r->shared_first, r->peer,
+                      r->range,     r->share,    r->busy_of, r->wall_contact, r->prescribed_first,
+                      r->prescribed};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     for (int l = 0; l < GN_LISTS_MOST; l++) gn_free(r->item_block[l]);
     gn_free(r);
@@ -99,12 +103,30 @@ static double work_before(const gn_deal_list *list, int lists, size_t particles)
     return work;
 }
 
-/* Divides the blocks of particles so that the ranks have equal work. */
+/* Moves the shares towards equal times, by what the ranks took for theirs since the last plan. */
+static void follow_pace(gn_ranks *r) {
+    static const double pace = 0.5, most = 1.5;
+    double *busy = r->busy_of, sum = 0.0, shares = 0.0;
+    for (int k = 0; k <= r->count; k++) r->range[k] = (size_t)k * sizeof *busy;
+    busy[r->rank] = r->busy;
+    r->busy = 0.0;
+    r->transport->gather(busy, r->range);
+    for (int k = 0; k < r->count; k++) sum += busy[k];
+    for (int k = 0; k < r->count; k++) {
+        const double ratio = busy[k] > 0.0 ? sum / r->count / busy[k] : 1.0;
+        r->share[k] *= 1.0 + pace * (fmin(most, fmax(1.0 / most, ratio)) - 1.0);
+        shares += r->share[k];
+    }
+    for (int k = 0; k < r->count; k++) r->share[k] /= shares;
+}
+
+/* Divides the blocks of particles so that the ranks have their shares of the work. */
 static void cut(gn_ranks *r, const gn_deal_list *list, int lists, size_t blocks) {
     const double all = work_before(list, lists, blocks);
+    double share = 0.0;
     size_t at = 0;
-    for (int k = 0; k <= r->count; k++) {
-        const double wanted = all * k / r->count;
+    for (int k = 0; k <= r->count; share += k < r->count ? r->share[k] : 0.0, k++) {
+        const double wanted = all * share;
         while (at < blocks && work_before(list, lists, at + 1) <= wanted) at++;
         if (k == r->count) at = blocks;
         r->block[k] = at;
@@ -286,6 +308,7 @@ gneiss_status gn_ranks_plan(gn_ranks *r, const gn_particles *particles, gn_deal_
                             int lists, gneiss_error *error) {
     const size_t blocks = (particles->soa.count + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
     free_plan(r);
+    follow_pace(r);
     r->particles = particles->soa.count;
     r->lists = lists;
     for (int l = 0; l < lists; l++) r->partials[l] = list[l].partials;

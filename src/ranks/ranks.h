@@ -48,6 +48,9 @@ typedef struct gn_ranks {
     void (*gather)(void *context);
     void *context;
 
+    double *share;                     /* [count] wanted shares of the work, sum 1 */
+    double busy;                       /* s of processor time in sweeps since the last plan */
+    double *busy_of;                   /* [count] those of all ranks */
     size_t particles;                  /* number of particles, removed ones included */
     size_t *block;                     /* [count + 1] first block of particles of each rank */
     size_t *particle;                  /* [count + 1] first particle of each rank */
@@ -70,7 +73,7 @@ typedef struct gn_ranks {
     gn_messages *rows_out, *rows_in, *places_out, *places_in;
     int32_t *seen; /* [particles + 1] scratch of the plan */
 
-    unsigned char *shared; /* buffer of gn_ranks_share */
+    unsigned char *shared; /* buffer of gn_ranks_begin_sharing */
     size_t shared_room;
     size_t *shared_first; /* [count + 1] */
     size_t *range;        /* [count + 1] scratch */
@@ -104,11 +107,12 @@ typedef struct gn_rank_part {
     const int32_t *item; /* places of the items in `data`; NULL: they are consecutive */
 } gn_rank_part;
 
-/* gn_ranks_share gives the items of all parts to all ranks, in one message; gn_ranks_reserve
- * allocates its buffer. */
+/* Gives the items of all parts to all ranks, in one message between begin and end;
+ * gn_ranks_reserve allocates its buffer. */
 gneiss_status gn_ranks_reserve(gn_ranks *ranks, const gn_rank_part *part, size_t parts,
                                gneiss_error *error);
-void gn_ranks_share(gn_ranks *ranks, const gn_rank_part *part, size_t parts);
+void gn_ranks_begin_sharing(gn_ranks *ranks, const gn_rank_part *part, size_t parts);
+void gn_ranks_end_sharing(gn_ranks *ranks, const gn_rank_part *part, size_t parts);
 /* Gives the rows of a record to all ranks: each knows items [first[rank], first[rank + 1]). Fields
  * named in `but`, a list that ends with NULL, are left out. */
 void gn_ranks_gather_record(gn_ranks *ranks, const gn_record *record, const void *soa,

@@ -81,17 +81,19 @@ static void move(void *context, size_t block) {
 }
 
 /* The end of a sweep with ranks: own blocks that awaited rows of others move; then all ranks have
- * the sums of all blocks. */
-static void join_ranks(gn_world *world, const gn_motion_args *motion, bool booked) {
-    const gn_ranks *ranks = world->ctx.ranks;
+ * the sums of all blocks. `worked`: s of processor time of this thread in the sweep. */
+static void join_ranks(gn_world *world, const gn_motion_args *motion, bool booked, double worked) {
+    gn_ranks *ranks = world->ctx.ranks;
     work first = {world, NULL, motion, ranks, booked, gn_now()};
     gn_world_take_rows(world);
     book(&first, GN_PHASE_waiting);
+    const double before = gn_thread_time();
 #pragma omp parallel for schedule(dynamic) num_threads(world->dem.deal.team)
     for (size_t k = 0; k < ranks->late_count; k++) {
         work own = {world, NULL, motion, ranks, false, 0.0};
         move_block(&own, (size_t)ranks->late[k]);
     }
+    ranks->busy += worked + gn_thread_time() - before;
     book(&first, GN_PHASE_motion);
     gn_world_share_step(world);
     book(&first, GN_PHASE_waiting);
@@ -105,6 +107,7 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
     gn_deal_begin(&world->dem.deal);
     gn_near_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
     if (world->ctx.ranks) gn_world_begin_exchange(world);
+    const double worked = world->ctx.ranks ? gn_thread_time() : 0.0;
 #pragma omp parallel num_threads(world->dem.deal.team)
     {
         work k = {world, contacts, motion, .ranks = world->ctx.ranks, .mark = gn_now()};
@@ -116,7 +119,7 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
         }
     }
     gn_deal_end(&world->dem.deal, 1, gn_now() - begin);
-    if (world->ctx.ranks) join_ranks(world, motion, booked);
+    if (world->ctx.ranks) join_ranks(world, motion, booked, gn_thread_time() - worked);
 }
 
 /* Forces on walls were found with the loads. */

@@ -173,7 +173,10 @@ void gn_world_take_rows(gn_world *world) {
 }
 
 void gn_world_share_step(gn_world *world) {
+    gn_ranks *r = world->ctx.ranks;
     gn_rank_part part[STEP_PARTS];
-    gn_ranks_exchange_places(world->ctx.ranks);
-    gn_ranks_share(world->ctx.ranks, part, parts_of_step(world, part));
+    const size_t parts = parts_of_step(world, part);
+    gn_ranks_begin_sharing(r, part, parts);
+    gn_ranks_exchange_places(r);
+    gn_ranks_end_sharing(r, part, parts);
 }
