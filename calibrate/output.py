@@ -8,10 +8,12 @@ import yaml
 
 from calibrate import laws, report, strength, uncertainty
 from calibrate.targets import FREE
+from calibrate.material import is_linear
 from calibrate.readings import main_test, strength_of
 from calibrate.simulate import write_whole
 
 PHYSICAL = {"poisson_ratio": (0.0, 0.5), "friction_angle": (0.0, 90.0)}  # ranges of readings; of all others: above 0
+CHANGE = 0.1  # change of a logarithm (of bond_friction: of itself) in sentences on undetermined combinations
 FILES = ("calibration.json", "calibrated.yaml", "report.html")
 # Scene key: parameters whose scaled coordinates add up to that of the key, with their signs.
 ORIGINS = {
@@ -70,19 +72,41 @@ def found_of(result):
     return found
 
 
+def change_text(name, change):
+    """Words for a change of a parameter in scaled coordinates."""
+    amount = f"{abs(change):.2g}" if is_linear(name) else f"{100.0 * abs(math.expm1(change)):.2g} %"
+    return f"{name} is {amount} {'larger' if change > 0.0 else 'smaller'}"
+
+
+def undetermined_notes(result, parameters):
+    """Sentences on combinations of parameters that the targets do not determine, and on keys whose intervals are the ranges that were given.
+    `parameters`: those of `parameters_of`."""
+    notes = []
+    for one in uncertainty.undetermined(result.search, result.evaluation, result.slopes):
+        changes = [change_text(name, CHANGE * change) for name, change in sorted(one.items(), key=lambda pair: -abs(pair[1]))]
+        notes.append(f"not determined by the targets: to first order none of them changes if {', '.join(changes[:-1])}{' and ' * (len(changes) > 1)}{changes[-1]}")
+    ranges = result.material.request.parameters
+    whole = [name for name in ranges if (parameters[name]["interval"] or [None]) == list(ranges[name][:2])]
+    if whole:
+        notes.append(f"the targets leave the whole range that was given for {', '.join(whole)}")
+    return notes
+
+
 def document(request, laboratory, result, tried):
     """All of calibration.json."""
     law, free = result.material.law, result.search.free
     few = ["intervals need at least three packings"] if len(request.seeds) < uncertainty.LEAST else []
     path = [{"parameters": step.parameters, "packings": len(step.values), "found": {name: finite(step.mean(name)) for name in request.targets}}
             for step in result.search.steps]
-    other = None
+    other, parameters = None, parameters_of(result)
     if result.other:
         other = {"test": result.other[0].name, "strengths": finite(result.other[1]), "unit": "Pa"}
     return {"version": laboratory.version, "title": request.title, "law": laws.label(law), "law_text": law.text if law else "", "tried": tried,
-            "reached": result.reached, "notes": result.notes + few, "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
-            "seeds": request.seeds, "parameters": parameters_of(result), "found": found_of(result), "other_test": other,
+            "reached": result.reached, "notes": result.notes + few + undetermined_notes(result, parameters), "runs": len(laboratory.used), "cpu_seconds": sum(laboratory.seconds.values()),
+            "seeds": request.seeds, "parameters": parameters, "found": found_of(result), "other_test": other,
             "covariance": {"of": free, "coordinates": "logarithms; bond_friction itself", "packings": len(result.evaluation.values),
+                           "values": [result.evaluation.parameters[name] for name in free],
+                           "limits": [finite(result.search.limits[name]) for name in free],
                            "region": finite(uncertainty.region(len(free), len(result.evaluation.values))),
                            "matrix": None if result.covariance is None else finite(result.covariance.tolist())},
             "slopes": {"of": result.search.names, "over": free, "matrix": finite(result.slopes.tolist())}, "path": path}

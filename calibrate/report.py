@@ -12,8 +12,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402 (after the choice of its backend)
 
 from calibrate import uncertainty  # noqa: E402
+from calibrate.material import is_linear  # noqa: E402
 from report_page import STYLE, escape, table  # noqa: E402 (of the pages of runs)
 
+WIDE = 20.0  # largest over smallest value of a region from which its axis is logarithmic
 ACCENT, INK, SOFT = "#c8402f", "#22303c", "#9aa7b0"
 
 
@@ -63,36 +65,49 @@ def path_picture(whole):
 
 
 def ellipse(covariance, pair, quantile):
-    """Points of the ellipse of two parameters where d' Cov^-1 d is the quantile."""
+    """Points of the ellipse of two parameters where d' Cov^-1 d is the quantile, in the coordinates of the covariance."""
     part = np.array(covariance)[np.ix_(pair, pair)]
     values, vectors = np.linalg.eigh(part)
     angle = np.linspace(0.0, 2.0 * math.pi, 100)
     return vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * math.sqrt(quantile) * np.array([np.cos(angle), np.sin(angle)]))
 
 
+def region_values(covariance, index, differences):
+    """Values of a parameter within its limits, from differences of its coordinate: over the found value, and so above 0 as the parameter is, where the
+    coordinate is a logarithm."""
+    name, value, limits = (covariance[key][index] for key in ("of", "values", "limits"))
+    if is_linear(name):
+        return np.clip(value + differences, *limits)
+    return np.exp(np.clip(differences, *np.log(np.array(limits) / value)))
+
+
 def pairs_picture(whole):
-    """Ellipses of all pairs of parameters; None with fewer than two, or without a covariance."""
-    names, matrix = whole["covariance"]["of"], whole["covariance"]["matrix"]
+    """Regions of all pairs of parameters; None with fewer than two, or without a covariance."""
+    covariance = whole["covariance"]
+    names, matrix = covariance["of"], covariance["matrix"]
     if matrix is None or len(names) < 2 or any(None in row for row in matrix):
         return ""
-    size, quantile = len(names) - 1, uncertainty.region(2, whole["covariance"]["packings"])
+    size, quantile = len(names) - 1, uncertainty.region(2, covariance["packings"])
     if math.isinf(quantile):
         return ""
     figure, axes = plt.subplots(size, size, figsize=(2.0 * size + 1.0, 2.0 * size + 0.6), squeeze=False)
     for row in range(size):
         for column in range(size):
+            ax, pair = axes[row, column], (column, row + 1)
             if column > row:
-                axes[row, column].axis("off")
+                ax.axis("off")
                 continue
-            x, y = 100.0 * ellipse(matrix, [column, row + 1], quantile)
-            axes[row, column].plot(x, y, color=INK)
-            axes[row, column].plot(0, 0, "+", color=ACCENT)
-            axes[row, column].tick_params(labelsize=7)
-            if row == size - 1:
-                axes[row, column].set_xlabel(f"{names[column]}, %", fontsize=8)
-            if column == 0:
-                axes[row, column].set_ylabel(f"{names[row + 1]}, %", fontsize=8)
-    return embedded(figure, "95 % ellipses of pairs of parameters, in per cent of their values (of bond_friction in hundredths).")
+            points = [region_values(covariance, k, one) for k, one in zip(pair, ellipse(matrix, pair, quantile))]
+            ax.plot(*points, color=INK)
+            ax.plot(*(region_values(covariance, k, 0.0) for k in pair), "+", color=ACCENT)
+            for k, one, side, shown in zip(pair, points, "xy", (row == size - 1, column == 0)):
+                if not is_linear(names[k]) and max(one) > WIDE * min(one):
+                    ax.set(**{side + "scale": "log"})
+                    getattr(ax, side + "axis").set_major_formatter("{x:g}")
+                if shown:
+                    ax.set(**{side + "label": names[k] + ("" if is_linear(names[k]) else " over found")})
+            ax.tick_params(labelsize=7)
+    return embedded(figure, "95 % regions of pairs of parameters, within their limits: ellipses of logarithms (of bond_friction, of its values).")
 
 
 def curves_picture(curves):

@@ -2,7 +2,7 @@
 import math
 
 import numpy as np
-from scipy import stats
+from scipy import linalg, stats
 
 from calibrate import elastic
 from calibrate.material import scaled, unscaled
@@ -12,6 +12,7 @@ NORMAL = stats.norm.ppf(0.5 + 0.5 * LEVEL)  # error budgets of runs are errors i
 DIFFERENCE = {"chi": 0.25, "bond_friction": 0.3, "ratio": 0.1}  # steps of finite differences, in scaled coordinates
 OF_A_KEY = 0.25  # step for all other parameters
 LEAST = 3             # packings of an interval: the quantile of two is 12.7
+NEGLIGIBLE = 0.01     # smallest change that is listed of a combination whose largest is about 1
 SMALLEST_SLOPE = 1e-4  # smallest slope relative to the largest: a parameter with a smaller effect on readings is not determined
 
 
@@ -77,14 +78,36 @@ def _elastic_slopes(search, evaluation, seeds, slopes, column):
             slopes[search.names.index(name), column] = change / DIFFERENCE["ratio"]
 
 
+def sensitivity(search, evaluation, slopes):
+    """(indices of outputs, indices of parameters, weights of the outputs, weighted slopes [outputs, parameters]) without outputs that are absent or given
+    up and without parameters at a bound."""
+    away = search.given_up(evaluation)
+    present = [k for k, name in enumerate(search.names) if evaluation.mean(name) is not None and name not in away]
+    moving = [k for k, name in enumerate(search.free) if not search.ends_at(evaluation.parameters[name], name)]
+    weight = search.weights()[present]
+    return present, moving, weight, weight[:, None] * slopes[np.ix_(present, moving)]
+
+
+def undetermined(search, evaluation, slopes):
+    """[{parameter: change in scaled coordinates}]: combinations of parameters that no output depends on to first order, the null space of the slopes. Each
+    has the change 1 in a parameter that the others leave as it is, chosen by a QR decomposition with pivots; changes below NEGLIGIBLE are left out."""
+    _, moving, _, matrix = sensitivity(search, evaluation, slopes)
+    if not moving:
+        return []
+    basis = linalg.null_space(matrix, rcond=SMALLEST_SLOPE) if len(matrix) else np.eye(len(moving))
+    if not basis.size:
+        return []
+    pivots = linalg.qr(basis.T, mode="r", pivoting=True)[1][:basis.shape[1]]
+    changes = basis @ np.linalg.inv(basis[pivots])
+    return [{search.free[moving[k]]: float(change) for k, change in enumerate(one) if abs(change) > NEGLIGIBLE} for one in changes.T]
+
+
 def covariance(search, evaluation, slopes):
     """Covariance of the parameters in scaled coordinates, J^-1 (S/P + E) J^-T: S that of the outputs over P packings, E the squares of what
     all packings share: errors of the test, and the distance that is left to the targets. With more outputs than parameters J^-1 is that of the
     weighted least squares of the search. Parameters at a bound count as given, and outputs that they keep from their targets are left out. A
     parameter that no output determines has an infinite variance. None if nothing is left."""
-    away = search.given_up(evaluation)
-    present = [k for k, name in enumerate(search.names) if evaluation.mean(name) is not None and name not in away]
-    moving = [k for k, name in enumerate(search.free) if not search.ends_at(evaluation.parameters[name], name)]
+    present, moving, weight, matrix = sensitivity(search, evaluation, slopes)
     names = [search.names[k] for k in present]
     if not names or not moving:
         return None
@@ -96,12 +119,10 @@ def covariance(search, evaluation, slopes):
         error = evaluation.errors.get(name, 0.0) / NORMAL
         left = scaled(name, value) - scaled(name, search.targets[name].value)
         scatter[k, k] += (error if scaled(name, 1.0) == 1.0 else error / value)**2 + left**2
-    weight = search.weights()[present]
-    matrix = weight[:, None] * slopes[np.ix_(present, moving)]
     inverse = np.linalg.pinv(matrix, rcond=SMALLEST_SLOPE) * weight
     found = inverse @ scatter @ inverse.T
-    undetermined = np.linalg.norm(np.eye(len(moving)) - np.linalg.pinv(matrix, rcond=SMALLEST_SLOPE) @ matrix, axis=0) > 1e-6
-    found[undetermined, :] = found[:, undetermined] = math.inf
+    unknown = np.linalg.norm(np.eye(len(moving)) - np.linalg.pinv(matrix, rcond=SMALLEST_SLOPE) @ matrix, axis=0) > 1e-6
+    found[unknown, :] = found[:, unknown] = math.inf
     whole = np.zeros((len(search.free),) * 2)
     whole[np.ix_(moving, moving)] = found
     return whole

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import output, readings, simulate, specimens, targets, uncertainty  # noqa: E402
+from calibrate import output, readings, report, simulate, specimens, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -171,6 +171,17 @@ def keys_of_the_material_are_found_from_a_measured_curve(folder):
     strain, stress = curve_of(os.path.join(folder, "again"))
     for (name, one), at in zip(whole["found"].items(), np.linspace(0, end, 9)[1:]):
         assert abs(one["value"] - np.interp(at, strain, stress) / max(y for _, y in measured)) < 1e-6, (name, one, at)
+
+
+@fact
+def a_combination_of_keys_that_the_targets_do_not_determine_is_named(folder):
+    base_scene(folder)
+    out, done = calibrated(folder, "scene: base.yaml\nseeds: 1\nbudget: 12\nparameters: {contact_modulus: [5 GPa, 60 GPa], kratio: [1, 20]}\n"
+                                   "targets: {young_modulus: 20 GPa}\n")
+    said = r"not determined by the targets: to first order none of them changes if kratio is 11 % larger and contact_modulus is ([\d.]+) % larger"
+    assert re.search(said, done.stdout) and calibration(out)["reached"], done.stdout
+    # Uniform strain: d ln E over d ln (k_t/k_n) is 0.18 at k_t/k_n 0.2, so that 10 % in the one are balanced by about 2 % in the other.
+    assert 1.0 <= float(re.search(said, done.stdout)[1]) <= 3.0, done.stdout
 
 
 @plain_fact
@@ -445,6 +456,21 @@ def a_parameter_that_no_reading_determines_has_no_interval(_):
     assert 0.0 < matrix[0, 0] < 0.02**2, matrix
     assert np.isinf(uncertainty.variance_of(matrix, np.array([1.0, 1.0])))
     assert uncertainty.interval_of("chi", 1.0, uncertainty.variance_of(matrix, np.array([0.0, 1.0])), 5) == [0.0, np.inf]
+    assert uncertainty.undetermined(one, one, one.slopes) == [{"chi": 1.0}]
+    for slopes, expected in (([[1.0, 0.35], [1.0, -0.02]], []), ([[1.0, 0.25], [1.0, 0.25]], [{"tension": -0.25, "chi": 1.0}]),
+                             ([[0.0, 0.0], [0.0, 0.0]], [{"tension": 1.0}, {"chi": 1.0}])):
+        found = uncertainty.undetermined(one, one, np.array(slopes))
+        assert [sorted((name, round(change, 9)) for name, change in each.items()) for each in found] == [sorted(each.items()) for each in expected], (slopes, found)
+
+
+@plain_fact
+def regions_of_parameters_stay_within_what_these_can_be(_):
+    shape = report.ellipse([[0.01, 0.0], [0.0, 4.0]], [0, 1], uncertainty.region(2, 3))  # three packings: 2 (2/1) F(2, 1) = 798
+    assert abs(shape[0].max() / (0.1 * 798.0**0.5) - 1.0) < 2e-3 and shape[1].min() < -50.0, shape
+    covariance = {"of": ["chi", "bond_friction"], "values": [2.0, 0.5], "limits": [[0.3, 10.0], [0.0, 4.0]]}
+    chi, friction = (report.region_values(covariance, k, shape[1]) for k in (0, 1))
+    assert np.allclose([chi.min(), chi.max(), friction.min(), friction.max()], [0.15, 5.0, 0.0, 4.0]), (chi, friction)
+    assert np.allclose(report.region_values(covariance, 0, np.array([-0.1, 0.0, 0.1])), np.exp([-0.1, 0.0, 0.1])), "small ones are as they are"
 
 
 if __name__ == "__main__":

@@ -139,7 +139,7 @@ def plan_converts_what_is_loaded_most_where_no_limit_is_reached(folder):
 
 
 # Waves at 1754 m/s travel along it in 68 us; at 0.2 m/s the first of them causes 2.7 MPa.
-@fact
+@plain_fact
 def plan_says_where_waves_come_first(folder):
     for speed, first_time in (("0.5 mm/s", 10e-3), ("0.2 m/s", 0.0126e-3)):
         first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", speed) + "time: {end: 15 ms}\n"))

@@ -161,9 +161,10 @@ def the_report_is_where_the_program_looks_for_it(place):
     for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), "tools")):
         if re.fullmatch(r"report.*\.py", name):
             assert os.path.exists(os.path.join(os.path.dirname(script), name)), f"{name} is not installed"
-    for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), "calibrate")):
-        if name.endswith(".py"):
-            assert os.path.exists(os.path.join(os.path.dirname(script), "calibrate", name)), f"calibrate/{name} is not installed"
+    for folder in ("calibrate", "convert"):
+        for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), folder)):
+            if name.endswith(".py"):
+                assert os.path.exists(os.path.join(os.path.dirname(script), folder, name)), f"{folder}/{name} is not installed"
     done = subprocess.run([program, "report", place.root], capture_output=True, text=True, timeout=100)
     assert done.returncode == 2 and "results.h5" in done.stderr, (done.returncode, done.stderr)
 

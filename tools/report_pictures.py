@@ -100,15 +100,20 @@ class Specimen:
         within = [m for m in middles if self.lower[2] < m < self.upper[2]]
         return float(within[0]) if within else self.middle[2]
 
+    def displacement_quantiles(self):
+        """quantiles of displacements: of the particles that a bond still holds, if there are any, as chips fly far."""
+        held = self.damage < 1 if self.damage is not None and self.has_bonds else np.ones(len(self.moved), bool)
+        return quantiles(self.moved[held] if held.any() else self.moved, "m")
+
     def displacement_scale(self):
         """(factor, unit, top of the colours)."""
-        factor, unit, norm = quantiles(self.moved, "m")
+        factor, unit, norm = self.displacement_quantiles()
         return factor, unit, norm.vmax
 
     def colorings(self):
         """Returns (title, values, colour map, norm, label of the colour bar): damage of bonded particles, heights of
         a bed under a body, speeds of freely moving particles, and displacements."""
-        factor, unit, norm = quantiles(self.moved, "m")
+        factor, unit, norm = self.displacement_quantiles()
         result = [("Displacement", self.moved / factor, plt.cm.viridis, norm, f"displacement [{unit}]")]
         if self.damage is not None and self.has_bonds:
             result.insert(0, ("Damage", self.damage, DAMAGE, Normalize(0, 1), "damage, broken / initial bonds [1]"))

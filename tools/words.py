@@ -22,6 +22,7 @@ CLEAN = [
     "CONTRIBUTING.md",
     "tools",
     "calibrate",
+    "convert",
     "docs",
     "bench",
     "examples",
@@ -87,7 +88,7 @@ RETIRED = {
 }
 RETIRED = {re.compile(rf"\b({words})\b".replace(" ", r"\s+"), re.I): instead for words, instead in RETIRED.items()}
 
-FOLDERS = ("src", "include", "bench", "tests", "tools", "calibrate", "validate", "examples", "scenes", "docs")
+FOLDERS = ("src", "include", "bench", "tests", "tools", "calibrate", "convert", "validate", "examples", "scenes", "docs")
 KINDS = {".c": "c", ".h": "c", ".cpp": "c", ".in": "c", ".py": "python", ".md": "page", ".build": "hash", ".sh": "hash",
          ".yaml": "hash", ".txt": "hash", "": "hash"}
 WIDTH = 160  # characters of a line of Markdown

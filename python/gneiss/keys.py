@@ -48,7 +48,7 @@ class Scene(TypedDict, total=False):
 _Specimen = TypedDict('_Specimen', {'from': 'str'}, total=False)
 
 class Specimen(_Specimen, total=False):
-    file: str  # file: text file of rows x y z r (2D: x y r); relative to the folder of the scene
+    file: str  # file: text file of rows x y z r (2D: x y r), or of columns that its header names (id, material, group, density, velocities; units); relative to the folder of the scene
     from_velocities: Literal['rest', 'keep']  # velocities of particles from another run: kept, or zero (default keep)
     from_bonds: Literal['none', 'keep']  # keep: intact bonds of the other run are taken over with their stress-free lengths; none: bonds form by the section bonds (default none)
     scale: Number  # number, in [1e-12, 1e12]: lengths in the file, surface or mesh times this give metres (default 1)

@@ -47,7 +47,7 @@ static double or_none(double value) {
     return isnan(value) ? 0.0 : value;
 }
 
-/* Coefficient and exponent of a power law were fitted about the reference, where their errors are
+/* Coefficient and exponent of a power law were fitted about the reference, so that their errors are
  * independent. */
 double gn_slope_error_at(const gn_slope *slope, double group) {
     double coefficient = or_none(slope->coefficient_error),
@@ -124,7 +124,7 @@ double gn_causes_without_scatter(const gn_error_causes *causes) {
 
 /* --- laws --- */
 
-/* Two standard errors in addition to the bias. */
+/* Returns two standard errors, which are added to the bias. */
 static double width(const gn_slope *law, double group) {
     return hypot(gn_slope_at(law, group), 2.0 * gn_slope_error_at(law, group));
 }
@@ -141,7 +141,7 @@ static bool add_bias(gn_error_causes *causes, const gn_test_groups *groups, cons
     return true;
 }
 
-/* Adds two standard deviations of the mean over the packings, `more` times the law. */
+/* Adds two standard deviations of the mean over the packings: those of the law times `more`. */
 static void add_scatter(gn_error_causes *causes, const gn_test_groups *groups, const char *reading,
                         const char *effect, const char *name, double group, double more) {
     const gn_slope *law = gn_slope_find(groups->floors, reading, effect, true);
@@ -151,8 +151,8 @@ static void add_scatter(gn_error_causes *causes, const gn_test_groups *groups, c
     gn_causes_add(causes, name, 2.0 * deviation / sqrt(fmax(1.0, groups->packings)), false);
 }
 
-/* Returns the scatter of many packings of one size over that of the law, which has five packings of
- * each size; with these bonds if they were studied. */
+/* Returns the ratio of the scatter over many packings of one size to that of the law, which has
+ * five packings of each size; for these bonds if they were studied. */
 static double of_many(const gn_test_groups *groups, const char *reading) {
     char quantity[96];
     double ratio = NAN;
@@ -165,7 +165,7 @@ static double of_many(const gn_test_groups *groups, const char *reading) {
     return isfinite(ratio) ? fmax(1.0, ratio) : 1.0;
 }
 
-/* In planar cases the scatter is a power law of 1/particles. */
+/* Returns the group of the packing; in planar cases the scatter is a power law of 1/particles. */
 static double packing_group(const gn_test_groups *groups, const char *reading,
                             const char **effect) {
     *effect = "particles";
@@ -174,10 +174,11 @@ static double packing_group(const gn_test_groups *groups, const char *reading,
     return groups->particles;
 }
 
-/* --- model choices, which are no errors --- */
+/* --- model choices, which are not errors --- */
 
-/* A reading that does not converge with the number of particles has no error, only a drift; neither
- * has a converging one, as contacts are calibrated for a number of particles. */
+/* Adds a note about the number of particles. A reading that does not converge with it has no error,
+ * only a drift; a reading that converges has no error either, because contacts are calibrated for a
+ * number of particles. */
 static void note_size(gn_error_causes *causes, const gn_test_groups *groups, const char *reading) {
     const double converged = 0.05;
     const gn_slope *law = gn_slope_find(groups->study, reading, "size", false);
@@ -230,8 +231,9 @@ static void predict_particles(const gn_test_groups *groups, const char *reading,
     note_damping(causes, groups, reading);
 }
 
-/* Loads and supports are nodes, under which the deflection of a continuum diverges (Flamant):
- * measured on two beams of other sizes than the study's (docs/evidence/planner.md). */
+/* Adds a note about loads and supports at single nodes, under which the deflection of a continuum
+ * diverges (Flamant): measured on two beams of other sizes than the study's
+ * (docs/evidence/planner.md). */
 static void note_points(gn_error_causes *causes, const gn_test_groups *groups,
                         const char *reading) {
     if (strcmp(groups->study, "notched-elements") != 0 || strcmp(reading, "stiffness") != 0) return;
@@ -269,7 +271,7 @@ bool gn_causes_predict(const gn_test_groups *groups, const char *reading, gn_err
 
 /* --- ends --- */
 
-/* Mean over the parts of an end. */
+/* Returns the mean over the parts of an end. */
 static double end_of(const gn_scene *scene, const gn_test_end *end, double time, bool path) {
     double sum = 0.0;
     for (size_t k = 0; k < end->count; k++) {
@@ -291,7 +293,7 @@ double gn_test_closing(const gn_scene *scene, double time) {
     return apart(scene, time, false);
 }
 
-/* Tables are linear between points, so that the largest value is at one of them. */
+/* Tables are linear between points, so that the largest value is at a point. */
 static double fastest_at_points(const gn_scene *scene, const gn_test_end *end, double fastest) {
     for (size_t k = 0; k < end->count; k++) {
         const gn_motion *motion = gn_scene_end_motion(scene, end->name[k]);
@@ -320,7 +322,7 @@ double gn_test_bulk_density(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- particles --- */
 
-/* Counts particles over the shortest side across the axis of the test. */
+/* Returns the number of particles along the shortest side across the axis of the test. */
 static double particles_across(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double shortest = INFINITY, radii = 0.0;
@@ -343,8 +345,8 @@ static double damping_of(const gn_scene *scene) {
     return -1.0;
 }
 
-/* Returns the law of bonds whose packings the study has (validate/accuracy/scatter.py): all uniform
- * laws count as mean_radius, and both laws by area as dempack. */
+/* Returns the law of bonds whose packings the study covers (validate/accuracy/scatter.py): all
+ * uniform laws count as mean_radius, and both laws by area as dempack. */
 static const char *bonds_of(const gn_scene *scene) {
     switch (scene->stiffness) {
     case GN_STIFFNESS_HARMONIC:
@@ -382,7 +384,7 @@ static const char *cover_particles(const gn_step_context *ctx, const gn_dem *dem
     if (plane && scene->specimen.pack.shape == GN_SHAPE_DISC && crushed)
         return "the study predicts no peak of a Brazilian disc";
     groups->study = d->study;
-    /* Discs scatter more than spheres, above all in compression. */
+    /* Discs scatter more than spheres, particularly in compression. */
     groups->floors = !plane ? groups->study : crushed ? "compression-plane" : "brazilian";
     groups->bonds = bonds_of(scene);
     groups->particles = (double)dem->particles.soa.count;

@@ -4,7 +4,7 @@
 
 #include "base/effects.h"
 
-/* X(name of the field, effects that it needs, what is missing in a scene without these effects) */
+/* X(name of the field, effects that it requires, what a scene without these effects lacks) */
 #define GN_ASKED_FIELDS(X)                                                                         \
     X(spin, GN_FX_ROTATION, "particles that rotate (law.rotation)")                                \
     X(group, 0, "")                                                                                \
@@ -24,7 +24,7 @@ enum { GN_ASKED_FIELDS(X) GN_ASKED_COUNT };
 #undef X
 #define GN_ASKED(name) (1u << GN_ASKED_INDEX_##name)
 
-/* The fields whose output needs one more evaluation of all contact forces. */
+/* The fields that require one more evaluation of all contact forces. */
 enum {
     GN_ASKED_LOADS = GN_ASKED(total_force) | GN_ASKED(total_moment) | GN_ASKED(damping_force) |
                      GN_ASKED(damping_moment)

@@ -1,6 +1,6 @@
-/* Effects that a scene can request. A scene resolves to a mask of effects: fields without an active
+/* Effects that a scene can request. A scene results in a mask of effects: fields without an active
  * effect are not allocated, passes without one are skipped, and the kernel is chosen that has only
- * the active ones. `gneiss plan` prints the mask. One list drives the enum, the names and the
+ * the active ones. `gneiss plan` prints the mask. One list generates the enum, the names and the
  * texts. */
 #ifndef GN_BASE_EFFECTS_H
 #define GN_BASE_EFFECTS_H
@@ -57,10 +57,10 @@ typedef enum gn_effect_index {
         GN_EFFECT_COUNT
 } gn_effect_index;
 
-/* Effects that a build leaves out (the option `without` of meson), as bits. Their constants are 0,
- * so that nothing sets them and code guarded by a test of them is not compiled. Only the manifest
- * of records and the scene reader know all effects (GN_EVERY_EFFECT): a field that needs an
- * excluded effect has no storage, and a scene that requests one is refused. */
+/* Effects that a build omits (the option `without` of meson), as bits. Their constants are 0, so
+ * that nothing sets them and code guarded by a test of them is not compiled. Only the manifest of
+ * records and the scene reader know all effects (GN_EVERY_EFFECT): a field that requires an omitted
+ * effect has no storage, and a scene that requests one is refused. */
 #ifndef GN_WITHOUT
 #define GN_WITHOUT 0
 #endif

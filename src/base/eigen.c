@@ -77,7 +77,8 @@ void gn_eigen_symmetric(int n, double *a, double *values, double *vectors) {
 /* --- huge and implicit --- */
 
 enum {
-    BLOCK = 2048, /* elements per partial sum: fixed, so that sums do not depend on the threads */
+    BLOCK = 2048, /* number of elements in a partial sum; fixed, so that sums do not depend on the
+                     threads */
     LANES = 8,
     BASIS_MIN = 12,
     BASIS_MAX = 40,
@@ -87,7 +88,7 @@ enum {
 /* target size of the basis of a large problem */
 static const size_t basis_bytes = (size_t)512 << 20;
 
-/* Blocks of a vector of n entries, each of which is summed separately. */
+/* The blocks of a vector of n entries, each of which is summed separately. */
 typedef struct vector_blocks {
     size_t n, count;
     size_t *start; /* [count + 1]; NULL: blocks of BLOCK entries */
@@ -126,7 +127,7 @@ static double dot_block(size_t n, const double *x, const double *y) {
 
 static double dot_of_blocks(const vector_blocks *blocks, const double *x, const double *y,
                             int threads) {
-    enum { GROUP = 64 }; /* partial sums stored at a time */
+    enum { GROUP = 64 }; /* number of partial sums stored at a time */
     double sum = 0.0, partial[GROUP];
     for (size_t first = 0; first < blocks->count; first += GROUP) {
         size_t count = blocks->count - first < GROUP ? blocks->count - first : GROUP;
@@ -151,18 +152,18 @@ typedef struct lanczos {
     vector_blocks blocks;
     int size; /* capacity of the basis, without the next vector */
     int threads;
-    double *weighed;                       /* [n] B w, with a metric */
-    double *basis;                         /* [size + 1][n] */
-    double *partial;                       /* [blocks][size + 1] */
-    uint8_t *used;                         /* [blocks] nonzero if some vector has an entry there */
-    double h[BASIS_MAX * BASIS_MAX];       /* the projection of S, [size][size] */
-    double values[BASIS_MAX];              /* Ritz values */
-    double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in the basis, as rows */
+    double *weighed;                 /* [n] B w, if there is a metric */
+    double *basis;                   /* [size + 1][n] */
+    double *partial;                 /* [blocks][size + 1] */
+    uint8_t *used;                   /* [blocks] nonzero if some vector has an entry in the block */
+    double h[BASIS_MAX * BASIS_MAX]; /* [size][size] projection of S */
+    double values[BASIS_MAX];        /* Ritz values */
+    double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in terms of the basis, as rows */
     double work[BASIS_MAX * BASIS_MAX];
 } lanczos;
 
-/* Components of vectors are zero where nothing moves, as in most of a body at rest, and their
- * blocks need neither products nor orthogonalisation. */
+/* Records the blocks in use. Components of vectors are zero where nothing moves, as in most of a
+ * body at rest; blocks of zeros need neither products nor orthogonalisation. */
 static void note_used(const lanczos *state, const double *w) {
 #pragma omp parallel for num_threads(state->threads) schedule(static) if (state->blocks.count > 4)
     for (size_t b = 0; b < state->blocks.count; b++) {
@@ -176,14 +177,14 @@ static void weigh(const lanczos *state, const double *w) {
     if (state->weighed) state->system->metric(state->system->context, w, state->weighed);
 }
 
-/* Returns |w| and leaves B w in `weighed`. */
+/* Returns |w| and stores B w in `weighed`. */
 static double length_of(const lanczos *state, const double *w) {
     weigh(state, w);
     return sqrt(
         dot_of_blocks(&state->blocks, w, state->weighed ? state->weighed : w, state->threads));
 }
 
-/* c[k] = basis[k] . w for from <= k < count. */
+/* Computes c[k] = basis[k] . w for from <= k < count. */
 static void project(const lanczos *state, int from, int count, const double *w, double *c) {
     const size_t blocks = state->blocks.count, width = (size_t)state->size + 1;
 #pragma omp parallel for num_threads(state->threads) schedule(static) if (blocks > 4)
@@ -201,8 +202,8 @@ static void project(const lanczos *state, int from, int count, const double *w, 
     }
 }
 
-/* w -= c[0] v[0] + c[1] v[1] + ... in this order, for `count` vectors at distance `stride`. Four
- * vectors are subtracted at a time, which saves reading and writing w for each. */
+/* Computes w -= c[0] v[0] + c[1] v[1] + ..., in this order, for `count` vectors at a distance of
+ * `stride`. Four vectors are subtracted at a time, which saves reading and writing w for each. */
 static void subtract_block(size_t size, int count, const double *c, const double *v, size_t stride,
                            double *w) {
     int k = 0;
@@ -216,7 +217,7 @@ static void subtract_block(size_t size, int count, const double *c, const double
         for (size_t i = 0; i < size; i++) w[i] -= c[k] * v[i];
 }
 
-/* w -= sum_k c[k] basis[k] over from <= k < count. */
+/* Computes w -= sum_k c[k] basis[k] over from <= k < count. */
 static void subtract(const lanczos *state, int from, int count, const double *c, double *w) {
     const size_t blocks = state->blocks.count;
 #pragma omp parallel for num_threads(state->threads) schedule(static) if (blocks > 4)
@@ -233,9 +234,9 @@ static void scale_vector(size_t n, double factor, double *w, int threads) {
 }
 
 /* Orthogonalises w against the basis, stores the coefficients as column `count - 1` of h and
- * returns |w|. The first round is the three-term recurrence. Full rounds follow until one changes w
- * little, so that the loss of orthogonality does not accumulate (Daniel, Gragg, Kaufman & Stewart
- * 1976). */
+ * returns |w|. The first round is the three-term recurrence. Full rounds follow until one of them
+ * changes w only little, so that the loss of orthogonality does not accumulate (Daniel, Gragg,
+ * Kaufman & Stewart 1976). */
 static double orthogonalise(lanczos *state, int count, double *w) {
     double c[BASIS_MAX], sum[BASIS_MAX] = {0.0}, before, after = 0.0;
     const double *weighed = state->weighed ? state->weighed : w;
@@ -260,7 +261,7 @@ static void ritz(lanczos *state, int count) {
     gn_eigen_symmetric(count, state->work, state->values, state->vectors);
 }
 
-/* basis[k] = sum_q vectors[k][q] basis[q] for k < keep, q < count. */
+/* Computes basis[k] = sum_q vectors[k][q] basis[q] for k < keep, q < count. */
 static void combine(const lanczos *state, int keep, int count) {
     enum { CHUNK = 32 }; /* thread stacks may be small */
 #pragma omp parallel for num_threads(state->threads) schedule(static) if (state->n > 4 * BLOCK)
@@ -291,7 +292,7 @@ static int restart(lanczos *state, int count) {
     return keep;
 }
 
-/* Returns the number of basis vectors that the last Ritz pairs combine. */
+/* Performs the search; returns the number of basis vectors of which the last Ritz pairs consist. */
 static int iterate(lanczos *state, double tolerance, gn_eigen_top *top) {
     for (int count = 0;;) {
         double *next = state->basis + (size_t)(count + 1) * state->n;
@@ -337,7 +338,7 @@ static gneiss_status search(lanczos *state, double tolerance, double *vector, gn
         return gn_fail(error, GNEISS_ERROR_INTERNAL,
                        "Lanczos needs a start vector of positive length, found %g", length);
     scale_vector(state->n, 1.0 / length, state->basis, state->threads);
-    /* A smaller residual is round-off. */
+    /* A smaller residual would be round-off. */
     int count = iterate(state, fmax(tolerance, 1e-13), top);
     combine(state, 1, count);
     memcpy(vector, state->basis, state->n * sizeof(double));

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A non-finite result after a refused allocation is reported as lack of memory, not as
+/* A result that is not finite after an allocation was refused is reported as lack of memory, not as
  * instability. */
 static gneiss_status cause_of(gneiss_status status) {
     return status == GNEISS_ERROR_UNSTABLE && gn_alloc_was_refused() ? GNEISS_ERROR_MEMORY : status;
@@ -20,7 +20,7 @@ gneiss_status gn_fail(gneiss_error *error, gneiss_status status, const char *for
         error->status = status;
         vsnprintf(error->message, sizeof error->message, format, args);
         va_end(args);
-        gn_make_printable(error->message); /* the message may quote text of a user's file */
+        gn_make_printable(error->message); /* it may quote text of a user's file */
     }
     return status;
 }

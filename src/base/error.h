@@ -11,7 +11,7 @@
 gneiss_status gn_fail(gneiss_error *error, gneiss_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Prepends text to an existing message: the caller adds where the error happened. */
+/* Prepends text to an existing message, by which the caller adds where the error occurred. */
 gneiss_status gn_fail_context(gneiss_error *error, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-/* Results are not finite without memory: only this flag distinguishes that from an unstable run. */
+/* Without memory results are not finite; only this flag distinguishes this from an unstable run. */
 static atomic_bool was_refused;
 
 static const size_t huge_page = (size_t)2 << 20;
@@ -17,7 +17,7 @@ static size_t rounded(size_t bytes, size_t alignment) {
 }
 
 static size_t alignment_of(size_t bytes) {
-    /* Transparent 2 MB pages save TLB misses on the random reads of particle rows. */
+    /* Transparent 2 MB pages avoid TLB misses in random reads of particle rows. */
     return bytes >= huge_page ? huge_page : GN_ALIGNMENT;
 }
 
@@ -48,17 +48,17 @@ void *gn_alloc_array_raw(size_t count, size_t size) {
     return alloc_raw(bytes);
 }
 
-/* A block that is read from outside of the engine. */
+/* A block that readers outside of the engine use. */
 typedef struct pinned {
     const void *block;
     size_t readers;
-    bool released; /* the engine has released the block: the last reader frees it */
+    bool released; /* the engine has released the block, and its last reader frees it */
     struct pinned *next;
 } pinned;
 
 static pthread_mutex_t pins_lock = PTHREAD_MUTEX_INITIALIZER;
 static pinned *pins;
-static atomic_size_t pin_count; /* none: blocks are freed without looking */
+static atomic_size_t pin_count; /* 0: blocks are freed without a search for readers */
 
 static pinned **pin_of(const void *block) {
     pinned **at = &pins;
@@ -91,7 +91,7 @@ void gn_unpin(const void *block) {
     pthread_mutex_unlock(&pins_lock);
 }
 
-/* Tells whether the release of a block waits for its readers. */
+/* Tells whether a block has to wait for its readers before it is freed. */
 static bool is_read(const void *block) {
     if (!block || atomic_load(&pin_count) == 0) return false;
     pthread_mutex_lock(&pins_lock);

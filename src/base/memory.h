@@ -14,14 +14,14 @@ void *gn_alloc(size_t bytes);
 /* Allocates `count` items of `size` bytes; returns NULL also if the product overflows. */
 void *gn_alloc_array(size_t count, size_t size);
 
-/* Like gn_alloc_array, but uninitialised: for arrays that the threads which use them write
- * first. */
+/* Does the same as gn_alloc_array without initialisation, for arrays that are first written by the
+ * threads which use them. */
 void *gn_alloc_array_raw(size_t count, size_t size);
 
 void gn_free(void *block);
 
-/* Keeps a block readable after gn_free until gn_unpin was called as often, for readers outside of
- * the engine. Returns false without memory. */
+/* Keeps a block readable after gn_free, for readers outside of the engine, until gn_unpin has been
+ * called as often as gn_pin. Returns false without memory. */
 bool gn_pin(const void *block);
 void gn_unpin(const void *block);
 

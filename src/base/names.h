@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 typedef struct gn_names {
-    const char *wanted, *nearest; /* nearest: NULL if none is near enough; borrowed */
+    const char *wanted, *nearest; /* nearest: NULL if no name is similar enough; borrowed */
     size_t least;                 /* the distance of `nearest` */
     char known[400];              /* all known names, separated by commas */
 } gn_names;

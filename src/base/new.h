@@ -19,7 +19,7 @@ void gn_free_at(void *place);
 /* A local object that `function` frees when its scope ends. */
 #define GN_FREED_BY(function) __attribute__((cleanup(function)))
 
-/* Lack of memory for an object that a function returns as NULL. */
+/* Returns the error of a function that signals lack of memory for an object by NULL. */
 gneiss_status gn_no_memory(gneiss_error *error, const char *what);
 
 #endif

@@ -2,16 +2,16 @@
 
 #include <stdio.h>
 
-/* Recognises U+200B, U+200E, U+200F, U+2028 to U+202E, U+2060 to U+2069 by the two bytes after
- * 0xe2: they reorder text, break lines or are invisible. Joiners (U+200C, U+200D) are parts of
- * words. */
+/* Recognises U+200B, U+200E, U+200F, U+2028 to U+202E and U+2060 to U+2069 by the two bytes after
+ * 0xe2; these characters reorder text, break lines or are invisible. Joiners (U+200C, U+200D) are
+ * parts of words. */
 static bool is_format(unsigned char second, unsigned char third) {
     if (second == 0x81) return third >= 0xa0 && third <= 0xa9;
     if (second != 0x80) return false;
     return third == 0x8b || third == 0x8e || third == 0x8f || (third >= 0xa8 && third <= 0xae);
 }
 
-/* Returns the length in bytes of the control character that begins here, 0 if none does. */
+/* Returns the length in bytes of the control character that begins here; 0: there is none. */
 static size_t control_length(const unsigned char *c) {
     if (*c == '\n' || *c == '\t') return 0;
     if (*c < 0x20 || *c == 0x7f) return 1;

@@ -1,5 +1,6 @@
-/* Counter-based random numbers: a pure function of seed and index, the same in any order and on any
- * number of threads (the finaliser of SplitMix64; Steele, Lea & Flood 2014). */
+/* Counter-based random numbers: a number depends on seed and index alone, so that it is the same in
+ * any order and on any number of threads (the finaliser of SplitMix64; Steele, Lea & Flood 2014).
+ */
 #ifndef GN_BASE_RANDOM_H
 #define GN_BASE_RANDOM_H
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <sys/mman.h>
 
-/* getrusage does not serve: its peak includes that of the parent before the fork. */
+/* getrusage is not suitable: its peak includes that of the parent before the fork. */
 bool gn_resident_read(gn_resident *resident) {
     char line[256];
     double peak = 0.0, now = 0.0;
@@ -21,7 +21,8 @@ bool gn_resident_read(gn_resident *resident) {
     return true;
 }
 
-/* Not by malloc: freeing a large block changes from which size on glibc maps blocks one by one. */
+/* The test does not use malloc: freeing a large block changes the size from which glibc maps blocks
+ * separately. */
 bool gn_memory_is_left(size_t bytes) {
     void *block = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (block == MAP_FAILED) return false;

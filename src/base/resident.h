@@ -15,7 +15,7 @@ typedef struct gn_resident {
 bool gn_resident_read(gn_resident *resident);
 
 /* Tells whether that many more bytes are available now. Libraries that crash without memory are
- * called only if so. */
+ * called only if this is so. */
 bool gn_memory_is_left(size_t bytes);
 
 #endif

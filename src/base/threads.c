@@ -22,13 +22,13 @@ static void *pass(void *gate) {
 
 static bool has_memory_for_stack(void) {
     struct rlimit stack;
-    const size_t least = (size_t)2 << 20; /* least stack of glibc, where there is no limit */
+    const size_t least = (size_t)2 << 20; /* smallest stack of glibc, used if there is no limit */
     if (getrlimit(RLIMIT_STACK, &stack) != 0) return true;
     return gn_memory_is_left(stack.rlim_cur == RLIM_INFINITY ? least : (size_t)stack.rlim_cur);
 }
 
 /* Returns the number of threads, up to `wanted`, that can exist at once; `memory`: there was enough
- * of it for one more. */
+ * memory for one more. */
 static int create_and_join(int wanted, pthread_t *list, bool *memory) {
     pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
     int count = 0;
@@ -43,7 +43,7 @@ static int create_and_join(int wanted, pthread_t *list, bool *memory) {
 gneiss_status gn_threads_find(int64_t asked, int *threads, gneiss_error *error) {
     gn_resident process = {.threads = 1};
     (void)gn_resident_read(&process);
-    /* Threads of earlier parallel regions wait for the next one. */
+    /* Threads of earlier parallel regions exist already and wait for the next one. */
     const int before = process.threads, most = gn_threads_of(asked), wanted = most - before;
     *threads = most;
     if (wanted <= 0) return GNEISS_OK;

@@ -1,4 +1,4 @@
-/* Disjoint sets (union-find). `parent` of an element is an element of its set; the root is the
+/* Disjoint sets (union-find). `parent` of an element is another element of its set; the root is the
  * smallest element and its own parent. */
 #ifndef GN_BASE_UNION_FIND_H
 #define GN_BASE_UNION_FIND_H

@@ -1,9 +1,10 @@
-/* Rigid bodies: creation from the scene and motion. Velocities belong to half steps, positions to
- * whole ones, as those of particles. A free rotation keeps the angular momentum in space and
- * rotates the body about its principal axes in turn, each rotation exact: x y z y x with half,
- * half, whole, half, half of the step (Dullweber, Leimkuhler and McLachlan 1997, J. Chem. Phys.
- * 107, 5840). Without a moment that keeps the momentum exactly and the energy without drift; it is
- * symplectic, reversible and of second order, of fourth order in steps with large rotations. */
+/* Rigid bodies: creation from the scene and motion. Velocities belong to half steps and positions
+ * to whole steps, as those of particles. A free rotation keeps the angular momentum in space and
+ * rotates the body about its principal axes in turn; each rotation is exact: about x y z y x for
+ * half, half, whole, half, half of the step (Dullweber, Leimkuhler and McLachlan 1997, J. Chem.
+ * Phys. 107, 5840). Without a moment this keeps the momentum exactly and the energy without drift;
+ * it is symplectic, reversible and of second order, in steps with large rotations of fourth order.
+ */
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/new.h"
@@ -50,7 +51,8 @@ static void settle(gn_rigid *b) {
     set_axes(b);
 }
 
-/* Quaternion of a rotation matrix by rows (Shepperd 1978): the largest component is found first. */
+/* Computes the quaternion of a rotation matrix given by rows (Shepperd 1978); the largest component
+ * is computed first. */
 static void turn_from_matrix(const double m[9], double q[4]) {
     double trace = m[0] + m[4] + m[8], size[4] = {trace, m[0], m[4], m[8]};
     int k = 0;
@@ -74,12 +76,12 @@ static void turn_from_matrix(const double m[9], double q[4]) {
 void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
     const double *s = b->turn_start, back[4] = {s[0], -s[1], -s[2], -s[3]};
     multiply(b->turn, back, turn);
-    /* q and -q are one rotation; all four components change sign or none. */
+    /* q and -q are the same rotation: either all four components change sign or none. */
     double sign = turn[0] < 0.0 ? -1.0 : 1.0;
     for (int k = 0; k < 4; k++) turn[k] *= sign;
 }
 
-/* Rotates by a rotation vector. */
+/* Rotates a body by a rotation vector. */
 static void turn_by(gn_rigid *b, const double vector[3]) {
     double angle = sqrt(gn_dot3(vector, vector));
     if (!(angle > 0.0)) return;
@@ -89,7 +91,7 @@ static void turn_by(gn_rigid *b, const double vector[3]) {
     settle(b);
 }
 
-/* The exact flow of L_k^2/(2 I_k) over a time; L is constant in space. */
+/* Applies the exact flow of L_k^2/(2 I_k) over a time; L is constant in space. */
 static void turn_about_axis(gn_rigid *b, int k, double time) {
     double along = 0.0;
     for (int a = 0; a < 3; a++) along += b->axes[3 * a + k] * b->momentum[a];
@@ -108,7 +110,7 @@ static bool is_held(const gn_rigid *b) {
     return b->held[0] + b->held[1] + b->held[2] > 0.0;
 }
 
-/* Inertia of the body in its orientation, about the axes of space. */
+/* Computes the inertia of the body in its orientation, about the axes of space. */
 static void inertia_of(const gn_rigid *b, double inertia[9]) {
     for (int p = 0; p < 9; p++) {
         inertia[p] = 0.0;
@@ -117,9 +119,10 @@ static void inertia_of(const gn_rigid *b, double inertia[9]) {
     }
 }
 
-/* The spin for an angular momentum, or per second for a moment, about the free axes: I_FF w_F = L_F
- * - I_FP w_P, where F are the one or two free axes and P those about which bearings rotate the body
- * with w_P, that of `led`. The moment of the bearings has no component about F. */
+/* Computes the spin from an angular momentum, or the spin per second from a moment, about the free
+ * axes: I_FF w_F = L_F - I_FP w_P. F are the one or two free axes and P those about which bearings
+ * rotate the body, with the spin w_P of `led`. The moment of the bearings has no component about F.
+ */
 static void turn_held(const gn_rigid *b, const double momentum[3], const double led[3],
                       double spin[3]) {
     double inertia[9], left[3];
@@ -145,7 +148,7 @@ static void turn_held(const gn_rigid *b, const double momentum[3], const double 
     spin[q] = (inertia[4 * p] * left[q] - across * left[p]) / determinant;
 }
 
-/* w.I.v, N m s, with v = `led` about the axes P and 0 about the others. */
+/* Returns w.I.v, N m s, with v = `led` about the axes P and 0 about the others. */
 static double along_led(const gn_rigid *b, const double spin[3], const double led[3]) {
     double inertia[9], sum = 0.0;
     inertia_of(b, inertia);
@@ -162,7 +165,7 @@ static bool is_led(const gn_rigid *b, const double spin[3]) {
     return sum > 0.0;
 }
 
-/* Angular acceleration, rad/s2, by a moment. */
+/* Computes the angular acceleration by a moment, rad/s2. */
 static void spin_up(const gn_rigid *b, const double moment[3], double turn[3]) {
     const double none[3] = {0, 0, 0};
     double local[3];
@@ -200,8 +203,8 @@ double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *b, const
     return sum;
 }
 
-/* Sets the spin from the angular momentum at the present orientation, beside the prescribed
- * components. */
+/* Computes the spin from the angular momentum at the present orientation; prescribed components
+ * stay. */
 static void spin_from_momentum(gn_rigid *b) {
     double local[3];
     if (is_held(b)) {
@@ -214,7 +217,7 @@ static void spin_from_momentum(gn_rigid *b) {
     gn_rigid_direct(b, local, b->spin);
 }
 
-/* Returns the spin after half of the rotation of the step. */
+/* Computes the spin after half of the rotation of the step. */
 static void half_way(const gn_rigid *b, double dt, double spin[3]) {
     gn_rigid middle = *b;
     double part[3];
@@ -225,7 +228,7 @@ static void half_way(const gn_rigid *b, double dt, double spin[3]) {
 }
 
 /* Rotates by the spin at the middle of the step, which is exact about one axis and of second order
- * about two. With bearings the momentum is found from the spin at the middle of the resulting
+ * about two. With bearings the momentum is computed from the spin at the middle of the resulting
  * rotation, so that the scheme is reversible in time and gains no energy over many turns. */
 static void rotate_held(gn_rigid *b, double dt) {
     enum { MOST = 20 };
@@ -243,7 +246,7 @@ static void rotate_held(gn_rigid *b, double dt) {
     spin_from_momentum(b);
 }
 
-/* Largest rotation, rad, of a step of second order, and of a substep of a longer one. After ten
+/* Largest rotation, rad, of a step of second order, and of each part of a longer step. After ten
  * turns in such steps the error is at most 9e-4 and 1e-5 rad, for boxes from rods to plates. */
 static const double turn_plain = 0.005, turn_part = 0.1;
 
@@ -253,15 +256,16 @@ static void run_about_axes(gn_rigid *b, double dt) {
     for (int k = 0; k < 5; k++) turn_about_axis(b, order[k], part[k] * dt);
 }
 
-/* Fourth order with the invariants of the second: parts s, s, 1 - 4 s, s, s of the step, s = 1/(4 -
- * 4^(1/3)) (Suzuki 1990, Phys. Lett. A 146, 319). */
+/* Performs a step of fourth order that keeps the invariants of the second-order one: parts s, s, 1
+ * - 4 s, s, s of the step, s = 1/(4 - 4^(1/3)) (Suzuki 1990, Phys. Lett. A 146, 319). */
 static void run_far(gn_rigid *b, double dt) {
     const double s = 1.0 / (4.0 - cbrt(4.0));
     const double part[5] = {s, s, 1.0 - 4.0 * s, s, s};
     for (int k = 0; k < 5; k++) run_about_axes(b, part[k] * dt);
 }
 
-/* The step is determined by springs and grains: a body may rotate far in it. */
+/* Rotates a free body. The step is determined by springs and grains, so that a body may rotate far
+ * in it. */
 static void rotate_freely(gn_rigid *b, double dt, bool space) {
     if (is_held(b)) {
         rotate_held(b, dt);
@@ -280,7 +284,7 @@ static void rotate_freely(gn_rigid *b, double dt, bool space) {
 
 /* --- from the scene --- */
 
-/* Principal axes as a rotation, so that the frame is right-handed. */
+/* Sets the principal axes, as a rotation, so that the frame is right-handed. */
 static void set_principal(const gn_body_def *def, const gn_body_shape *shape, bool space,
                           gn_rigid *b) {
     double density = def->mass > 0.0 ? def->mass / shape->volume : def->density;
@@ -464,8 +468,8 @@ void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, dou
         book(ctx, &ctx->scene.bodies[k], &boundary->bodies[k], dt, ledger);
 }
 
-/* Adds the change of kinetic energy due to a change of the step (gn_rows_add_step_change) of a
- * body, rotation about free axes included. */
+/* Adds the change of the kinetic energy of a body due to a change of the step
+ * (gn_rows_add_step_change), rotation about free axes included. */
 static void follow_change(const gn_step_context *ctx, const gn_rigid *b, double halves[2]) {
     const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
     double gain[3];
@@ -480,10 +484,10 @@ static void follow_change(const gn_step_context *ctx, const gn_rigid *b, double 
     }
 }
 
-/* Work, J, of bearings: they change the momentum about their axes from step to step as w_P
- * requires. With M_P the moments of contacts, their work in a step is w_P.(l(+) - l(-)) less that
- * of M_P, l the mean of the momenta L_P before and after a kick: the half that ends with a kick, or
- * begins with it. */
+/* Returns the work of bearings, J: from step to step they change the momentum about their axes as
+ * w_P requires. With the moments M_P of contacts their work in a step is w_P.(l(+) - l(-)) less
+ * that of M_P, where l is the mean of the momenta L_P before and after a kick: the half that ends
+ * with a kick, or begins with it. */
 static double led_work(const gn_rigid *b, bool start, gn_half half) {
     double spin[2][3], sum = 0.0;
     const double *led = half == GN_HALF_BEFORE ? b->spin_past : b->spin;
@@ -528,7 +532,7 @@ void gn_bodies_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
     }
 }
 
-/* Kinetic energy 1/2 w(-).I.w(+), with the motion prescribed by bearings. */
+/* Returns the kinetic energy 1/2 w(-).I.w(+), with the rotation that bearings prescribe. */
 static double turning_energy(const gn_rigid *b, const double before[3], bool start) {
     double first[3], second[3], inertia[9], led[3], sum = 0.0;
     for (int a = 0; a < 3; a++)
@@ -541,8 +545,8 @@ static double turning_energy(const gn_rigid *b, const double before[3], bool sta
     return sum;
 }
 
-/* Kinetic energies 1/2 v(-) m v(+), as of particles, and 1/2 L(-) . I^-1 L(+); at the start (-) is
- * the state a full kick before. */
+/* The kinetic energies are 1/2 v(-) m v(+), as for particles, and 1/2 L(-) . I^-1 L(+); at the
+ * start (-) is the state a full kick earlier. */
 void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, double *translation,
                        double *rotation) {
     *translation = *rotation = 0.0;
@@ -565,8 +569,8 @@ void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, 
     }
 }
 
-/* Bound, rad/s, of a spin, which changes within the step: the largest that its momentum allows,
- * with the part of the bearings: |I_FP| is at most half of the difference of two moments of
+/* Returns a bound, rad/s, of a spin, which changes within the step: the largest that its momentum
+ * allows, plus the effect of bearings; |I_FP| is at most half of the difference of two moments of
  * inertia. */
 static double fastest_turn(const gn_rigid *b) {
     const double *i = b->inertia;

@@ -50,7 +50,8 @@ bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *bounda
     return false;
 }
 
-/* Tells whether two positions are within the sum of both reaches. */
+/* Tells whether two bodies can touch at their positions: the distance is within the sum of both
+ * reaches. */
 static bool reach_each_other(const gn_rigid *a, const gn_rigid *b, const double x[3],
                              const double y[3]) {
     const double d[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
@@ -112,7 +113,7 @@ static gn_convex_pose pose_of(const gn_rigid *b) {
     return p;
 }
 
-/* Depths below this, m, are rounding of positions. */
+/* Returns the depth, m, below which an overlap is rounding of positions. */
 static double rounding_of(const gn_rigid *a, const gn_rigid *b) {
     return 64.0 * GN_OVERLAP_ROUNDING * (a->reach + b->reach);
 }
@@ -158,8 +159,8 @@ gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary 
 
 /* --- springs --- */
 
-/* The second derivative of h^2/2 along a path is 1 between faces and 4/3 where one of them begins
- * to separate; edges and corners have less (tests/test_convex.c). */
+/* Bound of the second derivative of h^2/2 along a path: it is 1 between faces and 4/3 where one of
+ * them begins to separate; edges and corners have less (tests/test_convex.c). */
 static const double stiffest = 2.0;
 
 double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,
@@ -169,9 +170,9 @@ double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *bounda
            (gn_surface_give(boundary, &s[a]) + gn_surface_give(boundary, &s[b]));
 }
 
-/* For each contact |x - y|^2 <= (1 + s)|x|^2 + (1 + 1/s)|y|^2, s the inverse mass of y over that of
- * x: each of both carries the frequency of the pair. Dashpots are 2 alpha sqrt(k m), with the mass
- * that both have along their motion. */
+/* For each contact |x - y|^2 <= (1 + s)|x|^2 + (1 + 1/s)|y|^2; with s the ratio of the inverse
+ * masses of y and x, each of both bodies gets the frequency of the pair. Dashpots are 2 alpha
+ * sqrt(k m), with the mass that both have along their motion. */
 void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                          double *stiff, double *damp) {
     const gn_body_pairs *p = &boundary->pairs;
@@ -203,7 +204,8 @@ double gn_body_pairs_bound(const gn_step_context *ctx, const gn_boundary *bounda
 
 /* --- lists --- */
 
-/* Both may move by as much as the lists allow before they are rebuilt. */
+/* Tells whether a pair is listed: both bodies may move by as much as the lists allow before they
+ * are rebuilt. */
 static bool is_near(const gn_dem *dem, const gn_boundary *boundary, size_t a, size_t b) {
     const gn_rigid *p = &boundary->bodies[a], *q = &boundary->bodies[b];
     const gn_convex *c = boundary->pairs.convex;
@@ -243,7 +245,7 @@ static gn_bodies_overlap pressed_by(const gn_step_context *ctx, const gn_boundar
                                .rest = 2.0 * mass * sqrt(gn_dot3(g, g))};
 }
 
-/* Beyond half of a thickness the other side is nearer. */
+/* Updates the deepest overlap; beyond half of a thickness the other side would be nearer. */
 static void look_how_deep(gn_boundary *boundary, const gn_body_pair *p, const double along[3]) {
     gn_body_pairs *all = &boundary->pairs;
     double size = sqrt(gn_dot3(along, along)), thin = (double)INFINITY;
@@ -313,7 +315,7 @@ typedef struct step {
     double lever[2][3],
         middle[2][3]; /* lever arms at the present instant, and in the middle of the step */
     double turn[3];   /* rad/s, rotation of the second body relative to the first */
-    double size;      /* size of the gradient of h */
+    double size;      /* magnitude of the gradient of h */
     gn_touch touch;
     gn_touch_side side;
     double damping; /* fraction of the critical damping */
@@ -334,7 +336,7 @@ static void set_levers(const gn_step_context *ctx, const gn_body_pair *p, step *
     }
 }
 
-/* Velocity, m/s, of the second body relative to the first at the point. */
+/* Computes the velocity, m/s, of the second body relative to the first at the point of contact. */
 static void velocity_at(const step *s, double v[3]) {
     double turn[2][3];
     gn_cross3(s->a->spin, s->middle[0], turn[0]);
@@ -357,8 +359,8 @@ static double inverse_mass_of(const gn_body_pair *p, const step *s) {
     return sum;
 }
 
-/* The path of h in the step: its change, except in the steps in which a contact begins or ends,
- * where it continues along its gradient. */
+/* Sets the path of h in the step: its change or, in steps in which a contact begins or ends, the
+ * path along its gradient. */
 static void set_path(const gn_step_context *ctx, gn_body_pair *p, double depth, step *s) {
     gn_touch *t = &s->touch;
     double v[3], dt = ctx->dt_past, rate, along;
@@ -380,7 +382,7 @@ static void set_path(const gn_step_context *ctx, gn_body_pair *p, double depth, 
     t->twist = gn_dot3(s->a->spin, t->n) + gn_dot3(s->b->spin, t->n);
 }
 
-/* Keeps the stored friction perpendicular to the normal. */
+/* Rotates the stored friction, so that it stays perpendicular to the normal. */
 static void turn_shear(const double n[3], double shear[3]) {
     double size2 = gn_dot3(shear, shear), along = gn_dot3(shear, n), rest2;
     for (int k = 0; k < 3; k++) shear[k] -= along * n[k];
@@ -398,8 +400,8 @@ static void push(gn_rigid *b, const double force[3], const double moment[3], con
     }
 }
 
-/* Faces that rock on each other change h to second order only: the dashpot also resists as if
- * spread over the faces, M = c sum (r x n)((r x n).w). */
+/* Resists rocking. Faces that rock on each other change h to second order only; the dashpot
+ * therefore also acts as if distributed over the faces, M = c sum (r x n)((r x n).w). */
 static void rock(const gn_step_context *ctx, gn_body_pair *p, const step *s, const double spread[9],
                  double moment[3], gn_contact_sums *sums) {
     const double *n = s->touch.n;
@@ -421,16 +423,17 @@ static void rock(const gn_step_context *ctx, gn_body_pair *p, const step *s, con
 
 /* Friction against twisting about the normal. */
 typedef struct twist {
-    double spring, radius; /* N m/rad; m: radius of a ring with as much friction */
+    double spring, radius; /* N m/rad; m: radius of a ring with the same friction */
     double turn, trial;    /* rad, rotation in this step; N m, moment without slip */
-    double share;          /* share of the limit of friction, where slip and twist act together */
+    double share; /* fraction of the limit of friction that remains for the moment if slip and twist
+                     act together */
 } twist;
 
-/* The spring of twisting is that of friction distributed over the faces; uniformly loaded faces
- * transmit at most 0.943 mu N times the radius of gyration (discs; squares 0.937). When the spring
- * changes, it keeps its moment or its angle, whichever gives the smaller moment. If faces slide and
- * twist at once, the limit applies to both as one vector, of the force and of the moment over that
- * radius. */
+/* The spring of twisting is that of friction distributed over the faces. Uniformly loaded faces
+ * transmit at most 0.943 mu N times the radius of gyration (discs; squares 0.937). If the spring
+ * changes, either its moment or its angle is kept, whichever gives the smaller moment. If faces
+ * slide and twist at the same time, the limit applies to the vector of the force and of the moment
+ * over that radius. */
 static twist twist_of(const gn_step_context *ctx, const gn_body_pair *p, step *s,
                       const double spread[9]) {
     const double *n = s->touch.n;
@@ -458,7 +461,7 @@ static twist twist_of(const gn_step_context *ctx, const gn_body_pair *p, step *s
     return t;
 }
 
-/* `most`, N: total friction. */
+/* Applies the moment of twisting; `most`, N: total friction. */
 static void act_twist(gn_body_pair *p, const twist *t, const double n[3], double most,
                       double moment[3], gn_contact_sums *sums) {
     double old = p->twisting, limit = most * t->share * t->radius;
@@ -472,7 +475,7 @@ static void act_twist(gn_body_pair *p, const twist *t, const double n[3], double
     for (int k = 0; k < 3; k++) moment[k] += now * n[k];
 }
 
-/* Acceleration of the gap by all loads but this contact. */
+/* Returns the acceleration of the gap by all loads except this contact. */
 static double other_acceleration(const gn_step_context *ctx, const gn_body_pair *p, const step *s) {
     return gn_rigid_accelerates(ctx, s->a, s->a->force, s->a->moment, s->lever[0], p->along) -
            gn_rigid_accelerates(ctx, s->b, s->b->force, s->b->moment, s->lever[1], p->along);

@@ -16,53 +16,54 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A listed pair. Doubles only: checkpoints store it as it is. Forces and moments are those on the
- * first body, of the last step. */
+/* A listed pair; all members are doubles, as in checkpoints. Forces and moments are those of the
+ * last step on the first body. */
 typedef struct gn_body_pair {
-    double first, second;             /* bodies, the first with the smaller number */
-    double depth;                     /* m, depth h; 0: the bodies are apart */
-    double along[3], about[3];        /* gradients of h, see gn_convex_overlap */
-    double point[3];                  /* m, from the first body's reference point */
-    double viscous;                   /* N, of the dashpot, along h */
-    double shear[3];                  /* N */
-    double rocking[3];                /* N m, of the dashpot against rocking */
+    double first, second;      /* indices of the bodies, the smaller one first */
+    double depth;              /* m, depth h; 0: the bodies are apart */
+    double along[3], about[3]; /* gradients of h, see gn_convex_overlap */
+    double point[3];   /* m, point of the force relative to the first body's reference point */
+    double viscous;    /* N, force of the dashpot along h */
+    double shear[3];   /* N */
+    double rocking[3]; /* N m, moment of the dashpot against rocking */
     double twisting, twisting_spring; /* N m about the normal, N m/rad */
 } gn_body_pair;
 
-/* The largest value over all pairs of bodies, and the two bodies; 0: none. Doubles only. */
+/* The largest value over all pairs of bodies, and these two bodies; 0: none. All members are
+ * doubles. */
 typedef struct gn_bodies_worst {
     double value, first, second;
 } gn_bodies_worst;
 
 typedef struct gn_body_pairs {
     size_t bodies;
-    gn_convex *convex; /* [bodies]; NULL: no two bodies can touch */
+    gn_convex *convex; /* [bodies]; NULL: no two bodies can touch each other */
     gn_convex_room room;
     size_t count, most;
     gn_body_pair *pair; /* listed pairs, sorted by (first, second) */
     gn_contact_sums sums;
-    gn_bodies_worst deepest; /* largest h so far over the smaller of both thicknesses along the
-                              * push */
-    gn_bodies_worst pushed; /* N, largest force at the start, if more than that of bodies at rest */
+    gn_bodies_worst
+        deepest; /* largest ratio so far of h to the smaller thickness of both along the push */
+    gn_bodies_worst pushed; /* N, largest force at the start beyond that of bodies at rest */
 } gn_body_pairs;
 
-/* Computes the properties of the shapes that contacts need, once at the start. */
+/* Computes the properties of the shapes that contacts require, once at the start. */
 gneiss_status gn_body_pairs_prepare(const gn_step_context *ctx, gn_boundary *boundary,
                                     gneiss_error *error);
 void gn_body_pairs_free(gn_body_pairs *pairs);
 /* Checks that no centre of mass is in another body. */
 gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary *boundary,
                                   gneiss_error *error);
-/* Tells whether two bodies can come into contact; and whether a body has no contacts because of its
- * shape. */
+/* gn_bodies_meet tells whether two bodies can come into contact; the second function tells whether
+ * a body has no contacts because of its shape. */
 bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b);
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
-/* Tells whether a body of such a shape is, or was at the start, within reach of a body that it
- * cannot touch. */
+/* Tells whether a body that can touch no other because of its shape is, or was at the start, within
+ * reach of one. */
 bool gn_body_passes_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 
-/* Tells whether a free body has no spring, by Hertz's law without a stiffness, towards walls or
- * bodies that are, or were at the start, within reach. */
+/* Tells whether a free body has no spring to walls or bodies that are, or were at the start, within
+ * its reach: by Hertz's law it has none without a stiffness. */
 bool gn_body_lacks_stiffness(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 
 /* Lists the pairs within reach. `first`: at the start, where overlapping bodies do not count as
@@ -72,9 +73,9 @@ gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
 /* Adds the forces of the pairs to those of particles and walls. */
 void gn_body_pairs_work(const gn_step_context *ctx, gn_boundary *boundary);
 
-/* Computes upper bounds over the listed pairs of a body, all in contact: of the squared frequency,
- * 1/s2, that they add, of the rate of their dashpots, 1/s, and of the squared frequency of a pair.
- * */
+/* Computes upper bounds over the listed pairs of a body, with all of them in contact: of the
+ * squared frequency, 1/s2, that they add, of the rate of their dashpots, 1/s, and of the squared
+ * frequency of a single pair. */
 void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                          double *stiff, double *damp);
 double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,
@@ -82,8 +83,8 @@ double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *bounda
 /* Returns the largest squared frequency of any two bodies that can touch. */
 double gn_body_pairs_bound(const gn_step_context *ctx, const gn_boundary *boundary);
 
-/* Overlap of two bodies; depth 0: there is none. Bodies placed without an overlap press with at
- * most `rest`, twice their weight. */
+/* Overlap of two bodies; depth 0: there is none. `rest`: the largest force of bodies placed without
+ * an overlap, twice their weight. */
 typedef struct gn_bodies_overlap {
     double depth, force, rest; /* m, N, N */
 } gn_bodies_overlap;

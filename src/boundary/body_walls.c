@@ -23,7 +23,7 @@
 
 /* --- parts of the stiffness --- */
 
-/* Angle, rad, between the two sides of a facet at corner c. */
+/* Returns the angle, rad, between the two sides of a facet at corner c. */
 static double angle_at(const gn_facet_set *s, size_t facet, size_t c) {
     const int32_t *corner = s->corner + 3 * facet;
     double a[3], b[3], cross[3];
@@ -36,7 +36,7 @@ static double angle_at(const gn_facet_set *s, size_t facet, size_t c) {
     return atan2(sqrt(gn_dot3(cross, cross)), gn_dot3(a, b));
 }
 
-/* Computes the share of a full turn that the angles around each vertex lack. */
+/* Computes the fraction of a full turn by which the angles around each vertex fall short. */
 static void space_parts(const gn_facet_set *s, size_t vertices, double *part) {
     for (size_t v = 0; v < vertices; v++) part[v] = 1.0;
     for (size_t f = 0; f < s->count; f++)
@@ -48,7 +48,8 @@ static double turn_between(const double a[2], const double b[2]) {
     return atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]) / M_PI;
 }
 
-/* Exterior angle of the outline at each vertex, in the sense of the whole outline. */
+/* Computes the exterior angle of the outline at each vertex, positive in the sense of the whole
+ * outline. */
 static void plane_parts(const gn_facet_set *s, size_t vertices, double *part) {
     double round = 0.0;
     for (size_t f = 0; f < s->count; f++)
@@ -82,7 +83,7 @@ bool gn_body_passes_walls(const gn_step_context *ctx, const gn_boundary *boundar
     return false;
 }
 
-/* Vertices of bodies are stored in the order of the bodies. */
+/* Returns the first vertex of a body; vertices are stored in the order of the bodies. */
 static size_t first_vertex(const gn_step_context *ctx, const gn_boundary *boundary, size_t body) {
     if (body == ctx->scene.body_count) return boundary->body_vertex_count;
     return (size_t)(boundary->surfaces[body].facets.pos - boundary->body_vertex) / 4;
@@ -90,7 +91,7 @@ static size_t first_vertex(const gn_step_context *ctx, const gn_boundary *bounda
 
 gneiss_status gn_body_walls_prepare(const gn_step_context *ctx, gn_boundary *boundary,
                                     gneiss_error *error) {
-    const double rounding = 1e-12; /* rounding of the angles around a vertex within a face */
+    const double rounding = 1e-12; /* rounding of the angles around a vertex inside a face */
     gn_boundary *b = boundary;
     size_t first = 0;
     GN_TRY(gn_new(&b->vertex_part, b->body_vertex_count + 1, "vertices", error));
@@ -138,7 +139,7 @@ static size_t body_of_vertex(const gn_step_context *ctx, const gn_boundary *boun
     return low;
 }
 
-/* Distance, m, of a point of a body from the plane. */
+/* Returns the distance, m, of a point of a body from the plane. */
 static double distance_of(const gn_boundary *boundary, size_t wall, const gn_rigid *b,
                           int32_t vertex, double lever[3]) {
     double x[3];
@@ -148,7 +149,7 @@ static double distance_of(const gn_boundary *boundary, size_t wall, const gn_rig
 }
 
 /* Writes the vertices of a body near a wall, ascending, into rows from `row` on (NULL: only counts
- * them). Both may move by as much as the lists allow before they are rebuilt. */
+ * them). Both body and wall may move by as much as the lists allow before they are rebuilt. */
 static size_t near_wall(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         size_t k, size_t wall, bool first, gn_wall_contacts *to, size_t row) {
     const gn_rigid *b = &boundary->bodies[k];
@@ -212,7 +213,7 @@ static gn_body_spring spring_of(const gn_step_context *ctx, size_t body, size_t 
     return gn_body_spring_of(&ctx->scene, ctx->scene.wall_count + body, wall);
 }
 
-/* Returns the side of a contact of one vertex, which has a part of the stiffness. */
+/* Returns the side of a contact of one vertex, which has the fraction `part` of the stiffness. */
 static gn_touch_side side_of(const gn_body_spring *spring, double part) {
     gn_touch_side side = spring->side;
     side.stiffness *= part;
@@ -232,7 +233,7 @@ gn_body_wall gn_body_wall_at(const gn_step_context *ctx, const gn_boundary *boun
     return c;
 }
 
-/* Parts of a body add up to 2, or more if it is not convex. */
+/* The parts of a body add up to 2, or to more if it is not convex. */
 double gn_body_walls_bound(const gn_step_context *ctx, const gn_boundary *boundary) {
     double most = 0.0;
     for (size_t k = 0, v = 0; k < ctx->scene.body_count; k++) {
@@ -256,7 +257,7 @@ typedef struct group {
     gn_body_spring spring;
     double part;              /* sum over the contacts that press, or pressed in the last step */
     double inverse_mass;      /* 1/kg, along the normal if all of them press together */
-    double force[3], turn[3]; /* N, N m: on the body without these contacts */
+    double force[3], turn[3]; /* N, N m: loads on the body without these contacts */
 } group;
 
 static group group_at(const gn_step_context *ctx, gn_boundary *boundary, size_t begin) {
@@ -309,8 +310,8 @@ static double compliance_at(const gn_rigid *b, const double lever[3], const doub
     return gn_rigid_compliance(b, turn);
 }
 
-/* The corners of a face in contact with a wall share one effective mass, as if the wall pressed at
- * their middle. */
+/* Computes common values: corners of a face in contact with a wall share one effective mass, as if
+ * the wall pressed at their middle. */
 static void join(const gn_step_context *ctx, const gn_boundary *boundary, group *g) {
     double middle[3] = {0, 0, 0}, lever[3], turning = 0.0, along = 0.0;
     const double *n = g->wall->normal;

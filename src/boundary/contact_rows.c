@@ -1,6 +1,6 @@
-/* Rows of contacts with walls and surfaces as the last step left them, and loads beside a contact
- * that closes or opens within a step: the force with which the works of such a contact close
- * depends on the path of the next step. */
+/* Rows of contacts with walls and surfaces as the last step left them, and other loads on a
+ * particle whose contact closes or opens within a step: the force with which the works of such a
+ * contact close depends on the path of the next step. */
 #include "boundary/contact_rows.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
@@ -35,7 +35,7 @@ gn_row_side gn_row_side_of(const gn_step_context *ctx, const gn_dem *dem,
     return s;
 }
 
-/* Place of the side of a row, as gn_touch_hertz numbers them. */
+/* Returns the index of the side of a row in the numbering of gn_touch_hertz. */
 static size_t place_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t c) {
     size_t wall = (size_t)boundary->contacts.wall[c], bodies = ctx->scene.body_count;
     if (wall < ctx->scene.wall_count) return wall;
@@ -49,8 +49,9 @@ static double square_of(const double *column, size_t c, size_t stride) {
     return sum;
 }
 
-/* The normal force changes at the same overlap, the others are kept. Half of the work of the next
- * path is booked with the old force, half with the new one. */
+/* Returns the gain of energy of a row. The normal force changes at the same overlap, the other
+ * forces are kept. Half of the work of the next path is booked with the old force, half with the
+ * new one. */
 static double gain_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       size_t c, const gn_row_side *s, const gn_hertz_pair *before) {
     const gn_wall_contacts *k = &boundary->contacts;
@@ -62,7 +63,7 @@ static double gain_of(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     if (!(pressed > 0.0)) return 0.0;
     for (int a = 0; a < 3; a++) path -= ctx->dt_past * (s->v[a] - vel[a]) * s->n[a];
     double now = pressed * (s->law.hertz.modulus / old.hertz.modulus);
-    /* Moments have the tangential stiffness times the radius squared. */
+    /* The stiffness of moments is the tangential stiffness times the radius squared. */
     double shear2 = square_of(k->shear, c, k->soa.capacity) +
                     square_of(k->roll, c, k->soa.capacity) / (old.radius * old.radius);
     return law->touch_stored(&s->law, now, shear2) - law->touch_stored(&old, pressed, shear2) +
@@ -84,7 +85,7 @@ double gn_touches_gain(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return sum;
 }
 
-/* Adds the partial sums of a list on a particle. */
+/* Adds the partial sums of a list for a particle. */
 static void add_rows(const gn_partials *list, size_t particle, int axes, double force[3]) {
     const size_t block = particle / GN_PARTICLE_BLOCK;
     if (!list->blocks) return;
@@ -97,8 +98,8 @@ static void add_rows(const gn_partials *list, size_t particle, int axes, double 
     }
 }
 
-/* Adds the forces of the other walls and surfaces on the particle of a row along their normals.
- * Contacts of nearly the normal n on the same surface share the particle's mass with the row. */
+/* Adds the forces along their normals of the other walls and surfaces on the particle of a row.
+ * Contacts on the same surface whose normal is nearly n share the particle's mass with the row. */
 static void add_touches(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         size_t row, const double n[3], double force[3]) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -116,7 +117,7 @@ static void add_touches(const gn_step_context *ctx, const gn_dem *dem, const gn_
     }
 }
 
-/* Returns the body of a row, NULL: none. */
+/* Returns the body of a row; NULL: it has none. */
 static const gn_rigid *body_of_row(const gn_step_context *ctx, const gn_boundary *boundary,
                                    size_t row) {
     if ((size_t)boundary->contacts.wall[row] < ctx->scene.wall_count) return NULL;
@@ -146,7 +147,7 @@ double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
     return sum;
 }
 
-/* The half wave of both springs takes at least three steps, as that of a contact alone does
+/* Half a period of both springs takes at least three steps, as that of a contact alone does
  * (law_linear.c): with fewer steps the predicted closing force grew until particles flew off. */
 double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, double kn, size_t row, const double n[3]) {

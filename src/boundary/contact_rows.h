@@ -17,16 +17,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Effective Hertz-Mindlin parameters of a particle's material and a wall, body or body of elements,
- * which are numbered consecutively. The functions here return values whose address is never taken,
- * so that compilers build them in place. */
+/* Returns the effective Hertz-Mindlin parameters of a particle's material and a wall, body or body
+ * of elements, which are numbered consecutively. The functions of this header return values whose
+ * address is never taken, so that compilers build them in place. */
 static inline gn_hertz_pair gn_touch_hertz(const gn_step_context *ctx, const gn_dem *dem,
                                            size_t place, int32_t material) {
     if (!(ctx->effects & GN_FX_HERTZ)) return (gn_hertz_pair){0};
     return dem->hertz[(size_t)material * gn_scene_sides(&ctx->scene) + place];
 }
 
-/* Coefficients of rolling (`twisting` false) and twisting. */
+/* Returns the coefficient of rolling, or of twisting if `twisting`. */
 static inline double gn_touch_rolling(const gn_step_context *ctx, const gn_dem *dem, size_t place,
                                       int32_t material, bool twisting) {
     if (!(ctx->effects & GN_FX_ROLLING)) return 0.0;
@@ -57,7 +57,7 @@ static inline gn_touch_side gn_wall_side(const gn_step_context *ctx, const gn_de
     return side;
 }
 
-/* `part`: see gn_touch_side. */
+/* Returns the side of a surface; `part`: see gn_touch_side. */
 static inline gn_touch_side gn_surface_side(const gn_step_context *ctx, const gn_dem *dem,
                                             const gn_surface *surface, size_t particle,
                                             double part) {
@@ -74,7 +74,7 @@ static inline gn_touch_side gn_surface_side(const gn_step_context *ctx, const gn
                           .rolling = gn_touch_rolling(ctx, dem, place, material, false),
                           .twisting = gn_touch_rolling(ctx, dem, place, material, true)};
     if (!gn_surface_patched(surface, radius)) return side;
-    /* Facets of a patch add up across as well. */
+    /* Tangential stiffnesses of the facets of a patch add up too. */
     side.part = 1.0;
     side.stiffness *= part;
     side.hertz.modulus *= part;
@@ -82,15 +82,15 @@ static inline gn_touch_side gn_surface_side(const gn_step_context *ctx, const gn
     return side;
 }
 
-/* Largest overlap, m, of a particle with a wall or surface before the lists are rebuilt, from the
- * present overlap; by Hertz's law until the next check of the step. */
+/* Returns the largest overlap, m, of a particle with a wall or surface before the lists are
+ * rebuilt, from the present overlap; by Hertz's law, before the next check of the step. */
 static inline double gn_touch_reach(const gn_step_context *ctx, const gn_dem *dem, size_t particle,
                                     double overlap) {
     if (ctx->effects & GN_FX_HERTZ) return gn_pressed_touch(dem, particle);
     return overlap + dem->verlet.skin;
 }
 
-/* Describes the step that led here, for the contacts of a particle. */
+/* Returns the last step, as contacts of a particle require it. */
 static inline gn_touch_step gn_touch_step_of(const gn_step_context *ctx, const gn_dem *dem) {
     return (gn_touch_step){.dt = ctx->dt_past,
                            .damping_fraction = dem->damping_fraction,
@@ -100,7 +100,7 @@ static inline gn_touch_step gn_touch_step_of(const gn_step_context *ctx, const g
                            .pulls = !(ctx->effects & GN_FX_NO_PULL)};
 }
 
-/* See gn_law.touch. `row`: of the contact. */
+/* Returns the force of a contact, see gn_law.touch. `row`: the row of the contact. */
 static inline double gn_touch_force(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_touch_side *side,
                                     size_t row, gn_touch *touch, double *fd, double *shear,
@@ -115,7 +115,7 @@ static inline double gn_touch_force(const gn_step_context *ctx, const gn_dem *de
     return gn_law_of(ctx->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);
 }
 
-/* Returns the largest stiffness of such a contact; `overlap`: its largest overlap, m. */
+/* Returns the largest stiffness of a contact with this side; `overlap`: its largest overlap, m. */
 static inline gn_law_spring gn_touch_spring(const gn_step_context *ctx, const gn_dem *dem,
                                             const gn_touch_side *side, double inverse_mass,
                                             double overlap) {
@@ -125,7 +125,7 @@ static inline gn_law_spring gn_touch_spring(const gn_step_context *ctx, const gn
     return s;
 }
 
-/* The wall or surface of a row, as its contact force needs it (contact_rows.c). */
+/* The wall or surface of a row, as the contact force requires it (contact_rows.c). */
 typedef struct gn_row_side {
     double n[3], v[3]; /* normal from the particle into the object, 0: no contact; velocity of the
                           object, m/s */
@@ -133,8 +133,8 @@ typedef struct gn_row_side {
 } gn_row_side;
 gn_row_side gn_row_side_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, size_t row);
-/* Returns the energy, J, that contacts with walls and surfaces gain by the change of Hertz
- * parameters from `before`, ordered as by gn_touch_hertz. */
+/* Returns the energy, J, that contacts with walls and surfaces gain if the Hertz parameters change
+ * from `before`, ordered as by gn_touch_hertz, to the present ones. */
 double gn_touches_gain(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_hertz_pair *before);
 

@@ -17,7 +17,7 @@
 
 /* --- contacts and walls --- */
 
-/* Rows of a list's blocks, in double whatever those of the steps are in. */
+/* Creates rows for a list's blocks, in double whatever the precision of the steps. */
 static gneiss_status own_rows(const gn_partials *of, gn_partials *own, gneiss_error *error) {
     *own = *of;
     own->row_f = NULL;
@@ -28,7 +28,7 @@ static gneiss_status own_rows(const gn_partials *of, gn_partials *own, gneiss_er
                    of->first[of->blocks]);
 }
 
-/* Adds in the order of particles and then blocks, as the steps do. */
+/* Adds up the rows in the order of particles and then blocks, as the steps do. */
 static void add_rows(const gn_step_context *ctx, const gn_partials *of, double *load) {
     const bool space = ctx->effects & GN_FX_SPACE;
     for (int32_t k = 0; k < of->first[of->blocks]; k++) {
@@ -67,15 +67,15 @@ static void add_walls(const gn_step_context *ctx, const gn_boundary *boundary, d
 
 /* --- background damping --- */
 
-/* The size of a vector over the components that are free. */
+/* Returns the magnitude of a vector over its free components. */
 static double free_size(const double *v, unsigned held) {
     double square = 0.0;
     for (int a = 0; a < 3; a++) square += held >> a & 1 ? 0.0 : v[a] * v[a];
     return sqrt(square);
 }
 
-/* Force or moment f, velocity or spin v and 1/m in v[3]; `held`: components that are driven, which
- * have none. See `kick` and `damp_free` of motion_template.c. */
+/* Damps a force or moment f by the velocity or spin v, with 1/m in v[3]; `held`: driven components,
+ * which are not damped. See `kick` and `damp_free` of motion_template.c. */
 static void damp(const gn_step_context *ctx, double coefficient, unsigned held, const double *f,
                  const double *v, double *out) {
     const double interval = 0.5 * (ctx->dt_past + ctx->dt), inverse = v[3];

@@ -25,7 +25,7 @@
 
 /* --- closed surfaces --- */
 
-/* Common edge of two facets; in the plane a point, twice. */
+/* A common edge of two facets; in the plane a point, stored twice. */
 typedef struct rim {
     int32_t low, high;
 } rim;
@@ -45,7 +45,7 @@ static void fill_rims(const gn_facet_set *s, rim *rims) {
     }
 }
 
-/* A surface is closed if every edge belongs to an even number of facets. */
+/* Tells whether a surface is closed: every edge belongs to an even number of facets. */
 static gneiss_status is_closed(const gn_facet_set *s, bool *closed, gneiss_error *error) {
     const size_t count = (size_t)s->corners * s->count;
     rim *rims = NULL;
@@ -63,14 +63,15 @@ static gneiss_status is_closed(const gn_facet_set *s, bool *closed, gneiss_error
 
 /* --- inside --- */
 
-/* A ray in a direction that no face or edge of a usual body has. */
+/* Direction of a ray, which no face or edge of a usual body has. */
 static const double ray[3] = {0.6317, 0.5143, 0.5800};
 
 static const double *corner_of(const gn_facet_set *s, int32_t facet, int c) {
     return s->pos + 4 * (int64_t)s->corner[s->corners * (int64_t)facet + c];
 }
 
-/* Moller and Trumbore 1997, J. Graphics Tools 2, 21-28. */
+/* Tells whether the ray crosses a triangle (Moller and Trumbore 1997, J. Graphics Tools 2, 21-28).
+ */
 static bool crosses_triangle(const gn_facet_set *s, int32_t facet, const double from[3]) {
     double side[2][3], to[3], p[3], q[3];
     const double *x = corner_of(s, facet, 0);
@@ -85,7 +86,8 @@ static bool crosses_triangle(const gn_facet_set *s, int32_t facet, const double 
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && gn_dot3(side[1], q) / size > 0.0;
 }
 
-/* The ray runs along y in the plane; a corner belongs to one of the two segments that share it. */
+/* Tells whether the ray, which runs along y in the plane, crosses a segment; a corner belongs to
+ * one of the two segments that share it. */
 static bool crosses_segment(const gn_facet_set *s, int32_t facet, const double from[3]) {
     const double *x = corner_of(s, facet, 0), *y = corner_of(s, facet, 1);
     if ((x[0] > from[0]) == (y[0] > from[0])) return false;
@@ -121,7 +123,7 @@ static size_t crossings(const gn_surface *s, int32_t at, const double from[3]) {
     return count;
 }
 
-/* *first: the first of them. */
+/* Counts the particles with their centre inside a surface; *first: the first of them. */
 static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *s,
                            size_t *first) {
     size_t inside = 0;
@@ -149,7 +151,7 @@ gneiss_status gn_body_holds(const gn_dem *dem, const gn_boundary *boundary, size
 
 /* --- touching --- */
 
-/* Reads touches from the lists, which hold every particle near a surface. */
+/* Evaluates the overlaps in the lists, which contain every particle near a surface. */
 static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, gn_overlap *overlap) {
     gn_surface_contact contacts[GN_SURFACE_CONTACTS];
@@ -190,7 +192,8 @@ gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_
     return o;
 }
 
-/* Share of the smallest radius: packings or the weight of a few layers leave smaller overlaps. */
+/* Overlap over the smallest radius beyond which particles are pushed apart; packings and the weight
+ * of a few layers cause smaller overlaps. */
 static const double bursting = 0.02;
 
 bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -200,7 +203,7 @@ bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     const size_t walls = s->wall_count, bodies = s->body_count;
     const char *name = NULL, *kind = "";
     double deepest = bursting * dem->radius_min;
-    /* Particles of another run may rest on their supports. */
+    /* Particles from another run may rest on their supports. */
     if (!s->has_specimen || *s->specimen.from ||
         gn_stored_matters(ctx, dem, gn_contacts_stored(ctx, dem, box)))
         return false;
@@ -223,10 +226,10 @@ bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return name;
 }
 
-/* The volume of a surface that intersects itself is not the enclosed one: common parts would count
+/* If a surface intersects itself, its volume is not the enclosed one, because common parts count
  * twice. */
 
-/* A polygon may repeat a point, as where it closes: one node. */
+/* Joins repeated points of a polygon, as where it closes, into one node. */
 static void join_repeated(const gn_body_shape *shape, const double *node, int32_t *corner) {
     for (size_t f = 0; f < shape->facets; f++) {
         const size_t next = f + 1 < shape->facets ? f + 1 : 0;

@@ -78,8 +78,8 @@ void gn_surfaces_refer(gn_boundary *boundary) {
     }
 }
 
-/* |R X - R' X| <= 2 sin(angle/2) |X|, and the Frobenius norm of R - R' is 2 sqrt(2)
- * sin(angle/2). */
+/* Returns a bound on the path of the vertices of a body: |R X - R' X| <= 2 sin(angle/2) |X|, and
+ * the Frobenius norm of R - R' is 2 sqrt(2) sin(angle/2). */
 static double body_travel(const gn_rigid *b) {
     double d2 = 0.0, f2 = 0.0;
     for (int a = 0; a < 3; a++)
@@ -111,7 +111,8 @@ const gn_surface *gn_surface_of_row(const gn_step_context *ctx, const gn_boundar
     return &boundary->surfaces[gn_surface_of_facet(boundary, facet)];
 }
 
-/* Rows hold the normal times the part; that of an unshared contact is unchanged. */
+/* Splits the normal of a row, which is multiplied by the part; that of a contact that does not
+ * share is unchanged. */
 static void split_normal(gn_touch_memory *m, double size) {
     m->part = 1.0;
     if (fabs(size - 1.0) < 1e-12) return;
@@ -196,8 +197,8 @@ static void add_part(gn_touch_memory *sum, const gn_touch_memory *m, const doubl
     }
 }
 
-/* The history of a contact is distributed among contacts of about its direction, by their loads: on
- * a plane all of them together are one contact, whatever facets they are on. */
+/* The history of a contact is distributed among contacts of about its direction in proportion to
+ * their loads: on a plane they form one contact together, whatever facets they are on. */
 void gn_touch_hand_over(const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
                         size_t count, gn_touch_memory *before) {
     double load[GN_PATCH_FACETS], weight[GN_PATCH_FACETS];
@@ -223,7 +224,7 @@ void gn_touch_hand_over(const gn_facet_contact *now, size_t contacts, gn_touch_m
         if (weight[k] > 0.0) before[k].closeness /= weight[k];
 }
 
-/* Takes the first history that is left and adds all later ones of about its direction. */
+/* Takes the first remaining history and adds all later ones of about the same direction. */
 bool gn_touch_gather(gn_touch_memory *old, size_t count, gn_touch_memory *sum) {
     size_t first = 0;
     while (first < count && old[first].taken) first++;

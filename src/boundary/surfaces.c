@@ -23,7 +23,7 @@ static const gn_rigid *body_of(const gn_boundary *boundary, const gn_surface *s)
 
 /* --- contacts --- */
 
-/* The facets of one surface and one particle. */
+/* The facets of one surface near one particle. */
 typedef struct group {
     const gn_step_context *ctx;
     const gn_dem *dem;
@@ -42,8 +42,8 @@ static void near_of_row(const group *g, const double centre[3], size_t row, gn_f
     gn_facet_set_nearest(&g->s->facets, facet_of(g, row), centre, near);
 }
 
-/* Returns the row of a facet that contains the centre of its particle, to rounding: there is no
- * direction in which to push it. SIZE_MAX: none. */
+/* Returns the row of a facet that contains the centre of its particle, within rounding; there is no
+ * direction in which to push such a particle. SIZE_MAX: none. */
 static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -88,7 +88,7 @@ static void away_in_space(const group *g, gn_facet_near *near) {
     memcpy(near->along, along, sizeof along);
 }
 
-/* Finds the minima of the distance below `reach`, nearest first. */
+/* Finds the minima of the distance below `reach`, the nearest first. */
 static size_t minima_within(const group *g, double reach, gn_facet_near *minima) {
     double centre[3];
     size_t count = 0;
@@ -103,8 +103,8 @@ static size_t minima_within(const group *g, double reach, gn_facet_near *minima)
     return count;
 }
 
-/* Finds the facets of a deformable surface with a part within `radius` of the centre, in the order
- * of the rows. */
+/* Finds the facets of a deformable surface that have a part within `radius` of the centre, in the
+ * order of the rows. */
 static size_t patch_within(const group *g, double radius, bool hertz, gn_facet_near *near,
                            gn_facet_contact *contacts) {
     const gn_facet_set *f = &g->s->facets;
@@ -137,7 +137,7 @@ static size_t contacts_of(const group *g, gn_facet_near *near, gn_facet_contact 
     return gn_facet_contacts(near, count, radius, contacts);
 }
 
-/* Velocity of a rigid surface at a point that lies `arm` from the particle's centre. */
+/* Computes the velocity of a rigid surface at a point `arm` from the particle's centre. */
 static void rigid_velocity(const group *g, const double arm[3], double v[3]) {
     double at[3], turn[3];
     const double *x = g->dem->particles.pos + 4 * g->particle;
@@ -165,7 +165,7 @@ double gn_vertex_inverse_mass(const gn_surface *s, int32_t vertex, const double 
     return slot < 0 ? inverse : gn_free_share(s->prescribed->mask[slot], n) * inverse;
 }
 
-/* Gives the velocity of the surface at the contact; returns its inverse mass along n. */
+/* Computes the velocity of the surface at the contact; returns its inverse mass along n. */
 static double surface_motion(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                              const double arm[3], double v[3]) {
     if (g->body) {
@@ -192,10 +192,10 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
     return inverse;
 }
 
-/* Returns the inverse mass, 1/kg, of a particle and of the whole body of finite elements in contact
+/* Returns the inverse mass, 1/kg, of a particle and the whole body of finite elements in contact
  * with it, for the dashpot: with the mass of single nodes a heavy particle would rebound undamped.
  * 0: neither can move, or the surface is rigid. A prescribed particle counts with its own mass,
- * because the step limit knows no dashpot beyond that. */
+ * because the step limit covers no stronger dashpot. */
 static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
     if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
     double own = gn_inverse_mass_along(g->dem, g->particle, s->n);
@@ -203,7 +203,7 @@ static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, 
     return fmax(own + whole, g->dem->particles.vel[4 * g->particle + 3]);
 }
 
-/* Relative motion at a contact whose normal, overlap and arm are known. */
+/* Returns the relative motion at a contact whose normal, overlap and arm are known. */
 static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                          const double arm[3]) {
     const gn_particles *q = &g->dem->particles;
@@ -235,13 +235,14 @@ static void take_roll(const group *g, double *roll, double *couple, gn_touch *s)
     s->couple = couple;
 }
 
-/* Share of a contact in the mass behind it, so that the dashpots of contacts that share add up to
- * one: of a patch by load, whatever their stiffnesses add up to. */
+/* Returns the fraction of a contact in the mass behind it, such that the dashpots of contacts that
+ * share a stiffness add up to one. In a patch the fraction is by load, whatever the sum of their
+ * stiffnesses. */
 static double mass_share(const group *g, const gn_facet_contact *k) {
     return is_patch(g) ? k->part / (k->crowd * k->crowd) : k->part;
 }
 
-/* Evaluates one contact: force and history into its row. */
+/* Evaluates one contact and writes its force and history to its row. */
 static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *minima,
                     const gn_facet_contact *k, const gn_touch_memory *before,
                     gn_contact_sums *sums) {
@@ -261,8 +262,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         gn_touch_follow(before->n, k->n, roll);
     }
     gn_touch s = touch_of(g, minima, k, arm);
-    /* Contacts that share have parts of the stiffness and of the mass, so that their dashpots add
-     * up as well. Across, friction limits each. */
+    /* Contacts that share a stiffness have parts of the stiffness and of the mass, so that their
+     * dashpots add up as well. Friction limits the tangential force of each of them. */
     gn_touch_side law = gn_surface_side(g->ctx, g->dem, g->s, g->particle, k->part);
     if (q->closeness) {
         q->closeness[own] = before ? before->closeness : 0.0;
@@ -278,7 +279,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         q->row[8 * own + a] = force[a];
         q->touch[own + a * stride] = x[a] + arm[a];
     }
-    /* Along the normal of one facet, or towards one of many points, the spring has no lever. */
+    /* Along the normal of a single facet, or towards one of many points, the spring has no lever
+     * arm. */
     gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
     for (int a = 0; a < 3; a++) q->row[8 * own + 4 + (size_t)a] += couple[a];
     for (size_t a = 0; a < 3; a++) {
@@ -291,8 +293,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += force[a] * arm[b];
 }
 
-/* Finds the point of the surface nearest to a particle that has separated, in the direction of the
- * contact that it had; false: there is none within half its radius. */
+/* Finds the point of the surface nearest to a particle that has separated from it, in the direction
+ * of its former contact; returns false if there is none within half its radius. */
 static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near *near) {
     gn_facet_near minima[GN_FACET_TOUCHES];
     size_t count = minima_within(g, 1.5 * g->dem->particles.pos[4 * g->particle + 3], minima);
@@ -306,9 +308,9 @@ static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near 
     return best > 0.5;
 }
 
-/* A contact that opened in this step: its tangential spring and its dashpot end, and the effect of
- * the last force beyond the opening is taken back, as at a wall. A contact that was joined to
- * another one is not open. */
+/* Completes a contact that opened in this step: its tangential spring and its dashpot end, and the
+ * work of the last force beyond the opening is subtracted, as at a wall. A contact that was joined
+ * to another one has not opened. */
 static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m,
                          gn_contact_sums *sums) {
     double t[3];
@@ -349,7 +351,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
     q->fd[near.row] = m->fd;
 }
 
-/* Returns the group that begins with a row, up to `end`. */
+/* Returns the group that begins with a row and ends at `end` at the latest. */
 static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       size_t begin, size_t end) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -360,8 +362,8 @@ static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     return (group){ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[begin], begin, past};
 }
 
-/* Contacts of a particle with all facets within reach, each with its part of k, which add up to at
- * least k. If there are more facets than room, the nearest are enough for a bound. */
+/* Finds the contacts of a particle with all facets within reach, each with its part of k; the parts
+ * add up to at least k. If there is not enough room, the nearest facets suffice for a bound. */
 static size_t patch_near(const group *g, double skin, gn_facet_near *near,
                          gn_facet_contact *contacts) {
     const double radius = g->dem->particles.pos[4 * g->particle + 3];
@@ -379,7 +381,7 @@ static size_t patch_near(const group *g, double skin, gn_facet_near *near,
     return count;
 }
 
-/* Finds the minima within `skin` of the particle, each as a contact of its own. */
+/* Finds the minima of the distance within `skin` of the particle, each as a separate contact. */
 static size_t singles_near(const group *g, double skin, gn_facet_near *near,
                            gn_facet_contact *contacts) {
     const double radius = g->dem->particles.pos[4 * g->particle + 3];
@@ -435,7 +437,8 @@ gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem
     return GNEISS_OK;
 }
 
-/* Contacts of a patch open and close like others, but their histories pass from facet to facet. */
+/* Evaluates a patch. Its contacts open and close like others, but their histories pass from facet
+ * to facet. */
 static void work_on_patch(const group *g, gn_wall_contacts *rows, const gn_facet_near *near,
                           const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
                           size_t remembered, gn_contact_sums *sums) {

@@ -23,8 +23,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A plane may be given by a distant point, whose coordinates would round the gap and the motion of
- * the wall; then the foot of the perpendicular from the origin replaces the point. */
+/* Replaces the point of the plane by the foot of the perpendicular from the origin: the coordinates
+ * of a distant point would round the gap and the motion of the wall. */
 static void take_near_point(const gn_dem *dem, gn_wall *wall) {
     const double *p = wall->point;
     double far = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
@@ -65,9 +65,9 @@ static double wall_gap(const gn_dem *dem, const gn_boundary *boundary, size_t pa
     return gn_wall_distance(&boundary->walls[wall], x) - x[3];
 }
 
-/* Overlap with passive walls at the start is free of stress, and so is that of a particle that
- * becomes active within any wall: the wall did not act on its element. An active particle is listed
- * before it touches. */
+/* Returns the overlap that is free of stress: that with passive walls at the start; also that of a
+ * particle that becomes active within any wall, because the wall did not act on its element. An
+ * active particle is listed before it touches. */
 static double free_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        size_t particle, size_t wall, bool first) {
     const bool is_free = first ? ctx->scene.walls[wall].passive : gn_converts(ctx);
@@ -79,8 +79,8 @@ static bool near_wall(const gn_dem *dem, const gn_boundary *boundary, size_t p, 
            wall_gap(dem, boundary, p, k) <= dem->verlet.skin;
 }
 
-/* Finds the row in the old list; both lists are sorted by (particle, wall), and the old one is
- * already renumbered. -1: there is none. */
+/* Finds the row in the old list; both lists are sorted by (particle, wall), and the old one has
+ * been renumbered. -1: there is none. */
 static int32_t place_before(const gn_wall_contacts *old, int32_t i, int32_t wall) {
     size_t low = 0, high = old->soa.count;
     while (low < high) {
@@ -161,8 +161,8 @@ gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_
     return gn_surfaces_check_centres(ctx, dem, boundary, error);
 }
 
-/* Relative motion along the normal; gives the relative velocity and the arm of the contact force as
- * well. */
+/* Computes the relative motion along the normal, and also the relative velocity and the arm of the
+ * contact force. */
 static gn_touch touch_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          size_t c, double v[3], double *arm) {
     const gn_particles *q = &dem->particles;
@@ -177,13 +177,13 @@ static gn_touch touch_of(const gn_step_context *ctx, const gn_dem *dem, const gn
         v[a] = wall->velocity[a] - q->vel[4 * p + a];
     }
     s.speed = gn_dot3(v, s.n);
-    /* A lasting contact without a dashpot needs no mass. */
+    /* A contact that stays closed and has no dashpot requires no mass. */
     if (ctx->effects & GN_FX_CONTACT_DAMPING || gn_touch_crosses(&s, s.speed * ctx->dt_past))
         s.inverse_mass = gn_inverse_mass_along(dem, p, s.n);
     return s;
 }
 
-/* Relative motion across the normal. */
+/* Computes the relative motion across the normal. */
 static void touch_across(const gn_dem *dem, size_t p, const double v[3], double arm, gn_touch *s) {
     const gn_particles *q = &dem->particles;
     double turn[3] = {0, 0, 0};
@@ -194,7 +194,7 @@ static void touch_across(const gn_dem *dem, size_t p, const double v[3], double 
     for (int a = 0; a < 3; a++) s->relative[a] = v[a] - s->speed * s->n[a] - arm * turn[a];
 }
 
-/* Most listed contacts are open and have no history. */
+/* Tells whether a contact needs no work: most listed contacts are open and have no history. */
 static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double path) {
     if (s->gap < 0.0 || s->gap < path || (q->fd && q->fd[c] != 0.0)) return false;
     size_t stride = q->soa.capacity;
@@ -256,8 +256,8 @@ void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary 
     }
 }
 
-/* By Hertz's law the stiffness at the expected overlap: a servo moves a wall less if the contacts
- * are stiffer. */
+/* Returns the stiffness by Hertz's law at the expected overlap; a servo moves a wall less if the
+ * contacts are stiffer. */
 static double expected_stiffness(const gn_step_context *ctx, const gn_dem *dem, size_t k,
                                  size_t p) {
     gn_touch_side side = gn_wall_side(ctx, dem, k, p);
@@ -265,7 +265,7 @@ static double expected_stiffness(const gn_step_context *ctx, const gn_dem *dem, 
         .kn;
 }
 
-/* Stiffness of the spring of a wall contact at its overlap. */
+/* Returns the stiffness of the spring of a wall contact at its overlap. */
 static double spring_stiffness(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, size_t c) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -290,9 +290,9 @@ double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
     return 0.5 * force * (overlap + ctx->dt_past * away);
 }
 
-/* Force of a wall contact for a path of the wall made in one step, over that path: the spring,
- * and the dashpot, which sees the path as a velocity. (Without it a servo overshoots at small
- * steps.) */
+/* Returns the ratio of the force of a wall contact to a path of the wall in one step: the stiffness
+ * of the spring plus the effect of the dashpot, for which the path is a velocity. (Without the
+ * latter a servo overshoots at small steps.) */
 static double step_stiffness(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, size_t c) {
     double k = spring_stiffness(ctx, dem, boundary, c);
@@ -318,7 +318,7 @@ void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *bo
     }
 }
 
-/* The past path ends with the present force, the coming path begins with it. */
+/* The last path ends with the present force, and the coming path begins with it. */
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                    gn_energy *ledger) {
     for (size_t k = 0; k < ctx->scene.wall_count; k++)
@@ -326,7 +326,7 @@ void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, doub
             0.5 * dt * gn_dot3(boundary->walls[k].force, boundary->walls[k].velocity);
 }
 
-/* Sum of the springs, without dashpots, that press the wall. */
+/* Returns the sum of the springs that press the wall, without dashpots. */
 static double springs_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          size_t k) {
     double sum = 0.0;
@@ -346,8 +346,8 @@ double gn_wall_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
     return most * stiffness / (2.0 * stiffness - springs_of(ctx, dem, boundary, wall));
 }
 
-/* Stiffness of the open contacts that would close within a path `path` of the wall, if their
- * particles continue to move as they do. */
+/* Returns the stiffness of the open contacts that would close within a path `path` of the wall if
+ * their particles continued to move as they do. */
 static double stiffness_within(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, size_t k, double path) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -365,10 +365,10 @@ static double stiffness_within(const gn_step_context *ctx, const gn_dem *dem,
 
 /* Returns the stiffness K such that the wall moves by force/K in a step for an additional `force`,
  * but at most by the path `most`. K is that of the closed contacts (of one contact if there are
- * none) and of the contacts closed on the path d, where d is the longest path, to a thousandth, for
- * which d K(d) <= force. Thus many contacts that close in one step together take no more than the
- * missing force; a path computed from the closed contacts alone would be too long by a factor of
- * the number of particles, at any step. */
+ * none) plus that of the contacts that close on the path d, where d is the longest path, to a
+ * thousandth, for which d K(d) <= force. Many contacts that close in one step therefore take no
+ * more than the missing force together. A path computed from the closed contacts alone would be too
+ * long by a factor of the number of particles, at any step. */
 static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, size_t k, double force, double most) {
     double pressed = boundary->walls[k].stiffness;
@@ -390,7 +390,7 @@ static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
     return under == over ? over : force / low;
 }
 
-/* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
+/* Returns the area on which the stress of a servo wall acts, m2 (2D: m x 1 m). */
 static double wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall) {
     gn_facing f;
     double area = ctx->scene.walls[wall].servo.area;
@@ -411,8 +411,8 @@ double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, s
     return gn_table_at(&servo->stress, time) * wall_area(ctx, boundary, wall);
 }
 
-/* Servo: the wall moves along its normal by the share `relaxation`, if that is stable, of the path
- * in which the springs take up the missing force. */
+/* Sets the velocity of a servo wall: along its normal it moves by the fraction `relaxation`, which
+ * must be stable, of the path in which the springs take up the missing force. */
 static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                            size_t k) {
     const gn_servo *servo = &ctx->scene.walls[k].servo;
@@ -424,11 +424,11 @@ static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_bou
     double stiffness =
         servo_stiffness(ctx, dem, boundary, k, relaxation * (look.wanted - look.found),
                         servo->max_velocity * ctx->dt);
-    /* Springs at the wall and behind it in series. */
+    /* The springs at the wall and the material behind it act in series. */
     double uniform = wall->behind > 0.0 ? 1.0 / (1.0 + stiffness / wall->behind) : 1.0;
     look.pace = relaxation / (stiffness * ctx->dt);
     look.answer = gn_servo_answer(relaxation, uniform);
-    if (!(wall->stiffness > 0.0)) { /* no contact: the wall approaches */
+    if (!(wall->stiffness > 0.0)) { /* without contact the wall approaches */
         wall->servo = (gn_servo_state){0};
         look.answer = 0.0;
     }
@@ -436,7 +436,7 @@ static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_bou
     for (int a = 0; a < 3; a++) wall->velocity[a] = speed * wall->normal[a];
 }
 
-/* Extent, m, of the centres along a direction. */
+/* Returns the extent of the centres along a direction, m. */
 static double extent_along(const gn_dem *dem, const double n[3]) {
     double low = INFINITY, high = -INFINITY;
     for (size_t p = 0; p < dem->particles.soa.count; p++) {

@@ -8,7 +8,8 @@
 #include <string.h>
 
 #define ALL_COMMANDS                                                                               \
-    "run check plan stiffness pack sweep calibrate resume status report keys explain schema info " \
+    "run check plan stiffness pack sweep calibrate resume status report convert keys explain "     \
+    "schema info "                                                                                 \
     "help "                                                                                        \
     "version"
 
@@ -63,6 +64,15 @@ static const gn_command commands[] = {
      "gneiss status runs/ucs-rock\n"},
     {"report", "DIR", "make report.html from the results of a run, a packing or a sweep", true,
      false, "It can be made during the run.\n", "gneiss report runs/ucs-rock\n"},
+    {"convert", "IN OUT",
+     "write particles or a mesh of another program as a file that gneiss reads, or back", true,
+     true,
+     "IN: a run or packing; text with columns (CSV, YADE), data or dump of LAMMPS and LIGGGHTS,\n"
+     "geometry of ESyS-Particle, points of VTK. OUT: .txt or .csv (for specimen.file), .yade,\n"
+     ".data, .dump, .geo, .vtp. It prints number and volume, and what OUT has no place for\n"
+     "(docs/files.md).\n",
+     "gneiss convert dump.granular particles.txt\n"
+     "gneiss convert runs/ucs-rock ucs-rock.vtp\n"},
     {"keys", "[TEXT ...]",
      "print the keys of a scene file, or those that contain a text (--markdown for docs)", false,
      true,
@@ -107,9 +117,9 @@ const gn_option_text gn_option_texts[] = {
     {"run check plan sweep", "--precision P", "double or mixed"},
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
-    {"run pack plan sweep calibrate", "--force",
+    {"run pack plan sweep calibrate convert", "--force",
      "run: replace also the results of a run of more than a minute; run,\npack: files not written "
-     "by gneiss; sweep: compute everything anew"},
+     "by gneiss; sweep: compute everything anew;\nconvert: OUT"},
     {"run check plan stiffness pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen given as geometry (.geo, .step, ...), which can\nmake it execute "
      "any command: only for trusted files"},
@@ -135,7 +145,12 @@ const gn_option_text gn_option_texts[] = {
     {"stiffness", "--strain E",
      "stiffness: strain up to which the test is loaded (default 1e-5;\nbetween walls that of the "
      "predicted peak)"},
-    {"run check plan pack sweep calibrate resume", "--quiet",
+    {"convert", "--length UNIT", "convert: unit of lengths in IN that states none (default m)"},
+    {"convert", "--density D", "convert: density in kg/m3 of particles that have none"},
+    {"convert", "--columns 'X ...'", "convert: names of columns of a text without a header"},
+    {"convert", "--as NAME=COLUMN", "convert: takes a column of IN as another one: tag=group"},
+    {"convert", "--frame N", "convert: frame of a dump, base 1 (default: the last)"},
+    {"run check plan pack sweep calibrate convert resume", "--quiet",
      "only results: readings and warnings, no progress and no profile"},
     {ALL_COMMANDS, "--log json", "JSON objects on standard output, one a line (docs/log.md)"},
     {"keys", "--markdown", "keys: as Markdown"},

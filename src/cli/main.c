@@ -582,6 +582,7 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "status") == 0) return gn_command_status(options, error);
     if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
     if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
+    if (strcmp(options->command, "convert") == 0) return gn_command_convert(options, error);
     if (strcmp(options->command, "explain") == 0) return gn_command_explain(options, error);
     if (strcmp(options->command, "completion") == 0) return gn_command_completion(options, error);
     if (strcmp(options->command, "schema") == 0) return gn_command_schema(options, error);

@@ -103,9 +103,9 @@ static bool is_among(const gn_command *command, const char *const *names) {
 
 static gneiss_status check_files(const gn_options *options, const gn_command *command,
                                  gneiss_error *error) {
-    static const char *const no_scene[] = {"calibrate", "report",  "keys",   "info",
-                                           "status",    "explain", "schema", "completion",
-                                           "help",      "version", NULL},
+    static const char *const no_scene[] = {"calibrate", "report",  "keys",    "info",
+                                           "status",    "explain", "schema",  "completion",
+                                           "help",      "version", "convert", NULL},
                              *const writing[] = {"run", "pack", "sweep", "calibrate", NULL};
     if (options->out && strcmp(command->name, "resume") == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -134,6 +134,14 @@ static gneiss_status check_target(const gn_options *options, int argc, char **ar
     GN_TRY(check_sweep_options(options, command, error));
     GN_TRY(check_plan_options(options, command, error));
     GN_TRY(check_stiffness_options(options, command, error));
+    const bool converts = strcmp(command->name, "convert") == 0;
+    if (options->passed_count && !converts)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %.*s is for gneiss convert",
+                       command->name, (int)strcspn(options->passed[0], "="), options->passed[0]);
+    if (converts && argc - first != 2)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss convert: expected two arguments, %s, found %d", command->arguments,
+                       argc - first);
     if (first + 1 < argc && !command->several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", command->name,
@@ -165,6 +173,11 @@ enum {
     OPT_WRITE,
     OPT_STRAIN,
     OPT_JSON,
+    OPT_LENGTH,
+    OPT_DENSITY,
+    OPT_AS,
+    OPT_COLUMNS,
+    OPT_FRAME,
     OPT_HELP,
     OPT_VERSION
 };
@@ -193,6 +206,11 @@ static const struct option long_options[] = {
     {"write", required_argument, 0, OPT_WRITE},
     {"strain", required_argument, 0, OPT_STRAIN},
     {"json", no_argument, 0, OPT_JSON},
+    {"length", required_argument, 0, OPT_LENGTH},
+    {"density", required_argument, 0, OPT_DENSITY},
+    {"as", required_argument, 0, OPT_AS},
+    {"columns", required_argument, 0, OPT_COLUMNS},
+    {"frame", required_argument, 0, OPT_FRAME},
     {"help", no_argument, 0, OPT_HELP},
     {"version", no_argument, 0, OPT_VERSION},
     {0, 0, 0, 0},
@@ -247,6 +265,24 @@ static gneiss_status apply_to_plan(gn_options *options, int option, const char *
     default:
         return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
     }
+}
+
+/* Keeps an option of `convert` as the text --name=value. */
+static gneiss_status pass_on(gn_options *options, int option, const char *value,
+                             gneiss_error *error) {
+    const char *name = "";
+    for (const struct option *o = long_options; o->name; o++)
+        if (o->val == option) name = o->name;
+    if (options->held_count == GN_MAX_OVERRIDES)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "--%s: expected at most %d options", name,
+                       GN_MAX_OVERRIDES);
+    const size_t size = strlen(name) + strlen(value) + sizeof "--=";
+    char *text = malloc(size);
+    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the options");
+    snprintf(text, size, "--%s=%s", name, value);
+    options->held[options->held_count++] = text;
+    options->passed[options->passed_count++] = text;
+    return GNEISS_OK;
 }
 
 static gneiss_status apply_to_sweep(gn_options *options, int option, const char *value,
@@ -312,6 +348,12 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
         options->log = strcmp(value, "json") == 0;
         options->json = options->log || options->one_json;
         return GNEISS_OK;
+    case OPT_LENGTH:
+    case OPT_DENSITY:
+    case OPT_AS:
+    case OPT_COLUMNS:
+    case OPT_FRAME:
+        return pass_on(options, option, value, error);
     default:
         return apply_to_sweep(options, option, value, error);
     }

@@ -30,7 +30,9 @@ typedef struct gn_options {
     bool any_particles;          /* plan: --particles any */
     double reached;              /* run: the error of a plan that the run carries out; 0: none */
     bool one_json;               /* stiffness: --json */
-    const char *strain;          /* stiffness: --strain; NULL: not given */
+    const char *passed[GN_MAX_OVERRIDES]; /* convert: --length=mm and others, in `held` */
+    size_t passed_count;
+    const char *strain; /* stiffness: --strain; NULL: not given */
     gn_override overrides[GN_MAX_OVERRIDES];
     const char *option[GN_MAX_OVERRIDES]; /* option that gave the override, such as --threads; NULL:
                                              --set */

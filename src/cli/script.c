@@ -116,6 +116,24 @@ gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) 
 static const script calibrate = {"GNEISS_CALIBRATE", "calibrate/__main__.py",
                                  "calibrate/__main__.py"};
 
+gneiss_status gn_command_convert(const gn_options *options, gneiss_error *error) {
+    static const script convert = {"GNEISS_CONVERT", "convert/__main__.py", "convert/__main__.py"};
+    char self[SELF_SIZE], path[SCRIPT_SIZE], *arguments[GN_MAX_OVERRIDES + 8];
+    size_t n = 0;
+    find_self(self);
+    GN_TRY(find(&convert, self, path, error));
+    arguments[n++] = (char *)python;
+    arguments[n++] = path;
+    for (size_t k = 0; k < options->passed_count; k++) arguments[n++] = (char *)options->passed[k];
+    if (options->force) arguments[n++] = "--force";
+    if (options->quiet) arguments[n++] = "--quiet";
+    arguments[n++] = "--";
+    arguments[n++] = options->words[0];
+    arguments[n++] = options->words[1];
+    arguments[n] = NULL;
+    return start(options, arguments, error);
+}
+
 gneiss_status gn_calibrate_schema(const gn_options *options, gneiss_error *error) {
     char self[SELF_SIZE], path[SCRIPT_SIZE];
     find_self(self);

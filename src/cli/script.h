@@ -10,6 +10,9 @@ gneiss_status gn_command_report(const gn_options *options, gneiss_error *error);
 /* Finds the parameters of a file of targets; returns only if it cannot be started. */
 gneiss_status gn_command_calibrate(const gn_options *options, gneiss_error *error);
 
+/* Writes particles or a mesh in another format; returns only if it cannot be started. */
+gneiss_status gn_command_convert(const gn_options *options, gneiss_error *error);
+
 /* Prints the JSON Schema of a file of targets; returns only if it cannot be started. */
 gneiss_status gn_calibrate_schema(const gn_options *options, gneiss_error *error);
 

@@ -47,8 +47,8 @@ gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *s
 #define GN_PART_ROUNDING  1e-12
 #define GN_SHAPE_ROUNDING 1e-9
 
-/* Tells whether all nodes on which the position of a tie depends belong to an element, so that the
- * element contains the position. */
+/* Tells whether an element contains the position of a tie: all nodes on which the position depends
+ * belong to it. */
 static bool shares_place(const gn_fem_solid *solid, const gn_tie *tie, size_t e) {
     for (int a = 0; a <= solid->dimension; a++) {
         bool found = fabs(tie->shape[a]) < GN_SHAPE_ROUNDING;
@@ -120,11 +120,11 @@ static double part_at(const gn_conversion *conversion, size_t p) {
     const gn_tie tie = gn_tie_at(b, e, conversion->model->dem->particles.start + 4 * p);
     for (int a = 0; a <= b->dimension; a++)
         part += tie.shape[a] * b->nodes.blend[2 * (size_t)tie.node[a]];
-    /* Rounding may produce a weight for a particle on a side of an element. */
+    /* Rounding may give a weight to a particle on a face of an element. */
     return part > 1.0 - GN_PART_ROUNDING ? 0.0 : fmin(fmax(1.0 - part, 0.0), 1.0);
 }
 
-/* Marks the elements that leave or whose weight changes. */
+/* Marks the elements that are removed or whose weight changes. */
 static void find_touched(gn_conversion *conversion) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const double *before = conversion->node_part;
@@ -138,7 +138,7 @@ static void find_touched(gn_conversion *conversion) {
     }
 }
 
-/* Bonds act if an end has a weight. */
+/* Marks the prepared bonds that act: those with an end of nonzero weight. */
 static void find_active(gn_conversion *conversion) {
     const gn_contacts *all = &conversion->model->dem->prepared;
     double *blend = conversion->model->dem->particles.blend;
@@ -151,8 +151,9 @@ static void find_active(gn_conversion *conversion) {
     }
 }
 
-/* A particle is active if its weight is nonzero or a bonded neighbour's is: the ends of bonds have
- * to be in place. Masses have a least weight, so that none vanishes (zones.c). */
+/* Finds the weights of particles. A particle is active if its weight or that of a bonded neighbour
+ * is nonzero, because both ends of a bond must exist. Masses have a least weight, so that none
+ * vanishes (zones.c). */
 static void find_parts(gn_conversion *conversion) {
     const gn_convertible *model = conversion->model;
     gn_particles *q = &model->dem->particles;
@@ -176,8 +177,8 @@ static void activate_all(gn_conversion *conversion) {
     for (size_t p = 0; p < q->soa.count; p++) {
         const double part = q->blend[2 * p + 1], before = conversion->part[2 * p + 1];
         if (part == before) continue;
-        /* Intact bonds need no mark; these particles have other springs than at the last check of
-         * the step. */
+        /* The marks of intact bonds do not change, but these particles have other springs than at
+         * the last check of the step. */
         q->marks[2 * p] = q->marks[2 * p + 1] = 1;
         if (before > 0.0) {
             q->vel[4 * p + 3] *= before / part;
@@ -194,7 +195,7 @@ static void activate_all(gn_conversion *conversion) {
 
 /* --- converting --- */
 
-/* *stuck: the conversion was halted, and nothing has changed. */
+/* Moves the front. *stuck: the conversion was halted, and nothing has changed. */
 static gneiss_status advance_front(gn_conversion *conversion, bool *stuck, gneiss_error *error) {
     const gn_convert_def *def = &conversion->model->ctx->scene.couple.convert;
     gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
@@ -211,9 +212,9 @@ static gneiss_status advance_front(gn_conversion *conversion, bool *stuck, gneis
     return GNEISS_OK;
 }
 
-/* Makes the lists again, which must not mistake the conversion for fast particles. Released
- * particles are equilibrated with the mass of the packing; the invariants of the body are restored
- * at their new positions, so that no position and no mass changes after that. */
+/* Makes the lists again, which must not take the conversion for fast particles. Released particles
+ * are brought to equilibrium with the masses of the packing; the invariants of the body are then
+ * restored at their new positions, so that no position and no mass changes afterwards. */
 static gneiss_status make_lists(gn_conversion *conversion, const gn_tally *before,
                                 gneiss_error *error) {
     const gn_convertible *model = conversion->model;
@@ -240,8 +241,8 @@ static void put_back(gn_conversion *conversion) {
     conversion->acting = 0;
 }
 
-/* Finds the front and the weights such that particles can take the mass of the converting elements.
- * Elements that hold too few particles, as in a mesh that is fine relative to them, convert
+/* Finds a front and weights with which particles can take the mass of the converting elements.
+ * Elements that contain too few particles, as in a mesh that is fine relative to them, convert
  * together with the elements around them. */
 static gneiss_status advance(gn_conversion *conversion, bool *stuck, gneiss_error *error) {
     enum { RINGS = 3 };

@@ -1,8 +1,9 @@
-/* Elements that turn into particles during a run. The body is packed at the start: its particles
- * are dormant, without mass, contacts and blocks to work on, and follow nothing; their bonds are
- * formed and stored. Where stresses are high (couple/front.h) elements leave, and the particles in
- * them are activated with their displacements and velocities and half the curl. So are the
- * particles of a new zone in between, which follow nodes as in any other zone (zones.h). */
+/* Elements that turn into particles during a run. The body is packed at the start. Its particles
+ * are dormant: they have no mass and no contacts, their blocks are skipped, and they do not move;
+ * their bonds are formed and stored. Where stresses are high (couple/front.h) elements are removed,
+ * and the particles in them are activated with the displacement and velocity of the elements and
+ * half the curl of the velocity. So are the particles of the new zone between both, which follow
+ * nodes as in any other zone (zones.h). */
 #ifndef GN_CONVERSION_CONVERSION_H
 #define GN_CONVERSION_CONVERSION_H
 
@@ -54,11 +55,11 @@ gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *s
                                   uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(const gn_convertible *model, uint8_t *kind,
                                     gneiss_error *error);
-/* Converts the elements that are loaded to at least this part of a limit. */
+/* Converts the elements that are loaded to at least the fraction `part` of a limit. */
 gneiss_status gn_conversion_convert_above(const gn_convertible *model, double part,
                                           gneiss_error *error);
 
-/* Evaluates a conversion without performing it; changes only outcome->halt and `kind`. *rings:
+/* Tests a conversion without performing it; only outcome->halt and `kind` change. *rings: number of
  * rings of neighbouring elements that would convert as well. */
 gneiss_status gn_conversion_dry_run(const gn_convertible *model, uint8_t *kind, int *rings,
                                     gneiss_error *error);
@@ -68,18 +69,20 @@ gneiss_status gn_conversion_dry_run(const gn_convertible *model, uint8_t *kind, 
 bool gn_conversion_ended_at_box(const gn_ending *outcome);
 /* Tells whether outcome->halt reports too few particles for the mass of the converting elements. */
 bool gn_conversion_lacked_mass(const gn_ending *outcome);
-/* Tells whether outcome->halt reports elements with nodes of a motion that only records. */
+/* Tells whether outcome->halt reports elements with nodes of a motion that only records
+ * displacements. */
 bool gn_conversion_reached_watched(const gn_ending *outcome);
 /* Writes a warning about recording motions that prevent elements from converting; "" if there are
  * none. Returns `text`. */
 const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *solids, char *text,
                                   size_t size);
-/* Tells whether outcome->halt reports driven or loaded nodes that would keep too little mass. */
+/* Tells whether outcome->halt reports driven or loaded nodes that would be left with too little
+ * mass. */
 bool gn_conversion_left_light_nodes(const gn_ending *outcome);
 
-/* Result of trial conversions at single places of an unconverted body: the number of places; how
- * many of them need neighbouring elements to convert as well; how many have too few particles even
- * so. Places at the end of the box are not counted (conversion_limits.c). */
+/* Result of trial conversions at single places of an unconverted body: the number of places, how
+ * many of them require neighbouring elements to convert as well, and how many have too few
+ * particles nevertheless. Places at the end of the box are not counted (conversion_limits.c). */
 typedef struct gn_conversion_places_checked {
     size_t looked, along, too_few;
 } gn_conversion_places_checked;
@@ -94,14 +97,14 @@ typedef struct gn_conversion_figures {
     double smallest;                  /* m, smallest size of an element (`element` is the mean) */
     double side;                      /* m, the shortest side of the body of elements */
     double mass;                      /* mass of the particles over that of the elements */
-    size_t materials; /* number of materials of the elements, with the packing in each */
+    size_t materials; /* number of materials of the elements; the packing in each of them */
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_conversion_figures;
 gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     gn_conversion_figures *figures, gneiss_error *error);
 
-/* Computes the limits for all elements, each by itself. */
+/* Computes the limits for all elements; each element is treated as separate from the others. */
 gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *limit,
                                   gneiss_error *error);
 

@@ -1,9 +1,9 @@
-/* Contacts during a conversion. Present contacts get a larger weight, and their forces with it.
- * Bonds of activated particles get the force that the strain of the elements causes: the normal
- * force is that of the distance, for any rotation; the tangential one is k_t times the displacement
- * of the second centre from where the rotations of both ends take it, which is eps l less its part
- * along the normal in a uniform strain eps, and zero in any rigid motion. (With displacements alone
- * each rotation would shear all bonds.) */
+/* Contacts during a conversion. The weight and the force of present contacts increase. Bonds of
+ * activated particles get the force that the strain of the elements causes. The normal force is
+ * that of the distance, for any rotation. The tangential force is k_t times the displacement of the
+ * second centre relative to the position to which the rotations of both ends would carry it. In a
+ * uniform strain eps this displacement is the part of eps l across the normal, and in a rigid
+ * motion it is zero. (If only displacements were used, each rotation would shear all bonds.) */
 #include "base/error.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
@@ -19,7 +19,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Returns the weight of a contact, with the lower bound that law.c applies. */
+/* Returns the weight of a contact, with the lower bound of law.c. */
 static double part_of(const double *part, int32_t i, int32_t j) {
     return fmax(0.5 * (part[2 * (size_t)i] + part[2 * (size_t)j]), 1e-9);
 }
@@ -46,11 +46,11 @@ static void grow(const gn_conversion *conversion, gn_contacts *list) {
     }
 }
 
-/* Rotations at the particles of the last queries: a particle has many bonds, which are adjacent in
- * the list. */
+/* Rotations at the particles of the last queries are stored, because a particle has many bonds,
+ * which are adjacent in the list. */
 enum { TURNS = 256 };
 typedef struct turns {
-    int32_t particle[TURNS]; /* index: id modulo the size; -1: none */
+    int32_t particle[TURNS]; /* [id modulo the size] particle; -1: none */
     double turn[TURNS][3][3];
 } turns;
 
@@ -72,8 +72,8 @@ static void find_turn(const gn_conversion *conversion, int32_t p, double turn[3]
         for (int k = 0; k < 3; k++) turn[r][k] /= (double)count;
 }
 
-/* Uses the element that contains the particle, or the last one that did; a free particle has no
- * known rotation. */
+/* Finds the rotation at a particle: that of the element that contains it, or that contained it
+ * last; a free particle has no known rotation. */
 static bool turn_of(const gn_conversion *conversion, turns *known, int32_t p, double turn[3][3]) {
     const int32_t at = p % TURNS;
     if (gn_home_of(conversion, (size_t)p) < 0) return false;
@@ -83,7 +83,7 @@ static bool turn_of(const gn_conversion *conversion, turns *known, int32_t p, do
     return true;
 }
 
-/* Rotates a branch by the rotations of both ends; false: no rotation is known. */
+/* Rotates a branch by the rotations of both ends; returns false if neither is known. */
 static bool turned_branch(const gn_conversion *conversion, turns *known, int32_t i, int32_t j,
                           double branch[3]) {
     const gn_convertible *model = conversion->model;
@@ -119,7 +119,8 @@ void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
     for (size_t k = 0; k < 3; k++) rate[k] = q->vel[b + k] - q->vel[a + k] - turning[k];
 }
 
-/* The coming step adds the increment of the last interval. */
+/* Sets the forces of a bond to those of the last instant; the coming step adds the increment of the
+ * last interval. */
 static void strain_bond(const gn_conversion *conversion, turns *known, gn_contacts *list,
                         size_t k) {
     const gn_particles *q = &conversion->model->dem->particles;
@@ -144,14 +145,14 @@ static void strain_bond(const gn_conversion *conversion, turns *known, gn_contac
 
 enum { PART = 512 };
 
-/* Some of the prepared bonds, and the rows of those that the list already has. */
+/* Some of the prepared bonds, and the rows of those that are in the list already. */
 typedef struct part {
     size_t begin, count;                /* positions in the new list */
     int32_t from[PART], prepared[PART]; /* `from`: row in the last list, -1: it is new; `prepared`:
-                                           -1: it is known */
+                                           -1: the list has it already */
 } part;
 
-/* Copies bonds that the last list had; new ones start from the prepared bonds. */
+/* Copies bonds that were in the last list; new ones are made from the prepared bonds. */
 static void fill_part(const gn_conversion *conversion, turns *known, gn_contacts *now, part *q) {
     gn_dem *d = conversion->model->dem;
     gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds.contacts, q->from);
@@ -167,7 +168,7 @@ static void fill_part(const gn_conversion *conversion, turns *known, gn_contacts
     q->count = 0;
 }
 
-/* Both lists are sorted in the same way. */
+/* Fills the new list; both source lists are sorted in the same way. */
 static void fill(const gn_conversion *conversion, gn_contacts *now) {
     const gn_contacts *all = &conversion->model->dem->prepared,
                       *last = &conversion->model->dem->bonds.contacts;

@@ -1,12 +1,11 @@
-/* Energy of the springs and elements that a conversion changes, before and after it: the others
- * would only add the rounding of large sums.
- * Leap-frog conserves 1/2 v(-) M v(+) plus the energy of springs at the instant: 1/2 v(-) M v(-)
- * and half a step of the power of their forces at v(-). Tangential forces between two steps are
- * those of the instant before; the coming step adds the increment of the last interval. The power
- * at driven nodes is no part of the conserved sum, but of the work of their reactions. The work of
- * the interval before the conversion uses the mean of the reactions at its two ends, the later of
- * which is evaluated after the conversion: it misses half a step of the power of the jump of the
- * reactions. */
+/* Energy of the springs and elements that a conversion changes, before and after it; all others
+ * would only add the rounding of large sums. Leap-frog conserves 1/2 v(-) M v(+) plus the energy of
+ * springs at the instant; the first term is 1/2 v(-) M v(-) plus half a step of the power of all
+ * forces at v(-). Between two steps tangential forces are those of the instant before; the coming
+ * step adds the increment of the last interval. The power at driven nodes is not part of the
+ * conserved sum, but of the work of their reactions. The work of the interval before the conversion
+ * is computed with the mean of the reactions at its two ends, the later of which is evaluated after
+ * the conversion: the jump of the reactions causes an error of half a step of its power. */
 #include "base/ball.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
@@ -23,7 +22,8 @@
 #include <math.h>
 #include <string.h>
 
-/* N, tangential force of a contact at the instant; rate at which its ends separate, m/s. */
+/* Advances the tangential force of a contact to the instant, N, and computes the rate at which its
+ * ends separate, m/s. */
 static void advance_shear(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                           size_t c, double length, const double n[3], const double shear[3],
                           double now[3], double rate[3]) {
@@ -32,7 +32,7 @@ static void advance_shear(const gn_step_context *ctx, const gn_dem *dem, const g
     for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * ctx->dt_past * (rate[a] - along * n[a]);
 }
 
-/* Open contacts have no force, and sliding ones none beyond their limit. */
+/* Open contacts have no force, and sliding contacts have at most the force of their limit. */
 double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                        size_t c, double n[3], double *length, double force[3]) {
     const gn_law *law = gn_law_of(list->soa.effects);
@@ -67,7 +67,7 @@ static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_
     sum->step -= 0.5 * ctx->dt_past * power;
 }
 
-/* Tells whether the weights of a particle change, or whether it is released. */
+/* Tells whether the conversion changes the weight of a particle or releases it. */
 static bool is_other(const gn_conversion *conversion, int32_t p) {
     const size_t k = 2 * (size_t)p;
     const double *part = conversion->model->dem->particles.blend;
@@ -89,8 +89,8 @@ static void add_contacts(const gn_conversion *conversion, const gn_contacts *lis
     }
 }
 
-/* Adds the walls touched by particles that relaxation moves. Contacts with bodies keep their energy
- * where particles stay. */
+/* Adds the springs of walls at particles that relaxation moves. Contacts with bodies keep their
+ * energy where particles do not move. */
 static void add_walls(const gn_conversion *conversion, bool other, gn_held *sum) {
     const gn_wall_contacts *q = &conversion->model->boundary->contacts;
     const size_t walls = conversion->model->ctx->scene.wall_count;
@@ -100,7 +100,8 @@ static void add_walls(const gn_conversion *conversion, bool other, gn_held *sum)
                                           conversion->model->boundary, k);
 }
 
-/* Adds the elements that the conversion touches, or the other remaining ones; scratch: c->some. */
+/* Adds the elements that the conversion changes, or the other remaining ones; scratch:
+ * conversion->some. */
 static void add_elements(const gn_conversion *conversion, bool touched, gn_held *sum) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const double half = 0.5 * conversion->model->ctx->dt_past;
@@ -108,7 +109,7 @@ static void add_elements(const gn_conversion *conversion, bool touched, gn_held 
     for (size_t e = 0; e < b->elements.soa.count; e++)
         if (conversion->touched[conversion->place[b->elements.id[e]]] == touched)
             conversion->some[count++] = (int32_t)e;
-    /* The difference of two energies gives half a step of the power. */
+    /* Half a step of the power is the difference of two energies. */
     sum->elements += gn_fem_elastic_energy(b, conversion->some, count, 0.0);
     sum->step += 0.5 * (gn_fem_elastic_energy(b, conversion->some, count, -half) -
                         gn_fem_elastic_energy(b, conversion->some, count, half));
@@ -163,7 +164,7 @@ static double taken_by(const gn_conversion *conversion, size_t p) {
                : conversion->model->dem->particles.blend[2 * p] - conversion->part[2 * p];
 }
 
-/* F and R of the elements of the last queries; bonds of a particle are adjacent. */
+/* F and R of the elements of the last queries; bonds of a particle are adjacent in the list. */
 typedef struct gradients {
     int32_t element;
     double f[3][3], turn[3][3];
@@ -178,7 +179,7 @@ static void gradient_at(const gn_conversion *conversion, size_t p, gradients *g)
     gn_fem_rotation(b, (size_t)e, g->turn);
 }
 
-/* J, energy of a bond of full weight both ends of which move with an element (see
+/* Returns the energy, J, of a bond of full weight if both of its ends moved with an element (see
  * conversion_contacts.c). */
 static double bond_energy(const gn_conversion *conversion, size_t k, const gradients *g) {
     const gn_contacts *all = &conversion->model->dem->prepared;

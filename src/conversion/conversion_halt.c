@@ -67,7 +67,7 @@ void gn_conversion_centre(const gn_fem_solid *solid, size_t e, double centre[3])
                 (solid->dimension + 1);
 }
 
-/* Tells whether a recording motion has a node of an element. */
+/* Tells whether a node of an element belongs to a motion that only records. */
 static bool watches(const gn_element_model *q, size_t motion, size_t e) {
     const gn_fem_set *set = &q->motion_set[motion];
     bool any = false;
@@ -77,7 +77,7 @@ static bool watches(const gn_element_model *q, size_t motion, size_t e) {
     return any;
 }
 
-/* Returns the largest value at the nodes of an element. */
+/* Returns the strongest use of any node of an element. */
 static gn_node_use use_of(const gn_fem_solid *solid, const uint8_t *use, size_t e) {
     uint8_t most = GN_NODE_FREE;
     for (int a = 0; a <= solid->dimension; a++) {
@@ -87,8 +87,8 @@ static gn_node_use use_of(const gn_fem_solid *solid, const uint8_t *use, size_t 
     return (gn_node_use)most;
 }
 
-/* Names what prevents the conversion of an element: a driving motion or a load if there is one,
- * else a recording motion. */
+/* Writes what prevents the conversion of an element: a driving motion or a load if there is one,
+ * else a motion that only records. */
 static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t size) {
     const gn_element_model *q = solids->elements[0];
     uint8_t *use = gn_alloc(q->solid.nodes.soa.count + 1);
@@ -106,7 +106,7 @@ static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t
     return said;
 }
 
-/* The model keeps all elements, and the run ends. */
+/* Ends the run; the model keeps all elements. */
 void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
     const gn_convertible *model = conversion->model;
     const gn_fem_solid *b = gn_coupled_solid(model->solids);
@@ -129,7 +129,7 @@ void gn_conversion_halt_at(const gn_conversion *conversion, int64_t e) {
 
 /* --- masses --- */
 
-/* kg: mass of an element at full weight; change of its mass. */
+/* Returns the change of an element's mass, kg; *whole: its mass at full weight. */
 static double element_change(const gn_conversion *conversion, size_t e, double *whole) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
@@ -144,7 +144,7 @@ static double element_change(const gn_conversion *conversion, size_t e, double *
     return conversion->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
 }
 
-/* kg, mass of a particle with a weight. */
+/* Returns the mass of a particle by its weight, kg. */
 static double particle_mass(const gn_conversion *conversion, size_t p) {
     const double before = conversion->part[2 * p + 1];
     return before > 0.0 ? 1.0 / (conversion->model->dem->particles.vel[4 * p + 3] * before)
@@ -152,7 +152,8 @@ static double particle_mass(const gn_conversion *conversion, size_t p) {
 }
 
 /* Returns the change of the mass of a particle, kg, and adds the masses that can compensate for
- * missing mass: of particles whose weight changes, and of those in a zone (conversion_masses.c). */
+ * missing mass to takes[2]: those of particles whose weight changes, and of particles in a zone
+ * (conversion_masses.c). */
 static double particle_change(const gn_conversion *conversion, size_t p, double takes[2]) {
     const gn_particles *q = &conversion->model->dem->particles;
     const double part = q->blend[2 * p + 1], before = conversion->part[2 * p + 1];
@@ -211,8 +212,9 @@ void gn_conversion_halt_without_mass(const gn_conversion *conversion, const doub
 
 /* --- elements that may not convert --- */
 
-/* [nodes][2] kg: the mass that the remaining elements would contribute to their nodes at full
- * weight, and the mass that they and the particles in them contribute with the weights found. */
+/* Computes masses of nodes [nodes][2], kg: the mass that the remaining elements would contribute at
+ * full weight, and the mass that they and the particles in them contribute with the weights found.
+ */
 static void weigh_nodes(const gn_conversion *conversion, double (*mass)[2]) {
     const gn_particles *q = &conversion->model->dem->particles;
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
@@ -243,7 +245,7 @@ static void weigh_nodes(const gn_conversion *conversion, double (*mass)[2]) {
     }
 }
 
-/* Returns r/width for the mean radius, the least mass weight in zones (find_parts). */
+/* Returns r/width with the mean radius r, which is the least mass weight in zones (find_parts). */
 static double least_part(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double sum = 0.0;
@@ -251,7 +253,8 @@ static double least_part(const gn_step_context *ctx, const gn_dem *dem) {
     return fmin(1.0, sum / (double)q->soa.count / ctx->scene.couple.convert.width);
 }
 
-/* In most conversions the front is far from elements that may not convert. */
+/* Tells whether elements that may not convert have a changed weight; in most conversions the front
+ * is far from them. */
 static bool holds_shared(const gn_conversion *conversion) {
     const gn_fem_solid *b = gn_coupled_solid(conversion->model->solids);
     for (size_t e = 0; e < b->elements.soa.count; e++)
@@ -296,8 +299,8 @@ gneiss_status gn_conversion_find_light_nodes(const gn_conversion *conversion, bo
 
 /* --- motions that only record --- */
 
-/* Marks the nodes [nodes] of elements that only a recording motion keeps from converting, then the
- * motions [motions]. */
+/* Marks the nodes [nodes] of elements that could convert if no motion recorded their displacements,
+ * then these motions [motions]. */
 static void find_watching(const gn_element_model *q, const uint8_t *kind, const uint8_t *use,
                           uint8_t *node, uint8_t *found) {
     const gn_elements *elements = &q->solid.elements;

@@ -25,13 +25,14 @@
 
 /* --- elements to convert --- */
 
-/* Returns the fraction of the limits below which elements need no evaluation: the most loaded
- * element so far exceeds it. */
+/* Returns the fraction of the limits below which an element needs no evaluation, because the most
+ * loaded element so far exceeds it. */
 static double least_share(const gn_most_loaded *most_loaded) {
     return fmin(1.0, most_loaded->share);
 }
 
-/* Uses stresses averaged over the elements at each node, and then over the nodes of an element. */
+/* Evaluates stresses averaged over the elements at each node, and then over the nodes of an
+ * element. */
 static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_solids *solids,
                                           const gn_most_loaded *most_loaded, const uint8_t *kind,
                                           double *excess, gneiss_error *error) {
@@ -55,8 +56,8 @@ static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_s
     return status;
 }
 
-/* [elements] ratio of stress to limit of elements that may convert; 0 for those that may not, and
- * where it is below `least`. */
+/* Computes the ratio of stress to limit [elements]; 0 for elements that may not convert, and for
+ * ratios below `least`. */
 static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *solids,
                                  const gn_most_loaded *most_loaded, const uint8_t *kind,
                                  double *excess, gneiss_error *error) {
@@ -75,7 +76,7 @@ static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *so
     return GNEISS_OK;
 }
 
-/* Marks elements that hold a broken bond: they convert. */
+/* Marks elements that contain an end of a broken bond; they convert. */
 static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) {
     const gn_contacts *bonds = &dem->bonds.contacts;
     for (size_t c = 0; c < bonds->soa.count; c++) {
@@ -88,7 +89,7 @@ static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) 
     }
 }
 
-/* Tells whether a part of an element may be nearer to a body than `reach`. */
+/* Tells whether any part of an element may be nearer to a body than `reach`. */
 static bool is_near_body(const gn_step_context *ctx, const gn_boundary *boundary,
                          const gn_fem_solid *b, size_t e, double reach) {
     double centre[3], radius = 0.0;
@@ -111,8 +112,8 @@ static bool is_near_body(const gn_step_context *ctx, const gn_boundary *boundary
     return false;
 }
 
-/* Marks the elements near bodies, which have no contact with elements; tells whether there are any.
- */
+/* Marks the elements near bodies, because bodies have no contact with elements; tells whether there
+ * are any. */
 static bool mark_near(const gn_convertible *model, uint8_t *kind) {
     const double reach = model->ctx->scene.couple.convert.near_bodies;
     bool any = false;
@@ -126,8 +127,7 @@ static bool mark_near(const gn_convertible *model, uint8_t *kind) {
     return any;
 }
 
-/* Returns the first READY element of the largest excess that is at least `least`; count: there is
- * none. */
+/* Returns the READY element with the largest excess of at least `least`; `count`: there is none. */
 static size_t most_stressed(size_t count, const double *excess, double least, const uint8_t *kind) {
     size_t first = count;
     for (size_t e = 0; e < count; e++)
@@ -138,8 +138,8 @@ static size_t most_stressed(size_t count, const double *excess, double least, co
 }
 
 /* Marks the elements whose load equals that of the last marked one up to rounding, as on both sides
- * of a plane of symmetry, so that the fraction per evaluation does not separate them. If more are
- * equal than were marked, as under uniform stress, the fraction decides. */
+ * of a plane of symmetry, so that the fraction per evaluation does not separate them. If more
+ * elements are equal than were marked, as under uniform stress, only that fraction converts. */
 static void mark_alike(size_t count, const double *excess, double last, size_t marked,
                        uint8_t *kind) {
     const double least = (1.0 - 1e-6) * last;
@@ -149,8 +149,8 @@ static void mark_alike(size_t count, const double *excess, double last, size_t m
         if (kind[e] == GN_FRONT_READY && excess[e] >= least) kind[e] = GN_FRONT_LEAVING;
 }
 
-/* Marks the elements beyond the limits, the most loaded first, up to the fraction that one
- * evaluation converts. Few evaluations find any, and those find few. */
+/* Marks the elements beyond the limits, beginning with the most loaded one, up to the fraction that
+ * may convert per evaluation. Few evaluations find any, and these find few. */
 static void mark_stressed(const gn_convert_def *def, size_t count, const double *excess,
                           uint8_t *kind) {
     size_t ready = 0, marked = 0, e;
@@ -165,7 +165,7 @@ static void mark_stressed(const gn_convert_def *def, size_t count, const double 
     mark_alike(count, excess, last, marked, kind);
 }
 
-/* Tells whether an element is beyond a limit, or a bond broke within elements, which is rare. */
+/* Tells whether an element is beyond a limit or, which is rare, a bond broke within elements. */
 static bool is_due(const gn_dem *dem, const gn_solids *solids, const double *excess) {
     const gn_contacts *bonds = &dem->bonds.contacts;
     const double *part = dem->particles.blend;
@@ -202,8 +202,8 @@ static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids
     gn_conversion_centre(b, at, most->place);
 }
 
-/* [elements] gn_front_kind, and the load of elements that may convert relative to their nearest
- * limit; the caller frees both in any case. */
+/* Computes for each element [elements] its gn_front_kind, and the load relative to the nearest
+ * limit if it may convert; the caller frees both in any case. */
 static gneiss_status conversion_evaluate_limits(const gn_step_context *ctx, const gn_solids *solids,
                                                 const gn_most_loaded *most_loaded, uint8_t **kind,
                                                 double **excess, gneiss_error *error) {
@@ -220,7 +220,7 @@ gneiss_status gn_conversion_convert_above(const gn_convertible *model, double pa
     uint8_t *kind;
     double *excess;
     bool any = false;
-    model->most_loaded->share = 0.0; /* loads below the largest so far count as well */
+    model->most_loaded->share = 0.0; /* loads below the largest one so far count as well */
     gneiss_status status = conversion_evaluate_limits(model->ctx, model->solids, model->most_loaded,
                                                       &kind, &excess, error);
     for (size_t e = 0; status == GNEISS_OK && e < gn_elements_left_count(model->solids); e++)
@@ -263,7 +263,7 @@ gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_sol
     return status;
 }
 
-/* Times of phases that are booked separately within a conversion. */
+/* Returns the time of phases that are booked separately within a conversion. */
 static double other_seconds(const double *seconds) {
     return seconds[GN_PHASE_lists] + seconds[GN_PHASE_step_limit];
 }
@@ -295,8 +295,8 @@ static gneiss_status see(const gn_convertible *model, const uint8_t *ready, size
     return GNEISS_OK;
 }
 
-/* Places are distributed evenly over the list; large bodies get fewer, because each place visits
- * all elements. */
+/* Checks places that are evenly distributed over the list; large bodies get fewer of them, because
+ * each place visits all elements. */
 gneiss_status gn_conversion_check_places(const gn_convertible *model,
                                          gn_conversion_places_checked *seen, gneiss_error *error) {
     const size_t elements = gn_elements_left_count(model->solids),

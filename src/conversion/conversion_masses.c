@@ -1,8 +1,8 @@
 /* Invariants of a conversion. The particles of an element differ from it in mass, centre of mass
- * and inertia (lumped masses at the nodes have more of it). Therefore the masses of particles whose
- * weight changes are scaled by a polynomial of position that restores these; a rigid motion then
- * keeps its momenta and its energy by itself. Velocities restore the rest of any other motion
- * (conversion_momentum.c). */
+ * and inertia (masses lumped at the nodes have a larger inertia). The masses of particles whose
+ * weight changes are therefore multiplied by a polynomial of position that restores these three;
+ * the momenta and the energy of a rigid motion are then unchanged too. For any other motion,
+ * changes of velocities restore the rest (conversion_momentum.c). */
 #include "base/error.h"
 #include "base/vec3.h"
 #include "conversion/conversion_private.h"
@@ -16,14 +16,15 @@
 
 /* --- sums --- */
 
-/* Second moments of a point that a rotation needs; in 2D only that about z. */
+/* Second moments of a point that its rotation requires; in 2D only that about z. */
 enum { SECOND_MOST = 6, BASIS_MOST = GN_BASIS_MOST };
 static size_t second_count(size_t dimension) {
     return dimension == 3 ? 6 : 1;
 }
 
-/* Second moment, m2. It includes the inertia of a point about itself over its mass: half of it
- * along each axis in space, because the inertia about an axis is the sum over the other two. */
+/* Second moment of a point, m2. It includes the inertia of the point about itself over its mass. In
+ * space half of this is added to each axis, because the moment of inertia about an axis is the sum
+ * of the second moments along the other two. */
 static void second_of(size_t dimension, const double r[3], double own, double out[SECOND_MOST]) {
     if (dimension == 2) {
         out[0] = r[0] * r[0] + r[1] * r[1] + own;
@@ -71,7 +72,7 @@ static void mark_tied(const gn_conversion *conversion) {
             conversion->tied[d->index_of_id[ties->tie[k].id]] = 1;
 }
 
-/* Returns the moment of inertia of a particle, kg m2; 0: it does not rotate by itself. */
+/* Returns the moment of inertia of a particle, kg m2; 0: its rotation is prescribed by elements. */
 static double inertia_of(const gn_conversion *conversion, size_t p) {
     const gn_particles *q = &conversion->model->dem->particles;
     return q->spin && (!conversion->tied[p] || !coupled_of(conversion)->turn)
@@ -183,8 +184,8 @@ static void second_about(const gn_conversion *conversion, const double centre[3]
     second_of((size_t)conversion->model->ctx->scene.dimension, r, own, out);
 }
 
-/* Basis of a particle: 1, the position and the second moments about the centre, over the size, per
- * unit of its mass; for a particle of a zone those of its nodes. */
+/* Computes the basis of a particle: 1, the position and the second moments about the centre, in
+ * units of the size, per unit of its mass; for a particle of a zone, those of its nodes. */
 static void basis_at(const gn_conversion *conversion, const spread *s, size_t p,
                      double b[BASIS_MOST]) {
     const gn_particles *q = &conversion->model->dem->particles,
@@ -208,7 +209,7 @@ static void basis_at(const gn_conversion *conversion, const spread *s, size_t p,
     }
 }
 
-/* Expresses the missing mass and moments in the same basis. */
+/* Expresses the missing mass and moments in this basis. */
 static void missing_about(const gn_conversion *conversion, const spread *s, const gn_tally *missing,
                           double b[BASIS_MOST]) {
     const size_t d = (size_t)conversion->model->ctx->scene.dimension;
@@ -225,8 +226,8 @@ static double factor_at(const double *f, const double *b, size_t n) {
     return sum;
 }
 
-/* Finds factors f from the first `n` basis functions that make up for as much as possible of the
- * missing moments; false: the result is out of range. */
+/* Finds the factors f of the first `n` basis functions with which as many of the missing moments as
+ * possible are restored; returns false if a mass would be out of range. */
 static bool polynomial(const gn_conversion *conversion, gn_scaled scaled, const spread *s,
                        const gn_tally *missing, size_t n, double f[BASIS_MOST]) {
     const gn_particles *q = &conversion->model->dem->particles;
@@ -247,8 +248,8 @@ static bool polynomial(const gn_conversion *conversion, gn_scaled scaled, const 
     return largest <= GN_MASS_SCALED_MOST;
 }
 
-/* Scales masses so that mass, centre and inertia are restored, or mass and centre, or mass alone;
- * false if none is possible. */
+/* Scales masses so that mass, centre of mass and inertia are restored, or mass and centre, or mass
+ * alone; returns false if none of these is possible. */
 static bool scale_masses(const gn_conversion *conversion, gn_scaled scaled,
                          const gn_tally *missing) {
     gn_particles *q = &conversion->model->dem->particles;
@@ -272,7 +273,8 @@ static bool scale_masses(const gn_conversion *conversion, gn_scaled scaled,
 
 /* --- restoring the invariants --- */
 
-/* If the weights of few particles change, these cannot make up for the mass of the elements. */
+/* Checks that the mass is restored; if only few particles change their weight, they cannot make up
+ * for the mass of the elements. */
 static gneiss_status check_mass(const gn_conversion *conversion, const gn_tally *before,
                                 gneiss_error *error) {
     const double now = gn_conversion_tally(conversion).mass;

@@ -40,7 +40,7 @@ typedef struct rigid {
 /* --- receivers --- */
 
 /* Tells whether a velocity component of a node may change. All elements at a node whose weight
- * changes are marked, so that the ledger contains the effect. */
+ * changes have been marked, so that the ledger contains the effect. */
 static bool node_takes(const rigid *r, size_t n, size_t a) {
     const gn_conversion *c = r->c;
     const gn_fem_solid *b = gn_coupled_solid(c->model->solids);
@@ -59,7 +59,8 @@ static bool particle_takes(const rigid *r, size_t p) {
            !(d->prescribed.count && d->particles.slot[p] >= 0);
 }
 
-/* The centre is that of the mass of all receivers, held ones included. */
+/* Returns the motion of the receivers, zero so far. Its centre is that of the mass of all
+ * receivers, held ones included. */
 static rigid rigid_of(const gn_conversion *conversion, takers chosen) {
     const gn_particles *q = &conversion->model->dem->particles,
                        *nodes = &gn_coupled_solid(conversion->model->solids)->nodes;
@@ -86,7 +87,8 @@ static rigid rigid_of(const gn_conversion *conversion, takers chosen) {
 
 /* --- effect of the rigid motion --- */
 
-/* Evaluates the components of the rigid motion at a position, for one axis. */
+/* Computes the velocity of a position along axis a per unit of each component of the rigid motion.
+ */
 static void share_of(const rigid *r, const double *x, size_t a, double b[6]) {
     const size_t d = r->dimension, next = (a + 1) % 3, last = (a + 2) % 3;
     double from[3];
@@ -116,7 +118,7 @@ static void add_mass(const rigid *r, const double *x, size_t a, double mass,
         for (size_t l = 0; l < r->count; l++) m[k][l] += mass * b[k] * b[l];
 }
 
-/* Computes the mass matrix of the receiving particles and nodes in the components of the rigid
+/* Computes the mass matrix of the receiving particles and nodes for the components of the rigid
  * motion. */
 static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) {
     const gn_particles *q = &r->c->model->dem->particles,
@@ -133,7 +135,7 @@ static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) 
             m[k][k] += 1.0 / (q->spin[4 * p + 3] * r->size * r->size);
 }
 
-/* m/s: the largest change of a component. */
+/* Returns the largest change of a velocity component, m/s. */
 static double most_change(const rigid *r) {
     const gn_particles *q = &r->c->model->dem->particles,
                        *nodes = &gn_coupled_solid(r->c->model->solids)->nodes;
@@ -163,15 +165,15 @@ static void change(const rigid *r) {
 
 /* --- missing momentum --- */
 
-/* Missing momentum. Of the angular momentum about the origin only the part beside the rigid motion
- * of the particles with scaled masses is restored, together with this part of the momentum alone.
- */
+/* Missing momentum. Of the angular momentum about the origin, only the part that is not due to the
+ * rigid motion of the particles with scaled masses is restored, together with the corresponding
+ * part of the momentum. */
 typedef struct lack {
     double momentum[3], beside[3], turning[3]; /* kg m/s, kg m2/s */
     double most;                               /* m/s: largest change of a velocity */
 } lack;
 
-/* J w of second moments. */
+/* Computes J w from the second moments s of J and the spin w. */
 static void turning_of(size_t dimension, const double s[6], const double spin[3], double out[3]) {
     const double trace = s[0] + s[1] + s[2];
     out[0] = out[1] = 0.0;
@@ -181,8 +183,7 @@ static void turning_of(size_t dimension, const double s[6], const double spin[3]
                  s[3 + (a + 2) % 3] * spin[(a + 2) % 3];
 }
 
-/* Means over the particles with scaled masses: velocity and spin of a rigid motion equal its own.
- * */
+/* Means over the particles with scaled masses: the velocity and spin of their rigid motion. */
 typedef struct means {
     double centre[3], velocity[3], spin[3]; /* m, m/s, rad/s */
 } means;
@@ -209,7 +210,7 @@ static means means_of(const gn_conversion *conversion, gn_scaled scaled) {
     return m;
 }
 
-/* m/s: root mean square velocity, without the rigid motion of the body. */
+/* Returns the root mean square velocity without the rigid motion of the body, m/s. */
 static double speed_of(size_t dimension, const gn_tally *tally) {
     double centre[3], v[3], m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, spin[3],
                             energy = tally->energy;
@@ -232,8 +233,8 @@ static double speed_of(size_t dimension, const gn_tally *tally) {
     return sqrt(fmax(2.0 * energy / tally->mass, 0.0));
 }
 
-/* Returns zero if sums over the whole model do not resolve it: `size` is its largest possible
- * value. */
+/* Returns a missing quantity, or zero if it is below the rounding of sums over the whole model;
+ * `size`: largest possible value of the quantity. */
 static double beyond_rounding(double missing, double size) {
     return fabs(missing) > 1e-14 * size ? missing : 0.0;
 }
@@ -262,8 +263,8 @@ static lack lack_of(const gn_conversion *conversion, const gn_tally *before, gn_
 
 /* --- restoring the momentum --- */
 
-/* Finds the rigid motion with the missing momentum and this part of the angular momentum; false if
- * the receivers are too few, in a line, or held. */
+/* Finds the rigid motion that has the missing momentum and the fraction `part` of the angular
+ * momentum; returns false if the receivers are too few, in a line, or held. */
 static bool find_motion(rigid *r, const lack *l, double part) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, lever[3];
     if (r->count > r->dimension && (!(r->size > 0.0) || !r->c->model->dem->particles.spin))
@@ -278,7 +279,7 @@ static bool find_motion(rigid *r, const lack *l, double part) {
     return gn_solve_positive(r->count, m, r->motion);
 }
 
-/* Finds the first set of receivers that needs small changes only. */
+/* Finds the first set of receivers for which small changes are enough. */
 static bool find_takers(const gn_conversion *conversion, const lack *l, bool turn, rigid *r) {
     for (int k = 0; k < TAKERS; k++) {
         *r = rigid_of(conversion, (takers)k);
@@ -288,7 +289,8 @@ static bool find_takers(const gn_conversion *conversion, const lack *l, bool tur
     return false;
 }
 
-/* Components that are prescribed for all receivers are left out. */
+/* Finds the velocity that restores the momentum; components that are prescribed for all receivers
+ * are left out. */
 static void find_velocity(rigid *r, const lack *l) {
     double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}};
     r->count = r->dimension;
@@ -298,7 +300,7 @@ static void find_velocity(rigid *r, const lack *l) {
 }
 
 /* Finds a motion with as much of the angular momentum as the receivers can take, or with the
- * momentum alone; returns the fraction. */
+ * momentum alone; returns the fraction of the angular momentum. */
 static double find_rest(const gn_conversion *conversion, const lack *l, rigid *r) {
     double part = 0.0;
     if (find_motion(r, l, 1.0)) part = fmin(l->most / most_change(r), 1.0);
@@ -334,7 +336,7 @@ void gn_conversion_keep_momentum(const gn_conversion *conversion, const gn_tally
 
 /* --- remaining changes --- */
 
-/* kg m2 of the polar moment. */
+/* Returns the polar moment of inertia, kg m2. */
 static double polar_of(size_t dimension, const gn_tally *own) {
     return own->second[0] + (dimension == 3 ? own->second[1] + own->second[2] : 0.0);
 }
@@ -345,9 +347,10 @@ static gn_tally about_own(const gn_tally *tally, size_t dimension, double centre
     return gn_tally_about(tally, dimension, centre);
 }
 
-/* kg m2/s: scale of a change of the angular momentum about the centre of mass: the larger of the
- * body's own angular momentum and m v r of its vibration, with v the root mean square velocity
- * without the rigid motion, and r from the polar moment. It is the same in any inertial frame. */
+/* Returns the scale for changes of the angular momentum about the centre of mass, kg m2/s: the
+ * larger one of the body's own angular momentum and m v r of its vibration, with v the root mean
+ * square velocity without the rigid motion, and r from the polar moment. It is the same in any
+ * inertial frame. */
 static double tally_turns(const gn_tally *tally, size_t dimension) {
     double centre[3];
     const gn_tally own = about_own(tally, dimension, centre);
@@ -357,8 +360,8 @@ static double tally_turns(const gn_tally *tally, size_t dimension) {
                 r * (tally->mass * speed_of(dimension, tally) + least));
 }
 
-/* Motion between two conversions does not change what these did to the angular momentum and the
- * centre of mass of a free body, so that the jumps add up as vectors. */
+/* Between conversions, the motion of a free body does not alter the changes of angular momentum and
+ * centre of mass that the earlier ones caused, so that these add up as vectors. */
 void gn_conversion_note_jumps(const gn_conversion *conversion, const gn_tally *before,
                               const gn_tally *now) {
     const size_t d = (size_t)conversion->model->ctx->scene.dimension;

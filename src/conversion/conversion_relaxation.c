@@ -35,9 +35,9 @@
 
 /* --- accelerations before the conversion --- */
 
-/* Acceleration with which elements move the particles that are about to be released: a = sum_a N_a
- * f_a/m_a, with the forces at their nodes from elements and from the particles that the nodes
- * carry, without weight and drag, which are proportional to masses. */
+/* Acceleration that elements give to the particles which are about to be released: a = sum_a N_a
+ * f_a/m_a, with the forces f_a at their nodes from elements and from the particles that the nodes
+ * carry. Weight and drag are proportional to masses and are not included. */
 typedef struct pull {
     uint8_t *node, *element; /* nodes of converting elements; converting elements */
     double *force;           /* [nodes][3] N */
@@ -75,7 +75,7 @@ static void add_force_to_nodes(const gn_conversion *conversion, const pull *q, i
         for (int k = 0; k < 3; k++) q->force[3 * tie.node[a] + k] += side * tie.shape[a] * force[k];
 }
 
-/* Adds the forces of contacts of the particles of zones. */
+/* Adds the forces of contacts at the particles of zones. */
 static void add_contact_forces(const gn_conversion *conversion, const pull *q,
                                const gn_contacts *list) {
     for (size_t k = 0; k < list->soa.count; k++) {
@@ -128,15 +128,15 @@ gneiss_status gn_conversion_find_rates(const gn_conversion *conversion, gneiss_e
 
 enum { N = GN_HELD_DOFS, PASSES = 20 };
 
-/* Relative tolerance of a linear solve, as a fraction of the tolerance of the relaxation. */
+/* Tolerance of a linear solve, as a fraction of that of the relaxation. */
 static const double solved = 0.3;
-/* Largest displacement of a held particle in a pass, in radii. */
+/* Largest displacement in one solve of a particle that contacts hold, in radii. */
 static const double farthest = 0.02;
-/* Halvings of a step that does not decrease the energy. */
+/* Largest number of halvings of a step that does not decrease the energy. */
 enum { HALVINGS = 8 };
 /* Energy changes below this fraction of the sum of magnitudes are rounding. */
 static const double least_energy = 1e-13;
-/* Forces of contacts below this number of roundings of positions count as zero. */
+/* Forces of contacts that are below this number times the rounding of positions count as zero. */
 static const double roundings = 64.0;
 
 typedef struct link {
@@ -159,18 +159,20 @@ typedef struct relaxation {
         *local; /* [count] released particles; [particles] index among them, -1: held */
     link *link;
     gn_held_spring *spring; /* [links] */
-    uint8_t *moves, *kept;  /* [count] components; 1: the component would break a bond */
+    uint8_t *moves, *kept;  /* [count] components that may move; 1: particle is held, because a bond
+                               would break */
     double *load, *u, *work;
-    double *moved; /* [count][3] m, since the start */
-    double *place,
-        *shear; /* [count][7] positions, orientations; [links][3] N: values before a step */
+    double *moved;         /* [count][3] m, since the start */
+    double *place, *shear; /* [count][7] positions and orientations, [links][3] tangential forces,
+                              N: values before a step */
     unsigned components;
     double ratio, moving; /* mean load over mean contact force; number of movable particles */
     double rounding;      /* N */
-    double energy, size;  /* J: energy of the links, minus the work of m a; sum of magnitudes */
+    double energy,
+        size; /* J: energy of the links minus the work of m a; sum of the magnitudes of its terms */
     int iterations;
-    bool stopped_by_bond_failure,
-        unsupported; /* a particle is held, because a bond would break; because it is unsupported */
+    bool stopped_by_bond_failure, unsupported; /* particles are held because a bond would break;
+                                                  because they have no support */
 } relaxation;
 
 /* --- particles and their contacts --- */
@@ -208,7 +210,7 @@ static bool find_particles(relaxation *r) {
     return r->local && r->particle;
 }
 
-/* Counts, or collects, the contacts of a list with an end among the released particles. */
+/* Counts, or with `take` collects, the contacts of a list that have a released particle. */
 static size_t find_links(relaxation *r, gn_contacts *list, bool take) {
     size_t found = 0;
     for (size_t k = 0; k < list->soa.count; k++) {
@@ -240,8 +242,8 @@ static gneiss_status begin(relaxation *r, gneiss_error *error) {
 
 /* --- forces --- */
 
-/* Returns the energy, J, of a contact that does not slide; of one that slides, that of its springs
- * at the limit. */
+/* Returns the energy, J, of a contact; for a sliding contact, that of its springs at the limit of
+ * friction. */
 static double stored_in(const relaxation *r, size_t k, double length, double rest) {
     const link *l = &r->link[k];
     const double *n = r->spring[k].n;
@@ -294,7 +296,7 @@ static void add_load(relaxation *r, int32_t p, double side, double arm, const do
     }
 }
 
-/* Returns the residual force on a particle, N, with moments divided by its radius. */
+/* Returns the size of the residual force on a particle, N; moments are divided by its radius. */
 static double left_on(const relaxation *r, size_t k) {
     const double radius = r->dem->particles.pos[4 * (size_t)r->particle[k] + 3];
     double square = 0.0;
@@ -349,9 +351,9 @@ static void evaluate(relaxation *r) {
     weigh_loads(r, carry ? force / (double)carry : 0.0);
 }
 
-/* --- where they go --- */
+/* --- displacements --- */
 
-/* Relative displacement of the two ends at a contact. */
+/* Computes the relative displacement of the two ends of a contact at the contact point. */
 static void parting(const relaxation *r, size_t k, double e[3]) {
     const gn_held_spring *s = &r->spring[k];
     memset(e, 0, 3 * sizeof *e);
@@ -366,7 +368,8 @@ static void parting(const relaxation *r, size_t k, double e[3]) {
     }
 }
 
-/* Holds the ends of bonds that would reach their strength; false: no bond does. */
+/* Holds the ends of bonds that would reach their strength; returns false if there is no such bond.
+ */
 static bool hold_at_bonds(relaxation *r) {
     bool any = false;
     for (size_t k = 0; k < r->links; k++) {
@@ -393,7 +396,8 @@ static bool hold_at_bonds(relaxation *r) {
     return any;
 }
 
-/* Holds particles that move farther than a holding spring would allow; false if there are none. */
+/* Holds particles that would move farther than the springs that support them allow; returns false
+ * if there are none. */
 static bool hold_unsupported(relaxation *r) {
     bool any = false;
     for (size_t k = 0; k < r->count; k++) {
@@ -442,7 +446,7 @@ static void keep_state(relaxation *r, bool back) {
     }
 }
 
-/* Moves particles by this fraction of the search direction. */
+/* Moves particles by the fraction `part` of the search direction. */
 static void move(relaxation *r, double part) {
     gn_particles *q = &r->dem->particles;
     for (size_t k = 0; k < r->links; k++) {
@@ -482,8 +486,8 @@ static void move_back(relaxation *r, double part) {
         }
 }
 
-/* Line search by halving until the energy decreases; false: it never does. Directions are those of
- * the springs before, which `evaluate` recomputes. */
+/* Performs a line search by halving until the energy decreases; returns false if it never does. The
+ * direction is that of the springs before, because `evaluate` recomputes them. */
 static bool descend(relaxation *r) {
     const double before = r->energy, rounding = least_energy * r->size;
     double part = 1.0;
@@ -493,13 +497,13 @@ static bool descend(relaxation *r) {
         evaluate(r);
         if (r->energy <= before + rounding) return true;
         move_back(r, part);
-        evaluate(r); /* also recomputes the springs of the search direction */
+        evaluate(r); /* also recomputes the springs, and with them the next direction */
     }
     return false;
 }
 
-/* Solves until no particle moves too far and no bond would break; false if the iterations are used
- * up. */
+/* Solves until no particle moves too far and no bond would break; returns false if the iterations
+ * are used up. */
 static bool solve_displacements(relaxation *r, double wanted, int most) {
     const gn_held_system system = {.particles = r->count,
                                    .springs = r->links,

@@ -38,7 +38,7 @@ static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, co
 
 /* --- at the start --- */
 
-/* Springs between particles that a strain of the body does not determine. */
+/* Refuses laws whose springs between particles do not follow from a strain of the body. */
 static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) {
     const gn_effects without = GN_FX_BOND_MOMENTS | GN_FX_ROLLING | GN_FX_HERTZ | GN_FX_CONFINED;
     if (!(ctx->effects & GN_FX_BONDS))
@@ -55,7 +55,8 @@ static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) 
                   error);
 }
 
-/* If a zone is as wide as the body, no element is left after the first conversion. */
+/* Refuses a zone as wide as the body, because no element would be left after the first conversion.
+ */
 static gneiss_status check_width(const gn_step_context *ctx, const gn_solids *solids,
                                  gneiss_error *error) {
     const double side = gn_elements_longest_side(ctx, solids);
@@ -73,7 +74,7 @@ static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const g
     const gn_elements *elements = &gn_coupled_solid(solids)->elements;
     char at[GN_POINT_SIZE], message[256];
     GN_TRY(gn_dormant_create(dem, error));
-    for (size_t k = 0; k < ties->count; k++) /* particles still have the order of their ids */
+    for (size_t k = 0; k < ties->count; k++) /* particles are still in the order of their ids */
         gn_dormant_of(dem, (size_t)ties->tie[k].id)->element = elements->id[ties->tie[k].element];
     for (size_t p = 0; p < q->soa.count; p++) {
         q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
@@ -86,7 +87,7 @@ static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const g
     return GNEISS_OK;
 }
 
-/* Elements can convert only where there are particles. */
+/* Checks that the elements that may convert contain particles. */
 static gneiss_status check_filled(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   gneiss_error *error) {
@@ -104,9 +105,9 @@ static gneiss_status check_filled(const gn_step_context *ctx, const gn_dem *dem,
     return refuse(ctx, ctx->scene.specimen.where, "specimen", message, error);
 }
 
-/* If a zone reaches an element outside of the box at every possible conversion, the first
- * conversion would end the run. Elements that only motions and loads keep from converting do not
- * count here. */
+/* Refuses a box in which every possible conversion would have a zone that reaches elements outside
+ * of it: the first conversion would end the run. Elements that only motions and loads keep from
+ * converting do not count here. */
 static gneiss_status check_room(const gn_step_context *ctx, const gn_solids *solids,
                                 gneiss_error *error) {
     const double width = ctx->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
@@ -145,7 +146,8 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
 }
 
-/* If everything has converted, there is no difference to compare. */
+/* Stores the difference between particles and elements; if everything has converted, there is none.
+ */
 static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
                                      gn_conversions *converted, gneiss_error *error) {
@@ -163,7 +165,8 @@ static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *d
 
 /* --- properties of the box --- */
 
-/* Mean side of the bounding boxes of elements in the box of the scene; their mass, kg. */
+/* Computes the mean side of the bounding boxes of the elements in the scene's box, and their mass,
+ * kg. */
 static double measure_elements(const gn_fem_solid *solid, const uint8_t *kind,
                                gn_conversion_figures *figures) {
     double mass = 0.0, sum = 0.0, least = INFINITY;
@@ -194,7 +197,8 @@ static double measure_elements(const gn_fem_solid *solid, const uint8_t *kind,
 
 enum { STRAINS = 6 };
 
-/* Sums by material of the elements: stiffnesses, kg, m3 of spheres. */
+/* Sums over elements and particles in the box, by material of the elements: stiffnesses, kg, m3 of
+ * spheres. */
 typedef struct boxed {
     const gn_step_context *ctx;
     const gn_dem *dem;
@@ -207,7 +211,8 @@ typedef struct boxed {
     double tensor[GN_ZONE_MATERIALS][STRAINS][STRAINS]; /* N m, by xx yy zz 2xy 2yz 2zx */
 } boxed;
 
-/* Bonds of active particles are no longer stored. At the start all particles count. */
+/* Returns the element of a particle. At the start all particles count; later active particles,
+ * whose bonds are no longer stored, have none. */
 static int32_t element_of(const boxed *q, int32_t p) {
     if (q->dem->prepared.soa.capacity && !gn_is_dormant(q->dem, (size_t)p)) return -1;
     const int32_t e = q->place[gn_dormant_element(q->dem, (size_t)p)];
@@ -243,7 +248,8 @@ static void add_particles(boxed *q) {
     }
 }
 
-/* Adds a spring: with the strain e it holds 1/2 l^2 (k_n (n.e n)^2 + k_t |e n - (n.e n) n|^2). */
+/* Adds a spring, whose energy at the strain e is 1/2 l^2 (k_n (n.e n)^2 + k_t |e n - (n.e n) n|^2).
+ */
 static void add_spring(double sum[STRAINS][STRAINS], const double l[3], double length2, double kn,
                        double kt) {
     const double n[3] = {l[0] / sqrt(length2), l[1] / sqrt(length2), l[2] / sqrt(length2)};
@@ -260,8 +266,7 @@ static void add_spring(double sum[STRAINS][STRAINS], const double l[3], double l
         }
 }
 
-/* Adds the stiffness against strain along an axis, averaged over the axes; each end has half of a
- * spring. */
+/* Adds the stiffness of bonds against strain; half of a bond belongs to each end. */
 static void add_bonds(boxed *q) {
     const gn_contacts *list = &q->dem->prepared;
     const double *start = q->dem->particles.start;
@@ -285,8 +290,8 @@ static void add_bonds(boxed *q) {
     }
 }
 
-/* Pa: modulus of the packing in tension along each axis with free sides (plane strain in 2D); 0: it
- * has no stiffness. */
+/* Computes the modulus, Pa, of the packing in tension along each axis with free sides (plane strain
+ * in 2D); 0: it has no stiffness. */
 static void find_tension(const boxed *q, size_t k, double volume, double tension[3]) {
     const size_t d = (size_t)q->ctx->scene.dimension, n = d == 3 ? STRAINS : 3;
     const size_t of[2][STRAINS] = {{0, 1, 3}, {0, 1, 2, 3, 4, 5}};
@@ -309,7 +314,7 @@ static double young_of(const boxed *q, int32_t material) {
     return mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
 }
 
-/* kg of the particles in these elements. */
+/* Returns the mass of the particles in these elements, kg. */
 static double measure_particles(boxed *q) {
     const double solid = 1.0 - gn_dem_porosity(q->ctx, q->dem);
     gn_conversion_figures *f = q->figures;
@@ -329,7 +334,8 @@ static double measure_particles(boxed *q) {
 
 /* --- neighbours --- */
 
-/* Largest overlap over r_i + r_j that is rounding of a packing, some 1e-6 of the modulus. */
+/* Largest overlap over r_i + r_j that counts as rounding of a packing; it corresponds to a stress
+ * of some 1e-6 of the modulus. */
 static const double overlap_most = 1e-6;
 
 static bool is_bonded(const gn_contacts *bonds, int32_t i, int32_t j) {
@@ -387,8 +393,8 @@ static gneiss_status check_free_of_stress(const gn_step_context *ctx, const gn_d
     return GNEISS_OK;
 }
 
-/* Checks that released particles are only loaded by the strain of the body,
- * from the bonds of all particles. */
+/* Checks by the bonds of all particles that released particles are loaded only by the strain of the
+ * body. */
 static gneiss_status check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
                                       gneiss_error *error) {
     const gn_pair_query query = {&dem->particles, (int)ctx->scene.dimension, 0.0, 0.0, false, {0.0},

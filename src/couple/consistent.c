@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- which nodes have a particle together --- */
+/* --- nodes that share a particle --- */
 
 static size_t place_of(const gn_consistent *system, size_t node, int32_t other) {
     size_t k = (size_t)system->row[node];
@@ -13,7 +13,7 @@ static size_t place_of(const gn_consistent *system, size_t node, int32_t other) 
     return k;
 }
 
-/* Lists the neighbours of each node in the order in which ties have them. */
+/* Lists the neighbours of each node in the order of the ties. */
 static void list_neighbours(gn_consistent *system) {
     const gn_ties *t = system->ties;
     system->row[0] = 0;
@@ -77,7 +77,7 @@ void gn_consistent_free(gn_consistent *system) {
 
 /* --- products --- */
 
-/* Below this number of nodes, loops are not distributed over threads. */
+/* Number of nodes below which loops are not distributed over threads. */
 enum { FEW = 1000 };
 
 static inline __attribute__((always_inline)) void
@@ -89,7 +89,8 @@ spread_at(const gn_consistent *system, size_t n, const double *x, double *out, s
     memcpy(out + 3 * n, sum, sizeof sum);
 }
 
-/* out_a = sum_b W_ab (x_a - x_b), W = N^T M N, whose rows sum to the lumped masses. */
+/* Computes out_a = sum_b W_ab (x_a - x_b) with W = N^T M N, whose row sums are the lumped masses.
+ */
 static void spread(const gn_consistent *system, const double *x, double *out) {
     const size_t nodes = system->ties->nodes;
     const bool flat = system->ties->corners == 3;
@@ -114,8 +115,8 @@ static double dot(const gn_consistent *system, const double *a, const double *b)
     return sum;
 }
 
-/* Sets the initial guess (the rates of the lumped mass) and the residual; returns the norm to which
- * residuals are compared. */
+/* Sets the initial guess (the accelerations with lumped masses) and the residual; returns the norm
+ * to which residuals are compared. */
 static double begin(gn_consistent *system) {
     double *r = system->work[0], *p = system->work[2], *q = system->work[3],
            *inverse = system->work[4], scale = 0.0;
@@ -133,8 +134,8 @@ static double begin(gn_consistent *system) {
     return scale;
 }
 
-/* Fixed components have no inverse mass: their residual is ignored, and search directions vanish
- * there. */
+/* The inverse mass of fixed components is 0: their residual is ignored, and search directions
+ * vanish there. */
 int gn_consistent_solve(gn_consistent *system) {
     enum { ROUNDS = 60 };
     const size_t count = 3 * system->ties->nodes;

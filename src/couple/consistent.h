@@ -1,8 +1,8 @@
-/* Accelerations of nodes that carry the particles of coupling zones with the consistent mass N^T M
+/* Accelerations of nodes that carry the particles of coupling zones, with the consistent mass N^T M
  * N that follows from the constraint v_i = sum_a N_a v_a, instead of the lumped mass. Conjugate
- * gradients are preconditioned by the lumped mass; all quotients of both on a simplex lie in [1/(d
+ * gradients are preconditioned by the lumped mass. On a simplex all quotients of both lie in [1/(d
  * + 2), 1] (the matrix of linear shape functions over its row sums), so that some ten iterations
- * give ten digits. Sums have a fixed order. */
+ * give ten digits. The order of sums is fixed. */
 #ifndef GN_COUPLE_CONSISTENT_H
 #define GN_COUPLE_CONSISTENT_H
 
@@ -11,14 +11,15 @@
 typedef struct gn_consistent {
     const gn_ties *ties;
     int threads;
-    /* [nodes of ties + 1], [..]: for each node the nodes that share a particle with it */
+    /* [nodes of ties + 1] first entry of a node; [..] the nodes that share a particle with it */
     int32_t *row, *column;
     double *weight; /* [..] entries of N^T M N, kg */
-    /* [nodes of ties] mass of the node including the lumped mass of ties, kg */
+    /* [nodes of ties] mass of the node with the lumped mass of ties, kg */
     double *whole;
     /* [nodes of ties][3] force on the node and the particles that it carries, N */
     double *load;
-    double *rate;    /* [nodes of ties][3] m/s2: the solution; prescribed where `fixed` */
+    double
+        *rate; /* [nodes of ties][3] accelerations, m/s2: the solution; prescribed where `fixed` */
     uint8_t *fixed;  /* [nodes of ties][3] */
     double *work[5]; /* [nodes of ties][3] */
 } gn_consistent;
@@ -30,8 +31,8 @@ void gn_consistent_free(gn_consistent *system);
 
 /* Computes `rate` from `load`; returns the number of iterations. */
 int gn_consistent_solve(gn_consistent *system);
-/* out = (lump - N^T M N) rate, N, [nodes of ties][3]. With this added to the loads, the lumped
- * masses accelerate as the consistent ones do. The sum is zero for any rates. */
+/* Computes out = (lump - N^T M N) rate, N, [nodes of ties][3]. If it is added to the loads, lumped
+ * masses accelerate as the consistent ones do. Its sum over the nodes is zero for any rates. */
 void gn_consistent_difference(const gn_consistent *system, const double *rate, double *out);
 
 #endif

@@ -29,8 +29,8 @@ void gn_front_kinds(const gn_fem_solid *solid, const gn_convert_def *def, const 
 typedef struct front {
     gn_fem_solid *solid;
     double width;
-    uint8_t *kind, *counted; /* [elements] counted: its nodes have entered the distances */
-    int32_t *fresh;          /* [nodes] of elements that were not counted yet */
+    uint8_t *kind, *counted; /* [elements] counted: the distances include its nodes */
+    int32_t *fresh;          /* [nodes] of elements that were not counted before */
     size_t fresh_count;
     uint8_t *reached, *crest; /* [nodes] */
 } front;
@@ -58,12 +58,14 @@ static void find_fresh(front *advance) {
 }
 
 /* Relative tolerance of distances. Distances that are equal by geometry, to each other or to the
- * width, differ by rounding, and differently on both sides of a plane of symmetry. Such a
- * difference changes no weight and creates no crest, so that a symmetric front stays symmetric. */
+ * width, differ by rounding, and differently on the two sides of a plane of symmetry. Such a
+ * difference must change no weight and create no crest, so that a symmetric front stays symmetric.
+ */
 #define DISTANCE_ROUNDING 1e-9
 
-/* Updates the distances from the front and the weights that follow. A distance that decreases by
- * rounding alone is kept, since the nodes and particles there have not changed. */
+/* Updates the distances from the front and the weights that follow from them. A distance that would
+ * decrease only by rounding is kept, because nothing has changed for the nodes and particles there.
+ */
 static void spread(front *advance) {
     const gn_particles *q = &advance->solid->nodes;
 #pragma omp parallel for schedule(static) num_threads(advance->solid->threads)
@@ -83,7 +85,7 @@ static void spread(front *advance) {
     }
 }
 
-/* Finds the crests: nodes of remaining elements with a weight below 1 that is a local maximum. */
+/* Finds the crests: nodes of remaining elements where the weight is below 1 and a local maximum. */
 static void find_crests(front *advance) {
     for (size_t n = 0; n < advance->solid->nodes.soa.count; n++)
         advance->crest[n] = part_of(advance, n)[0] < 1.0;
@@ -98,7 +100,8 @@ static void find_crests(front *advance) {
     }
 }
 
-/* Tells whether an element has no room for a zone: it is at a crest, or entirely on the front. */
+/* Tells whether there is no room for a zone at an element: it is at a crest, or all of its nodes
+ * are on the front. */
 static bool is_remnant(const front *advance, size_t e) {
     bool at_crest = false;
     double highest = 0.0;
@@ -117,7 +120,7 @@ static bool is_shared(const front *advance, size_t e) {
     return shared;
 }
 
-/* Marks remnants for conversion as well; returns false if there are none. */
+/* Marks such elements for conversion as well; returns false if there are none. */
 static bool mark_remnants(front *advance, int64_t *stuck) {
     bool more = false;
     find_crests(advance);
@@ -180,7 +183,8 @@ static double free_way(const gn_particles *nodes, size_t n, const uint8_t *close
     return sqrt(least);
 }
 
-/* Starts with the element in the middle of the list, which is as good a guess as any other. */
+/* Finds the largest room. The search starts with the element in the middle of the list, which is as
+ * good a guess as any other. */
 static double most_room(const gn_fem_solid *solid, const uint8_t *kind, double enough,
                         const uint8_t *closed, double *way) {
     const size_t count = solid->elements.soa.count;
@@ -218,14 +222,14 @@ gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, doub
 
 /* --- limits --- */
 
-/* The Mohr-Coulomb limit in principal stresses s1 >= s3 is (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over
- * c cos(phi), with sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2) of t = tan(phi). */
+/* With principal stresses s1 >= s3 the Mohr-Coulomb ratio is that of (s1 - s3)/2 + (s1 + s3)/2
+ * sin(phi) to c cos(phi); with t = tan(phi), sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2). */
 double gn_front_excess(const gn_convert_def *def, const double s[6], double least) {
     const double pull = least * def->stress, shear = least * def->cohesion;
     double a[9] = {s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]}, principal[3], vectors[9];
     double excess = 0.0, t = def->friction, root = sqrt(1.0 + t * t), size2 = 0.0;
     for (int k = 0; k < 6; k++) size2 += (k < 3 ? 1.0 : 2.0) * s[k] * s[k];
-    /* No principal stress exceeds the root of the sum of squares. */
+    /* The magnitude of a principal stress is at most the root of the sum of squares. */
     const bool below = !(def->stress > 0.0 && size2 >= pull * pull) &&
                        !(def->has_mohr && size2 * (root + t) * (root + t) >= shear * shear);
     if (below) return 0.0;

@@ -8,9 +8,9 @@
 
 enum { N = GN_HELD_DOFS };
 
-/* Regularisation relative to the diagonal. A particle on one bond can roll about it; the motion of
- * a load along such a mechanism must stay small compared with that of the springs. Repeated
- * solutions remove the residual error. */
+/* Regularisation relative to the diagonal. A particle on one bond can roll about it; displacements
+ * along such a mechanism must stay small relative to those of the springs. Repeated solutions
+ * remove the residual error. */
 static const double everywhere = 1e-3;
 
 /* Adds the contribution of one end's displacement to e. */
@@ -31,7 +31,7 @@ static void pull(const gn_held_spring *spring, double side, double arm, const do
     }
 }
 
-/* out = K u, where K includes the regularisation; returns u.K u. `diagonal` is that of
+/* Computes out = K u, where K includes the regularisation; returns u . K u. `diagonal` is from
  * find_diagonal. */
 static double apply(const gn_held_system *system, const double *diagonal, const double *u,
                     double *out) {
@@ -54,7 +54,7 @@ static double apply(const gn_held_system *system, const double *diagonal, const 
     return sum;
 }
 
-/* Computes the diagonal; 0 for a component that is fixed or without resistance. */
+/* Computes the diagonal; 0 for a component that is fixed or has no resistance. */
 static void find_diagonal(const gn_held_system *system, double *diagonal) {
     memset(diagonal, 0, N * system->particles * sizeof *diagonal);
     for (size_t k = 0; k < system->springs; k++) {
@@ -73,7 +73,7 @@ static void find_diagonal(const gn_held_system *system, double *diagonal) {
         if (!(system->moves[k / N] >> k % N & 1)) diagonal[k] = 0.0;
 }
 
-/* z = r/diagonal; returns r.z, the squared norm of the residual in that metric. */
+/* Computes z = r/diagonal; returns r . z, the squared norm of the residual in that metric. */
 static double precondition(const gn_held_system *system, const double *diagonal, const double *r,
                            double *z) {
     double sum = 0.0;

@@ -47,8 +47,9 @@ static size_t index_of(const grid *cells, int64_t x, int64_t y, int64_t z) {
     return (size_t)((z * cells->cells[1] + y) * cells->cells[0] + x);
 }
 
-/* Sizes the cells by the mean size of an element, so that few elements are in each and each is in
- * few; they are wider if there would be many more cells than elements. */
+/* Chooses the size of the cells by the mean size of an element, so that few elements are in a cell
+ * and an element is in few cells; cells are larger if there would be many more cells than elements.
+ */
 static void lay_out(const gn_fem_solid *solid, grid *cells) {
     const size_t count = solid->elements.soa.count;
     double upper[3] = {0.0}, sum = 0.0;
@@ -110,14 +111,15 @@ static gneiss_status make_grid(const gn_fem_solid *solid, grid *lattice, gneiss_
         free_grid(lattice);
         return no_memory(cells, error);
     }
-    visit(solid, lattice, true); /* shifted by two, so that the cursors end as the starts */
+    visit(solid, lattice,
+          true); /* counted two places ahead, so that filling leaves the starts in their places */
     return GNEISS_OK;
 }
 
 /* --- a particle in an element --- */
 
-/* Evaluates the shape functions of an element at a position; returns the least, which is negative
- * outside. */
+/* Evaluates the shape functions of an element at a position; returns the smallest one, which is
+ * negative outside. */
 static double shapes_at(const gn_fem_solid *solid, size_t e, const double *x, double shape[4]) {
     const gn_elements *q = &solid->elements;
     const double *origin = solid->nodes.start + 4 * (size_t)gn_elements_node(q, 0)[e];
@@ -135,11 +137,11 @@ static double shapes_at(const gn_fem_solid *solid, size_t e, const double *x, do
     return least;
 }
 
-/* Points outside by rounding count as inside. */
+/* Tolerance of rounding within which points count as inside. */
 static const double inside_rounding = -1e-9;
 
-/* Finds the element with the largest least shape function at a position; returns false if none
- * contains it. */
+/* Finds the element whose smallest shape function at a position is the largest; returns false if no
+ * element contains the position. */
 static bool find(const gn_fem_solid *solid, const grid *cells, const double *x, gn_tie *tie) {
     int64_t at[3] = {0};
     double deepest = -INFINITY;
@@ -230,7 +232,7 @@ gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *partic
         if (element[p] >= 0 && (size_t)particles->id[p] >= ids) ids = (size_t)particles->id[p] + 1;
     }
     ties->tie = gn_alloc_array(tied + 1, sizeof *ties->tie);
-    int32_t *after = gn_alloc_array(ids + 1, sizeof *after); /* [id] 1 + the particle */
+    int32_t *after = gn_alloc_array(ids + 1, sizeof *after); /* [id] 1 + index of the particle */
     if (!ties->tie || !after) {
         gn_free(after);
         gn_ties_free(ties);
@@ -250,8 +252,8 @@ gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *partic
     return status;
 }
 
-/* The gradient of node a is normal to the opposite face: these are rows of the inverse matrix of
- * edges. */
+/* The gradient of node a is normal to the opposite face: the gradients are rows of the inverse
+ * matrix of edges. */
 void gn_tie_gradients(const gn_ties *ties, size_t k, const gn_particles *nodes, double g[4][3]) {
     double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}}, det = 0.0;
     const double *first = nodes->pos + 4 * (size_t)ties->tie[k].node[0];

@@ -9,12 +9,12 @@
 typedef struct gn_tie {
     int32_t id;      /* id of the particle */
     int32_t element; /* index in the solid */
-    int32_t node[4]; /* indices in the solid */
+    int32_t node[4]; /* indices of its nodes in the solid */
     int32_t own[4];  /* index of each node among the nodes of ties */
     double shape[4];
 } gn_tie;
 
-/* An entry of a node's list: a tie, and which corner of the tie the node is. */
+/* An entry in the list of a node: a tie, and the corner of the tie at the node. */
 typedef struct gn_tie_share {
     int32_t tie, corner;
 } gn_tie_share;
@@ -23,19 +23,20 @@ typedef struct gn_ties {
     int corners;
     size_t count;
     gn_tie *tie;         /* [count] by id, ascending */
-    size_t nodes;        /* nodes of at least one tie */
+    size_t nodes;        /* number of nodes with at least one tie */
     int32_t *node;       /* [nodes] ascending */
     int32_t *first;      /* [nodes + 1] index into share */
-    gn_tie_share *share; /* ties ascending for each node */
+    gn_tie_share *share; /* [nodes' entries] ties of each node, ascending */
 } gn_ties;
 
 /* Finds the particles that are initially in an element, boundaries included. */
 gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *particles, gn_ties *ties,
                            gneiss_error *error);
-/* Returns a tie without particle for a position in an element. */
+/* Returns a tie, without a particle, for a position in an element. */
 gn_tie gn_tie_at(const gn_fem_solid *solid, int32_t element, const double *place);
 
-/* Creates ties for particles with a given element, `element` [particles] by place; -1: none. */
+/* Creates ties for particles whose element is given: `element` [particles] is the place of the
+ * element in the record; -1: none. */
 gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *particles,
                            const int32_t *element, gn_ties *ties, gneiss_error *error);
 void gn_ties_free(gn_ties *ties);

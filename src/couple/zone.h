@@ -13,19 +13,19 @@
 /* A point within this fraction of the width is on an edge. */
 #define GN_ZONE_ROUNDING 1e-9
 
-/* Returns alpha of one zone without clipping: below 0 beyond the edge of the elements, above 1
- * beyond that of the particles. */
+/* Returns alpha of one zone without limits: it is below 0 beyond the edge of the elements and above
+ * 1 beyond that of the particles. */
 double gn_zone_place(const gn_couple_zone *zone, int dimension, const double x[3]);
 
 /* Returns alpha at a point; 1 outside of all zones. `scene` is a gn_scene; the signature is that of
  * gn_fem_spec.share. */
 double gn_zones_share(const void *scene, const double *x);
 
-/* Returns the least width of a zone (and of all zones), m. */
+/* Return the least width of a zone, and the least width of all zones, m. */
 double gn_zone_width(const gn_couple_zone *zone, int dimension);
 double gn_zones_width(const gn_scene *scene);
 
-/* Computes the unit vector from the edge of the elements towards the particles, of the first edge
+/* Computes the unit vector from the edge of the elements towards the particles, at the first edge
  * of a zone. */
 void gn_zone_direction(const gn_couple_zone *zone, int dimension, double n[3]);
 

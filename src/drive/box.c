@@ -11,15 +11,15 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest strain of the box in a step: larger ones would show the first-order motion of positions
- * and branches. */
+/* Largest strain of the box in a step. Larger strains would show that positions and branches are
+ * only of first order. */
 static const double most_strain = 1e-3;
 
 void gn_box_create(const gn_step_context *ctx, gn_periodic_box *box) {
     memcpy(box->start, ctx->period, sizeof box->start);
 }
 
-/* --- how contacts answer --- */
+/* --- response of contacts --- */
 
 void gn_box_listed(const gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box) {
     const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -52,21 +52,22 @@ void gn_box_sum_stress(const gn_step_context *ctx, const gn_dem *dem, const gn_c
 
 /* --- the strain of the coming step --- */
 
-/* Sum of f_a l_a over all contacts: the mean stress times the volume, tension positive. */
+/* Returns the sum of f_a l_a over all contacts: the mean stress times the volume, tension positive.
+ */
 static double strained_by(const gn_dem *dem, int a) {
     const gn_dem_sums *s = &dem->done;
     return s->contacts.stress[4 * a];
 }
 
-/* The servo applies a fraction of the strain at which the contacts would supply the missing stress.
- * Stability: let u be other motions of particles, e the strains of the sides that follow a stress,
- * B e their effect on branches, K the springs. The stress responds with T = B^T K (u + B e), the
- * servo with D de = -rho T per step, D diagonal. Without e the springs become K - rho K B ((z - 1)
- * D + rho B^T K B)^-1 B^T K. D - B^T K B has no negative eigenvalue: for one contact B^T K B has
- * the entries k l_a^2 n_a^2 and, off the diagonal, at most k l^2 n_a^2 n_b^2, so that rows sum to
- * at most the value of `spring`. So at z = -1, the only place where the unit circle is crossed, it
- * is at most K/(1 - rho/2), as for a wall (gn_wall_servo_relaxation), and the same fraction is
- * stable. */
+/* Returns the strain of the coming step: a fraction of the strain at which the contacts would
+ * supply the missing stress. Stability: let u be the other motions of particles, e the strains of
+ * the sides that follow a stress, B e their effect on branches, and K the springs. The stress
+ * responds with T = B^T K (u + B e), and the servo with D de = -rho T per step, D diagonal.
+ * Eliminating e replaces the springs by K - rho K B ((z - 1) D + rho B^T K B)^-1 B^T K. D - B^T K B
+ * has no negative eigenvalue: for one contact B^T K B has the entries k l_a^2 n_a^2 and, off the
+ * diagonal, at most k l^2 n_a^2 n_b^2, so that row sums are at most the value of `spring`. At z =
+ * -1, the only place where the unit circle is crossed, the springs are therefore at most K/(1 -
+ * rho/2), as for a wall (gn_wall_servo_relaxation), and the same fraction is stable. */
 static double follow_stress(const gn_step_context *ctx, const gn_dem *dem, gn_periodic_box *box,
                             int a) {
     const gn_box_side *side = &ctx->scene.box[a];
@@ -101,8 +102,8 @@ void gn_box_book(const gn_step_context *ctx, const gn_dem *dem, gn_periodic_box 
         ledger->energy.work_walls += 0.5 * ctx->dt_past * box->flow[a] * strained_by(dem, a);
 }
 
-/* Scales positions and velocities; returns the energy, J, that the change of velocities requires.
- * */
+/* Moves particles with the box: scales positions and velocities; returns the energy, J, that the
+ * change of velocities requires. */
 static double carry_along(const gn_step_context *ctx, gn_dem *dem, const double grown[3]) {
     gn_particles *q = &dem->particles;
     double taken = 0.0;

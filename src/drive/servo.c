@@ -55,18 +55,18 @@ double gn_servo_speed(gn_servo_state *s, const gn_servo_look *look) {
     return speed;
 }
 
-/* The largest relaxation that leaves the loop of wall and particles stable. The wall moves by
- * rho (F* - F)/K with K = sum k + c/dt; the force F answers with sum g (w - x), g(z) = k + c (1 -
- * 1/z)/dt, the displacements x with M (z - 2 + 1/z)/dt^2 x = forces. Eliminating w leaves the
- * particles as with a wall at rest, but for the springs at the wall, which are in series with a
- * dashpot, the servo: their part G = sum g along (g) becomes G (z - 1)/(z - 1 + rho G/K). On the
- * unit circle its imaginary part has one sign, so that nothing crosses it but at z = -1, and there
- * the part is 1/(1 - r/2) times that of the wall at rest, with r = rho (sum k + 2 c/dt)/K.
- * Stiffness times that factor must stay below 4 M/dt^2. With a wall at rest it may be 4 M/limit^2
- * at most, of which dashpots are felt as 2 c/dt: so with s = dt/limit r <= 2 (1 - s^2), with
- * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
- * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
- * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
+/* Returns the largest stable share. The wall moves by rho (F* - F)/K, with K = sum k + c/dt. The
+ * force F responds with sum g (w - x), g(z) = k + c (1 - 1/z)/dt, the displacements x with M (z - 2
+ * + 1/z)/dt^2 x = forces. Eliminating w leaves the equations of the particles at a wall at rest,
+ * except that the springs at the wall are in series with a dashpot, the servo: their part G = sum g
+ * along (g) becomes G (z - 1)/(z - 1 + rho G/K). On the unit circle the imaginary part of this has
+ * one sign, so that nothing crosses the circle except at z = -1. There the part is 1/(1 - r/2)
+ * times that of a wall at rest, with r = rho (sum k + 2 c/dt)/K. The stiffness times that factor
+ * must stay below 4 M/dt^2. With a wall at rest it may be at most 4 M/limit^2, of which dashpots
+ * take 2 c/dt. With s = dt/limit this requires r <= 2 (1 - s^2), with dashpots r <= 2 (1 - s). The
+ * number of particles does not matter, because the bound assumes that all of the fastest mode is at
+ * the wall. r = 1 makes up all that is missing in one step; more is never useful. Where the step is
+ * at its limit, a little of the share must remain to move the wall. */
 double gn_servo_share(const gn_step_context *ctx, const gn_dem *dem) {
     double share = fmin(1.0, ctx->dt / ctx->stable);
     bool dashpots = dem->damping_fraction > 0.0;

@@ -6,8 +6,8 @@
 #include "base/point.h"
 #include "fem/linear.h"
 
-/* Returns the group with that name or number; NULL if the mesh has none of `dimension` (-1:
- * any). */
+/* Returns the group with that name or number; NULL if the mesh has no such group of `dimension`
+ * (-1: any). */
 const gn_mesh_group *gn_fem_find_group(const gn_mesh *mesh, const char *name, int dimension);
 gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const char *name,
                               int dimension, gneiss_error *error);
@@ -19,7 +19,7 @@ static inline bool gn_fem_between(const gn_fem_solid *solid, const double *x, in
     return seen >= lower && seen <= upper;
 }
 
-/* Marks the elements of a group: in[element]; elements of one kind. */
+/* Marks the elements of a group in in[element]; all elements have one kind. */
 void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);
 
 /* Computes F of an element at the present positions, and returns its determinant; plane strain has
@@ -51,8 +51,8 @@ void gn_fem_find_pressures(const gn_fem_solid *solid);
 void gn_fem_gradients(const gn_elements *elements, size_t e, double gradient[4][3]);
 void gn_fem_known_free(struct gn_fem_bound_cache *known);
 
-/* The pressure form (pressure.c): operator and metric over M^1/2 u and q, [nodes][dimension]
- * and [nodes]. */
+/* Pressure form (pressure.c): operator and metric for the unknowns M^1/2 u, [nodes][dimension], and
+ * q, [nodes]. */
 void gn_fem_linear_pressure(const void *system, const double *x, double *out);
 void gn_fem_linear_metric(const void *system, const double *x, double *out);
 

@@ -53,8 +53,8 @@ static void strain_column(int d, int i, const double gradient[3], double column[
     }
 }
 
-/* a <- V D^1/2 a D^1/2: the root of D scales the mean of the normal strains by the root of 2 mu + d
- * lambda, and the rest by that of 2 mu. */
+/* Replaces a by V D^1/2 a D^1/2: the root of D multiplies the mean of the normal strains by the
+ * root of 2 mu + d lambda, and the rest by the root of 2 mu. */
 static void scale_by_material(const gn_elements *elements, size_t e, int d, int n, double *a) {
     double shear = sqrt(2.0 * elements->mu[e] * elements->volume[e]);
     double bulk = sqrt((2.0 * elements->mu[e] + d * elements->lambda[e]) * elements->volume[e]);
@@ -69,15 +69,16 @@ static void scale_by_material(const gn_elements *elements, size_t e, int d, int 
     }
 }
 
-/* Tells whether the largest eigenvalue of a positive semi-definite matrix may exceed `known`: the
- * sum of 8th powers of its eigenvalues, which is the squared Frobenius norm of (a/known)^4, is then
- * above one. This spares most elements of an irregular mesh the search for eigenvalues. */
+/* Tells whether the largest eigenvalue of a positive semi-definite matrix may exceed `known`: in
+ * that case the sum of the 8th powers of the eigenvalues of a/known, which is the squared Frobenius
+ * norm of (a/known)^4, is above one. This saves the search for eigenvalues for most elements of an
+ * irregular mesh. */
 static bool may_exceed(int n, const double *a, double known) {
     double power[3][36], norm2 = 0.0;
     if (!(known > 0.0)) return true;
     for (int k = 0; k < n * n; k++) power[0][k] = a[k] / known;
     for (int k = 0; k < n * n; k++) norm2 += power[0][k] * power[0][k];
-    if (norm2 < 1.0 - 1e-12) return false; /* then the norm of the 4th power is below 1 too */
+    if (norm2 < 1.0 - 1e-12) return false; /* then the norm of the 4th power is below 1 as well */
     norm2 = 0.0;
     for (int p = 1; p < 3; p++)
         for (int r = 0; r < n; r++)
@@ -127,8 +128,8 @@ typedef struct worst {
     int64_t element;
 } worst;
 
-/* Returns the eigenvalue of the stabilising pressure alone in the pressure form, see
- * pressure.c. */
+/* Returns the eigenvalue of the stabilising pressure alone, in the pressure form; see pressure.c.
+ */
 static double stabiliser_eigenvalue(const linear_system *system, size_t e) {
     if (system->solid->form != GN_FEM_PRESSURE) return 0.0;
     return system->solid->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&system->solid->elements, e));
@@ -187,9 +188,9 @@ static gneiss_status find_bound(const linear_system *system, gn_fem_limit *limit
  * the same number as if all were evaluated. */
 
 struct gn_fem_bound_cache {
-    double
-        floor[2]; /* 1/s2, by distribution: the eigenvalues that are not stored do not exceed it */
-    double (*value)[2]; /* [elements of the mesh] 0: not above the floor */
+    double floor[2]; /* 1/s2, for each distribution of masses: eigenvalues that are not stored are
+                        at most this */
+    double (*value)[2]; /* [elements of the mesh] stored eigenvalues; 0: not above `floor` */
     double *volume;     /* [elements of the mesh] m3 at the last evaluation; 0: removed */
     double *inverse;    /* [nodes] 1/kg at the last evaluation */
     double *stiffness;  /* [nodes] as in gn_fem_linear */
@@ -226,7 +227,8 @@ static void mark_corners(gn_fem_solid *solid, size_t id, uint8_t *marked) {
     for (size_t a = 0; a < corners; a++) marked[node[a]] = 1;
 }
 
-/* Marks nodes of elements that were removed or changed volume, and nodes with a changed mass. */
+/* Marks the nodes of elements that were removed or have changed their volume, and nodes whose mass
+ * has changed. */
 static void mark_others(gn_fem_solid *solid, struct gn_fem_bound_cache *known) {
     const gn_elements *q = &solid->elements;
     const size_t nodes = solid->nodes.soa.count;
@@ -258,7 +260,7 @@ static bool is_marked(const gn_elements *elements, size_t e, int d, const uint8_
     return any;
 }
 
-/* Sums in the order of sum_stiffness. */
+/* Sums up the stiffness at nodes in the order of sum_stiffness. */
 static void renew_stiffness(const gn_fem_solid *solid, struct gn_fem_bound_cache *known) {
     const gn_elements *q = &solid->elements;
     const int d = solid->dimension;
@@ -297,8 +299,8 @@ static worst worst_known(const gn_fem_solid *solid, const struct gn_fem_bound_ca
     return w;
 }
 
-/* Returns the largest eigenvalue of one distribution; if all stored elements were removed, the
- * floor is too high and all others are evaluated. */
+/* Returns the largest eigenvalue for one distribution of masses. If all stored elements were
+ * removed, `floor` is too high, and all other elements are evaluated. */
 static worst renew_worst(const linear_system *system, struct gn_fem_bound_cache *known, int way,
                          bool all) {
     const double lower = 0.9, least = 1e-3 * known->floor[way];
@@ -312,7 +314,7 @@ static worst renew_worst(const linear_system *system, struct gn_fem_bound_cache 
     return w;
 }
 
-/* Returns a limit without any result. */
+/* Returns a limit without a result. */
 static gn_fem_limit limit_none(void) {
     return (gn_fem_limit){.bound = INFINITY,
                           .bound_element = -1,
@@ -342,7 +344,7 @@ static bool make_pressure(linear_system *system) {
     return system->gradient && system->pressure;
 }
 
-/* Like gn_fem_linear_make, but leaves `stiffness` zero. */
+/* Does the same as gn_fem_linear_make, but leaves `stiffness` zero. */
 static gneiss_status linear_begin(gn_fem_solid *solid, bool whole, linear_system *system,
                                   gneiss_error *error) {
     const size_t nodes = solid->nodes.soa.count, d = (size_t)solid->dimension;
@@ -440,7 +442,7 @@ static void linear_block(const linear_system *system, size_t block) {
     }
 }
 
-/* Below this number of nodes, loops are not distributed over threads. */
+/* Number of nodes below which loops are not distributed over threads. */
 enum { FEW = 1000 };
 
 void gn_fem_linear_apply(const void *system, const double *x, double *out) {

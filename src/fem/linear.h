@@ -15,13 +15,13 @@ typedef struct gn_fem_linear {
     double *pressure;  /* pressure form: [nodes] scratch */
 } gn_fem_linear;
 
-/* Linearises the elements; with `whole` the masses are those of the motion of the nodes, including
- * the masses that they carry. */
+/* Linearises the elements. With `whole`, masses include those that nodes carry, so that they are
+ * the masses of the motion. */
 gneiss_status gn_fem_linear_make(gn_fem_solid *solid, bool whole, gn_fem_linear *system,
                                  gneiss_error *error);
 void gn_fem_linear_free(gn_fem_linear *system);
-/* out = scale K scale x, [nodes][dimension], of the displacement form, with a gn_fem_linear. The
- * forces use the partial sums of the step, which every step overwrites. */
+/* Computes out = scale K scale x, [nodes][dimension], for the displacement form; `system` is a
+ * gn_fem_linear. The forces use the partial sums of the step, which every step overwrites. */
 void gn_fem_linear_apply(const void *system, const double *x, double *out);
 
 #endif

@@ -31,7 +31,7 @@ gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const ch
     return gn_fem_no_group(name, mesh, group, dimension, error);
 }
 
-/* Reports a group that the file names, but without elements of the body. */
+/* Reports a group that exists in the file, but without elements of the body. */
 static gneiss_status empty_group(const char *mesh_name, const gn_mesh_group *group,
                                  const char *name, int dimension, gneiss_error *error) {
     if (dimension >= 0 && group->dimension != dimension)
@@ -139,7 +139,7 @@ void gn_fem_set_free(gn_fem_set *set) {
 
 /* --- prescribed motion --- */
 
-/* Enlarges an array to `count` items of `size`; the old one is freed. */
+/* Enlarges an array to `count` items of `size` and frees the old one. */
 static bool grow(void **array, size_t had, size_t count, size_t size) {
     void *larger = gn_alloc_array(count + 1, size);
     if (!larger) return false;
@@ -186,7 +186,7 @@ gneiss_status gn_fem_prescribe(gn_fem_solid *solid, const gn_fem_set *set, unsig
     return GNEISS_OK;
 }
 
-/* Prescribed components start with their prescribed value to avoid a jump. */
+/* Gives prescribed components their prescribed value at the start, which avoids a jump. */
 static void start_prescribed(gn_fem_solid *solid) {
     for (size_t n = 0; n < solid->nodes.soa.count; n++) {
         int32_t slot = solid->nodes.slot[n];
@@ -251,7 +251,7 @@ gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const 
 
 /* ---- loads that may vary with time ---- */
 
-/* Collects nodes with a weight above zero. */
+/* Collects the nodes whose weight is above zero. */
 static gneiss_status collect_load(const double *weight, size_t nodes, gn_fem_load *load,
                                   gneiss_error *error) {
     size_t count = 0;

@@ -20,11 +20,12 @@
 
 /* tau = c h^2/(2 G). */
 static const double c_stabilising = 1.0;
-/* Fraction of the squared frequency at which q would determine the bound of the time step; a larger
- * one would shorten steps, a smaller one makes q lag behind. */
+/* Ratio of the squared frequency of q to that at which q would determine the bound of the time
+ * step. A larger ratio would shorten steps; with a smaller one q lags behind. */
 static const double rate_share = 0.25;
 
-/* Returns the squared size of an element: the side of a regular element of that volume. */
+/* Returns the square of the size of an element, which is the side of a regular element of the same
+ * volume. */
 static double size2(const gn_elements *elements, size_t e) {
     const int d = gn_elements_dimension(elements);
     double sum = 0.0, rest[3] = {0.0};
@@ -60,8 +61,8 @@ static void weigh(gn_fem_solid *solid) {
         for (size_t k = 0; k < 2; k++) lumped[4 * n + k] = 1.0 / lumped[4 * n + k];
 }
 
-/* Returns the eigenvalue of M_p^-1 S of a single element with its own M_p: nodes K tau times the
- * largest eigenvalue of sum_a grad N_a (x) grad N_a. */
+/* Returns the largest eigenvalue of M_p^-1 S for a single element with its own M_p: K tau nodes
+ * times the largest eigenvalue of sum_a grad N_a (x) grad N_a. */
 double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e) {
     const int d = gn_elements_dimension(elements);
     double a[9] = {0.0}, rest[3] = {0.0}, values[3], vectors[9];
@@ -76,7 +77,7 @@ double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e) {
     return (d + 1) * bulk_modulus(elements, e) * elements->tau[e] * values[0];
 }
 
-/* Chooses the rate at which q does not change the bound of the time step. */
+/* Chooses the rate of q such that q does not change the bound of the time step. */
 static gneiss_status choose_rate(gn_fem_solid *solid, gneiss_error *error) {
     gn_fem_limit limit;
     double most = 0.0;
@@ -121,7 +122,7 @@ gn_dilation_args gn_fem_dilation_args(const gn_fem_solid *solid) {
 }
 
 /* Returns the damping rate of q. With viscous damping it is that of the motion; other kinds damp a
- * mode of frequency w by about a/pi of the critical value. */
+ * mode of frequency w at about a/pi of the critical value. */
 static double damping_rate(const gn_fem_solid *solid) {
     const double pi = 3.14159265358979323846;
     if (solid->effects & GN_FX_VISCOUS) return solid->damping_coefficient;
@@ -144,8 +145,8 @@ gn_pressure_args gn_fem_pressure_args(gn_fem_solid *solid, double dt, bool measu
 
 /* --- reading --- */
 
-/* Computes pressures in one serial pass over all blocks; rows are overwritten in every step, and no
- * energy is needed. */
+/* Computes pressures in a single serial pass over all blocks; rows are overwritten in every step,
+ * and no energies are needed. */
 void gn_fem_find_pressures(const gn_fem_solid *solid) {
     const gn_dilation_args args = gn_fem_dilation_args(solid);
     const gn_partials *q = &solid->partials;
@@ -183,7 +184,7 @@ typedef gn_fem_linear linear_system;
 /* Adds an element's contribution in a pass to the partial sums of its block. */
 typedef void add_element(const linear_system *system, size_t e, double *sums[4]);
 
-/* Receives a node's sum of a pass, added up in block order. */
+/* Receives the sum of a pass at a node, added up in block order. */
 typedef void take_node(const linear_system *system, size_t node, const double *sum, double *out);
 
 typedef struct pass {
@@ -232,7 +233,8 @@ static void run(const linear_system *system, pass kind, double *out) {
 
 /* --- passes --- */
 
-/* Integrates grad q over tau and distributes it to the nodes. */
+/* Computes grad q in an element; add_gradient integrates it times tau and distributes it to the
+ * nodes. */
 static void gradient_of(const linear_system *system, size_t e, double gradient[4][3], double g[3]) {
     const gn_elements *q = &system->solid->elements;
     gn_fem_gradients(q, e, gradient);

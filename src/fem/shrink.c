@@ -1,4 +1,4 @@
-/* Removal of elements from a moving solid, and the weights of those that remain in coupling
+/* Removal of elements from a moving solid, and the weights of the remaining elements in coupling
  * zones. */
 #include "base/memory.h"
 #include "fem/internal.h"
@@ -132,8 +132,8 @@ static double inverse3(double a[3][3], double out[3][3]) {
     return det;
 }
 
-/* Polar decomposition by Newton's iteration X <- (X + X^-T)/2, which converges quadratically from F
- * (Higham 1986). */
+/* Computes the polar decomposition by Newton's iteration X <- (X + X^-T)/2, which converges
+ * quadratically from F (Higham 1986). */
 void gn_fem_rotation(const gn_fem_solid *solid, size_t element, double turn[3][3]) {
     enum { ROUNDS = 40 };
     gn_fem_deformation(solid, element, turn);

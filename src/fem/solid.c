@@ -12,13 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Work data of the construction. */
+/* Temporary data of the construction. */
 typedef struct builder {
     gn_fem_solid *solid;
     const gn_fem_spec *spec;
     gn_mesh_elements *solids;
     int32_t *place;    /* [nodes of the given mesh] place in the solid, -1: unused */
-    int32_t *material; /* [solids] */
+    int32_t *material; /* [solids] index of the material */
 } builder;
 
 static gneiss_status out_of_memory(const builder *maker, gneiss_error *error) {
@@ -143,7 +143,7 @@ static gneiss_status order_nodes(builder *maker, const gn_particles *given, gnei
     return GNEISS_OK;
 }
 
-/* Renumbers facets (or solids) to the solid's nodes; those with an unused node are left out. */
+/* Renumbers facets (or solids) to the solid's nodes; those with an unused node are dropped. */
 static void renumber_elements(const int32_t *place, gn_mesh_elements *list) {
     size_t kept = 0, also = 0, next = 0, nodes = (size_t)list->nodes;
     for (size_t e = 0; e < list->count; e++) {
@@ -178,7 +178,7 @@ static gneiss_status renumber_mesh(builder *maker, gneiss_error *error) {
 
 /* --- elements --- */
 
-/* The places of an element's nodes, ascending, and its own number. */
+/* The places of an element's nodes in ascending order, and its own number. */
 typedef struct sorted_element {
     int32_t node[4], id;
 } sorted_element;
@@ -212,9 +212,9 @@ static double cross_part(const double *a, const double *b, int k) {
     return a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* Computes gradients of all nodes but the first and returns the volume, which is negative for an
- * inverted element. The gradient of node a is normal to the opposite face: these are rows of the
- * inverse matrix of edges. */
+/* Computes the gradients of the shape functions of all nodes but the first, and returns the volume,
+ * which is negative for an inverted element. The gradient of node a is normal to the opposite face:
+ * the gradients are rows of the inverse matrix of edges. */
 static double gradients(int dimension, const double *const x[4], double gradient[3][3]) {
     double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}};
     for (int a = 0; a < dimension; a++)
@@ -238,7 +238,8 @@ static double longest_edge(int dimension, const double *const x[4]) {
     return sqrt(most);
 }
 
-/* A shape function decreases from 1 to 0 over the height of its node. */
+/* The shape function of a node decreases from 1 to 0 over the height of the element at that node.
+ */
 static double least_height(int dimension, const double gradient[3][3]) {
     double first[3] = {0.0}, steepest2 = 0.0;
     for (int a = 0; a < dimension; a++) {
@@ -263,7 +264,7 @@ static gneiss_status no_volume(const builder *maker, int32_t id, const int32_t n
                    maker->solid->dimension);
 }
 
-/* Least weight of an element between nodes of zero weight, which gives its nodes a mass. */
+/* Least weight of an element, which gives mass to nodes whose weight is zero. */
 static const double share_least = 1e-6;
 
 static double share_of(const gn_fem_spec *spec, int dimension, const double *const x[4]) {
@@ -325,7 +326,7 @@ static gneiss_status make_elements(builder *maker, gneiss_error *error) {
         status = make_element(maker, e, order[e].id, error);
     gn_free(order);
     GN_TRY(status);
-    /* Inverts the sums of masses. */
+    /* Converts the sums of masses to inverse masses. */
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
         solid->nodes.vel[4 * n + 3] = 1.0 / solid->nodes.vel[4 * n + 3];
     for (size_t n = 0; solid->nodes.blend && n < solid->nodes.soa.count; n++) {

@@ -59,8 +59,8 @@ static void find_forces(void *context, int list, size_t block) {
     const gn_fem_solid *solid = k->solid;
     *sums = GN_ELEMENT_SUMS_ZERO;
     if (k->measure) solid->element_kernel[1](&k->elements, r.begin, r.end, sums);
-    /* Single precision forces replace those with which the energy was measured, so that a run does
-     * not depend on how often it is measured. */
+    /* The measured forces are replaced by single precision ones, so that a run does not depend on
+     * how often it is measured. */
     if (!k->measure || solid->single) solid->element_kernel[0](&k->elements, r.begin, r.end, sums);
 }
 
@@ -163,8 +163,8 @@ static gn_pressure_sums merge_pressure(const gn_fem_solid *solid) {
     return total;
 }
 
-/* Merges the sums of motion. The first halves of the works belong to the past interval, the second
- * halves to the coming one; the reading lies between them. */
+/* Merges the sums of the motion. First halves of works belong to the past interval, second halves
+ * to the coming one; the reading lies between them. */
 static int64_t merge_motion(gn_fem_solid *solid, bool measure, double *speed2) {
     gn_fem_energy *e = &solid->energy;
     double kinetic = 0.0;

@@ -36,7 +36,8 @@ static inline void second_piola(const gn_elements *elements, size_t e, bool pres
     for (int k = 0; k < 3; k++) s[k][k] += lambda * trace;
 }
 
-/* Returns the mean over the nodes; zero in the displacement form, whose pressure is part of S. */
+/* Returns the mean of the nodes' pressures; zero in the displacement form, where the pressure is
+ * part of S. */
 static double mean_pressure(const gn_fem_solid *solid, size_t e) {
     double sum = 0.0;
     if (solid->form != GN_FEM_PRESSURE) return 0.0;
@@ -100,7 +101,7 @@ gneiss_status gn_fem_nodal_pressure(const gn_fem_solid *solid, double *pressure,
     return GNEISS_OK;
 }
 
-/* f_a = -V F S grad N_a. */
+/* Computes f_a = -V F S grad N_a. */
 void gn_fem_force_of(const gn_fem_solid *solid, size_t e, double force[4][3]) {
     double f[3][3], s[3][3], g[4][3];
     gn_fem_deformation(solid, e, f);
@@ -140,7 +141,7 @@ void gn_fem_gradient_of(const gn_fem_solid *solid, size_t e, double f[3][3]) {
     gn_fem_deformation(solid, e, f);
 }
 
-/* Returns the energy after the displacements of the velocities over `ahead` s. */
+/* Returns the energy of an element after its nodes have moved for `ahead` s at their velocities. */
 static double energy_ahead(const gn_fem_solid *solid, size_t e, double ahead) {
     const gn_elements *q = &solid->elements;
     double f[3][3], g[4][3];
@@ -156,7 +157,7 @@ static double energy_ahead(const gn_fem_solid *solid, size_t e, double ahead) {
     return element_energy(solid, e, f);
 }
 
-/* Threads compute the energies of single elements, which are summed in their order. */
+/* Threads compute the energies of single elements, which are then summed in order. */
 double gn_fem_elastic_energy(const gn_fem_solid *solid, const int32_t *element, size_t count,
                              double ahead) {
     enum { SOME = 4096 };
@@ -270,7 +271,7 @@ double gn_fem_volume_ratio(const gn_fem_solid *solid, size_t element) {
     return gn_fem_deformation(solid, element, f);
 }
 
-/* The trace of an element's stiffness at a node is V |G|^2 (lambda + (1 + d) mu). */
+/* The trace of the stiffness block of an element at a node is V |G|^2 (lambda + (1 + d) mu). */
 void gn_fem_step_scales(const gn_fem_solid *solid, double *scale) {
     const gn_elements *q = &solid->elements;
     const int d = solid->dimension;
@@ -313,7 +314,7 @@ static gneiss_status facets_of_group(const gn_fem_solid *solid, const char *grou
     return status;
 }
 
-/* gn_mesh_boundary replaces the listed facets, so that it works on a copy. */
+/* gn_mesh_boundary replaces the listed facets, so that it gets a copy of the mesh. */
 static gneiss_status all_facets(const gn_fem_solid *solid, int32_t **corner, size_t *count,
                                 gneiss_error *error) {
     const int dimension = solid->dimension;

@@ -9,15 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Tags of groups; sides are 2 k + upper above the first. */
+/* Tags of groups. That of the upper or lower side across axis k is GN_GRID_SIDE + 2 k + upper. */
 enum { GN_GRID_BODY = 1, GN_GRID_SIDE = 2, GN_GRID_HOLE = 8, GN_GRID_GROUPS_MAX = 16 };
 
 typedef struct gn_grid {
     int dimension;
     size_t nodes[3];                     /* cells per direction; 1 along z in 2D */
-    size_t hole_lower[3], hole_upper[3]; /* cells [lower, upper) are left out */
+    size_t hole_lower[3], hole_upper[3]; /* cells [lower, upper) are omitted */
     bool parallel;                       /* all diagonals have one direction */
-    size_t turn; /* parallel: index of the first mirrored cell along x; 0: none */
+    size_t turn; /* parallel: index of the first mirrored cell along x; 0: none is */
 } gn_grid;
 
 static size_t node_at(const gn_grid *grid, const size_t at[3]) {
@@ -60,15 +60,15 @@ static void place_nodes(const gn_grid *grid, const gn_structured *spec, gn_mesh 
             }
 }
 
-/* Tells whether a cell is mirrored: every second one; with parallel diagonals, those beyond the
- * turn. */
+/* Tells whether a cell is mirrored: every second cell is; with parallel diagonals, those beyond
+ * `turn` are. */
 static bool is_mirrored(const gn_grid *grid, const size_t cell[3]) {
     if (grid->parallel) return grid->turn > 0 && cell[0] >= grid->turn;
     return (cell[0] + cell[1] + cell[2]) % 2;
 }
 
-/* Returns corner c of a cell: bit k is the step along direction k. In mirrored cells the numbers of
- * the corners are mirrored along x. */
+/* Returns corner c of a cell; bit k of c is the position along direction k. In mirrored cells the
+ * numbering of the corners is mirrored along x. */
 static int32_t corner(const gn_grid *grid, const size_t cell[3], int c) {
     size_t at[3];
     for (size_t k = 0; k < 3; k++) at[k] = cell[k] + ((size_t)c >> k & 1);
@@ -96,7 +96,8 @@ typedef struct split {
     int count, tetrahedron[6][4], side[3][2][2][3];
 } split;
 
-/* One tetrahedron in the middle with four of the corners, and one at each of the others. */
+/* Five tetrahedra: one in the middle between four of the corners, and one at each of the other
+ * corners. */
 static const split five = {
     5,
     {{0, 1, 3, 5}, {0, 3, 2, 6}, {0, 4, 5, 6}, {3, 6, 5, 7}, {0, 5, 3, 6}},
@@ -104,9 +105,9 @@ static const split five = {
      {{{0, 1, 5}, {0, 5, 4}}, {{2, 6, 3}, {3, 6, 7}}},
      {{{0, 3, 1}, {0, 2, 3}}, {{4, 5, 6}, {5, 7, 6}}}},
 };
-/* One tetrahedron for each path along three edges from corner 0 to corner 7 (Kuhn 1960). These two
- * corners belong to six tetrahedra each and the others to two: the sum over the four corners of any
- * side is the same, so that node masses are equal where cells are mirrored, too. */
+/* Six tetrahedra: one for each path along three edges from corner 0 to corner 7 (Kuhn 1960). These
+ * two corners belong to six tetrahedra each and the others to two. The sum over the four corners of
+ * any side is the same, so that node masses are equal where cells are mirrored, too. */
 static const split six = {
     6,
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}},
@@ -121,14 +122,14 @@ static const split *split_of(const gn_grid *grid) {
 
 static const int side_line[2][2][2] = {{{2, 0}, {1, 3}}, {{0, 1}, {3, 2}}};
 
-/* Tells whether a cell of the grid is left out. */
+/* Tells whether a cell of the grid is omitted. */
 static bool in_hole(const gn_grid *grid, const size_t cell[3]) {
     for (int k = 0; k < grid->dimension; k++)
         if (cell[k] < grid->hole_lower[k] || cell[k] >= grid->hole_upper[k]) return false;
     return true;
 }
 
-/* Returns the group of a side of a cell; 0 if a cell follows it. */
+/* Returns the group of a side of a cell; 0: another cell follows. */
 static int32_t side_tag(const gn_grid *grid, const size_t cell[3], int k, int upper) {
     size_t other[3] = {cell[0], cell[1], cell[2]};
     if (cell[k] == (upper ? grid->nodes[k] - 2 : 0)) return GN_GRID_SIDE + 2 * k + upper;
@@ -150,7 +151,7 @@ static void add_sides(const gn_grid *grid, gn_mesh *mesh, const size_t cell[3], 
         }
 }
 
-/* Fills in elements and facets; nodes inside the hole are not used. */
+/* Fills in elements and facets; nodes inside the hole have no element. */
 static void grid_fill(const gn_grid *grid, gn_mesh *mesh) {
     const split *solid = split_of(grid);
     size_t cell[3], layers = grid->dimension == 3 ? grid->nodes[2] - 1 : 1;
@@ -237,14 +238,15 @@ typedef struct places {
     double *at;
 } places;
 
-/* The size of cells at a distance from the finest: least + (growth - 1) x distance, up to most. */
+/* Size of cells at a distance from the finest ones: least + (growth - 1) x distance, at most
+ * `most`. */
 typedef struct grading {
     double least, slope, most;
 } grading;
 
 /* --- grading --- */
 
-/* Returns the distance up to which cells grow. */
+/* Returns the distance at which the size reaches `most`. */
 static double growing(const grading *sizes) {
     return (sizes->most - sizes->least) / sizes->slope;
 }
@@ -275,8 +277,8 @@ static bool append(places *list, double at) {
     return true;
 }
 
-/* Divides the range between two distances and appends the positions; the first of them is already
- * stored. */
+/* Divides the range between two distances and appends the positions; the first of them is stored
+ * already. */
 static bool divide(const grading *sizes, double from, double to, places *list) {
     if (!(to - from > 1e-12 * to)) return true;
     double first = cells_to(sizes, from), last = cells_to(sizes, to);
@@ -300,7 +302,7 @@ static bool notched(const gn_structured_beam *spec) {
     return spec->notch_depth > 0.0;
 }
 
-/* Makes the right half from mid-span, then both. */
+/* Makes the positions along x: the right half from mid-span, then its mirror image. */
 static bool make_x(beam *shape) {
     const gn_structured_beam *s = shape->spec;
     const grading *g = &shape->grading;
@@ -314,7 +316,7 @@ static bool make_x(beam *shape) {
     size_t support = half.count - 1;
     held = held && divide(g, 0.5 * s->span - face, 0.5 * s->length - face, &half);
     for (size_t k = inside; k < half.count; k++)
-        half.at[k] += face; /* distances measured from the middle */
+        half.at[k] += face; /* distances are measured from the middle */
     shape->middle = half.count - 1;
     for (size_t k = half.count; held && k-- > 1;)
         held = append(&shape->x, s->lower[0] + (0.5 * s->length - half.at[k]));
@@ -435,7 +437,7 @@ static void add_names(const beam *shape, int dimension, gn_mesh *mesh) {
     qsort(mesh->groups, mesh->group_count, sizeof *mesh->groups, by_dimension_and_tag);
 }
 
-/* Leaves out the nodes that only cells of the notch used. */
+/* Drops the nodes that only cells of the notch used. */
 static gneiss_status drop_unused(int dimension, gn_mesh *mesh, gneiss_error *error) {
     const gn_mesh_elements *solids = gn_fem_elements_of(mesh, dimension);
     int32_t kept = 0;

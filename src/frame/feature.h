@@ -14,25 +14,26 @@
 
 /* Places of a step, in their order. */
 typedef enum gn_hook_place {
-    /* Before the lists of the step are checked: may add or remove particles and elements, and
-     * rebuilds the lists in that case. */
+    /* Before the lists of the step are checked: the hook may add or remove particles and elements,
+       and then rebuilds the lists. */
     GN_HOOK_BEFORE_LISTS,
-    /* Whenever lists were made, which may renumber particles: holds the blocks that GN_HOOK_ACT
-     * needs (gn_hold_particle on world->dem.hold and on the hold of a body of elements). Also when
-     * a feature is added to a world that has lists. */
+    /* Whenever lists were made, which may renumber particles: the hook holds the blocks that
+       GN_HOOK_ACT needs (gn_hold_particle on world->dem.hold and on the hold of a body of
+       elements). Also called when a feature is added to a world that has lists. */
     GN_HOOK_LISTS,
-    GN_HOOK_LIMIT,   /* lists are those of the step: may lower the step */
-    GN_HOOK_READING, /* may set ctx.measure, so that readings are taken at the instant, and ctx.sums
-                      */
+    GN_HOOK_LIMIT,   /* lists are up to date: the hook may lower the step */
+    GN_HOOK_READING, /* the hook may set ctx.measure, so that readings are taken at the instant, and
+                        ctx.sums */
     GN_HOOK_BEFORE_FORCES,
-    /* Forces of contacts, walls and elements are known: adds to the loads of held blocks
-     * (gn_hold_load). Gravity, applied forces and background damping are added in the motion.
-     * Velocities are those of the last half step. */
+    /* Forces of contacts, walls and elements are known: the hook adds to the loads of held blocks
+       (gn_hold_load). Gravity, applied forces and background damping are added in the motion.
+       Velocities are those of the last half step. */
     GN_HOOK_ACT,
-    GN_HOOK_WORK,  /* velocities are new: books the work of the interval before the instant */
+    GN_HOOK_WORK,  /* velocities are updated: the hook books the work of the interval before the
+                      instant */
     GN_HOOK_MOVED, /* particles, walls and bodies have moved; readings of the instant were taken */
     GN_HOOK_ELEMENTS_MOVED,
-    GN_HOOK_READ, /* when readings are taken: adds to ledger.reading and ledger.stress */
+    GN_HOOK_READ, /* when readings are taken: the hook adds to ledger.reading and ledger.stress */
     GN_HOOK_AFTER_STEP,
     GN_HOOK_PLACES
 } gn_hook_place;
@@ -45,9 +46,9 @@ typedef gneiss_status gn_hook(void *context, gn_world *world, gneiss_error *erro
 
 typedef struct gn_feature {
     const char *name;
-    /* Tells whether the scene, as the present stage has it, uses the feature: asked whenever lists
-     * are made and when a stage begins. NULL: the feature is always used, as those that a program
-     * adds to a world. */
+    /* Tells whether the present stage of the scene uses the feature; called whenever lists are made
+     * and when a stage begins. NULL: the feature is always used, which holds for those that a
+     * program adds to a world. */
     bool (*used)(const gn_world *world);
     gn_hook *hook[GN_HOOK_PLACES]; /* NULL: no hook at this place */
     void *context;                 /* passed to the hooks */

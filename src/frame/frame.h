@@ -20,7 +20,8 @@
 /* Control of the ends of a test (laboratory/ends.h). */
 typedef struct gn_machine {
     double wanted; /* target of the reading: m or 1 */
-    double factor; /* factor of the prescribed motion of the ends along the axis */
+    double
+        factor; /* factor by which the prescribed motion of the ends along the axis is multiplied */
     double looked; /* s: time of the last reading */
 } gn_machine;
 
@@ -34,7 +35,7 @@ struct gn_step_context {
     gn_ranks *ranks; /* the processes that share the work; NULL: this one is alone */
 
     int64_t step;
-    int64_t first_step; /* 0, or the step at which it began in an equilibrium (src/static) */
+    int64_t first_step; /* 0, or the step at which the run began in an equilibrium (src/static) */
     double time;        /* s */
     double dt_past, dt; /* s: interval that led here, coming interval */
     double stable;      /* s: upper bound of the step: sharp limit or bound, reduced for non-viscous

@@ -21,7 +21,8 @@ struct gn_ledger {
     GN_MEASURED(X)
 #undef X
     gn_balance balance; /* balance at the last measured step; not a part of the state */
-    /* Number of the last measured step, and s; 0: none in this process. Not a part of the state. */
+    /* Number and time (s) of the last measured step; 0: none in this process. Not part of the
+     * state. */
     int64_t measured_step;
     double measured_time;
 };

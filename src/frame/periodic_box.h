@@ -7,18 +7,19 @@
 
 #include <stdbool.h>
 
-/* State that lasts from step to step; doubles only. */
+/* State of a servo from step to step (drive/servo.c); doubles only. */
 typedef struct gn_servo_state {
-    double base;     /* u, m/s or 1/s */
-    double expected; /* N or J: value expected from the share alone */
+    double base;     /* speed to which the correction is added, m/s or 1/s */
+    double expected; /* N or J: value expected at the next instant if the servo closes its share of
+                        the difference */
 } gn_servo_state;
 
 struct gn_periodic_box {
     double start[3];   /* m: lengths at the start */
-    double flow[3];    /* 1/s: growth in the last interval over the present lengths */
+    double flow[3];    /* 1/s: rate of growth in the last interval over the present lengths */
     double spring[3];  /* J: upper bound of the stiffness of listed contacts against a strain along
                           an axis, with the other sides fixed: sum of (k_n + k_t) l^2 n_a^2 */
-    double dashpot[3]; /* J s, the same sums of dashpots */
+    double dashpot[3]; /* J s, the same sums over dashpots */
     gn_servo_state servo[3];
     double reach; /* m: the longest branch in the lists */
     double path;  /* m: the largest shortening of a listed branch since the lists were made */
@@ -31,8 +32,8 @@ bool gn_box_moved(const gn_periodic_box *box);
 /* Returns the largest speed, m/s, at which the box moved the ends of a listed contact apart in the
  * last step. */
 double gn_box_speed(const gn_periodic_box *box);
-/* Returns the status of a search for neighbours: a box that is too narrow for it is an error of the
- * scene at the start, later one of the motion of its sides. */
+/* Returns the status of a search for neighbours in a box that may be too narrow for it: this is an
+ * error of the scene at the start, later one of the motion of the sides. */
 gneiss_status gn_box_narrowed(const gn_step_context *ctx, const gn_periodic_box *box,
                               gneiss_status found, gneiss_error *error);
 /* Returns the section across the open axis of the box, m2 (2D: m x 1 m). */

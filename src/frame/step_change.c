@@ -14,10 +14,10 @@ double *gn_rows_copy(const gn_particles *of, const double *rows) {
     return copy;
 }
 
-/* The energy that leap-frog conserves, 1/2 m v(-) v(+) and that of springs, depends on its step:
- * the kick is (dt- + dt+)/2 F/m, but works are 1/2 F dt v on either side. The halves of the
- * difference are -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), which add up to F^2 (dt-^2 -
- * dt+^2)/(8 m): an oscillation gains energy when the step becomes shorter. */
+/* Leap-frog conserves 1/2 m v(-) v(+) plus the energy of springs, which depends on the step. The
+ * kick is (dt- + dt+)/2 F/m, but the booked works are 1/2 F dt- v(-) and 1/2 F dt+ v(+). The change
+ * is booked in two halves, -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), whose sum is F^2
+ * (dt-^2 - dt+^2)/(8 m): an oscillation gains energy if the step becomes shorter. */
 void gn_rows_add_step_change(const gn_step_context *ctx, const double *past, const double *now,
                              size_t count, double halves[2]) {
     const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);

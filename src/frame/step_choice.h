@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The shortest collision that a step has to resolve, by ids of particles; `second` < 0: wall -1 -
- * second, behind the walls surfaces. */
+/* The shortest collision that a step has to resolve, by ids of particles. A `second` below 0 is
+ * wall number -1 - second; surfaces are numbered after the walls. */
 typedef struct gn_resolution {
     double step;    /* s: the step that resolves it; INFINITY: no collision is possible */
     double contact; /* s, duration of the collision */
@@ -26,18 +26,17 @@ typedef struct gn_mass_scaling {
 typedef struct gn_step_choice {
     gn_step_limit limit; /* limit of the particles, last full estimate */
     double stable;       /* s: the limit of the particles alone, without damping */
-    double listed;       /* s: the limit with all listed contacts in touch, where it was found
-                          * to be within a hundredth of the step or below it; else INFINITY */
-    double
-        listed_holds; /* s: step of the particles alone that is stable with all listed contacts */
-    double whole;     /* s: sharp limit of the coupled system of particles and elements; 0: not
-                         searched; negative: outdated, because nodes have lost mass */
+    double listed; /* s: the limit with all listed contacts closed, where it is at most about a
+                      hundredth above the step; else INFINITY */
+    double listed_holds; /* s: known to be stable for particles with all listed contacts */
+    double whole;        /* s: sharp limit of the coupled system of particles and elements; 0: not
+                            searched; negative: outdated, because nodes have lost mass */
     gn_resolution resolution; /* the shortest collision so far */
     gn_mass_scaling scaling;
     double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
     double
         vertex_rate; /* 1/s, the same rate for nodes of finite elements in contact with particles */
-    double gain;     /* m/s, largest change of a driven velocity in the coming step; else 0 */
+    double gain;     /* m/s, largest change of a prescribed velocity in the coming step; else 0 */
     double push;     /* m/s2, largest acceleration by applied forces at the last check */
     bool debris_reported; /* the residual of the ledger is attributed to debris, which is being
                              resolved */

@@ -29,11 +29,11 @@ double gn_finest_reach(double radius) {
 
 /* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it decelerates a
  * particle and by 1 - a while it accelerates it. In the fastest mode, whose displacement changes
- * sign from step to step, the resultant always decelerates: the stiffness is 1 + a times the
- * undamped one, and the limit falls by sqrt(1 + a). Forces of dashpots are part of the resultant:
- * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
- * a). (Measured: at 0.9 of the undamped limit and a = 0.7 the kinetic energy 1/2 m v(-) v(+) turns
- * negative and bonds break before any load.) */
+ * sign from step to step, the resultant always decelerates: the effective stiffness is 1 + a times
+ * the undamped one, and the limit decreases by the factor 1/sqrt(1 + a). Dashpot forces are part of
+ * the resultant; with K and C both multiplied by 1 + a, the limit is that of K and sqrt(1 + a) C,
+ * divided by sqrt(1 + a). (Measured: at 0.9 of the undamped limit and a = 0.7 the kinetic energy
+ * 1/2 m v(-) v(+) becomes negative, and bonds break before any load.) */
 static double scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
     bool active = effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
@@ -44,7 +44,8 @@ double gn_nonviscous_share(const gn_step_context *ctx) {
     return scene_nonviscous_share(&ctx->scene, ctx->effects);
 }
 
-/* The fastest scene takes a microsecond a step: these are thirty years. */
+/* Largest number of steps. The fastest scene takes a microsecond a step, so that these are thirty
+ * years. */
 static const double steps_most = 1e15;
 
 gneiss_status gn_check_duration(const gn_step_context *ctx, gneiss_error *error) {

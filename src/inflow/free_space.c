@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-/* Tolerance for exact contact, as a fraction of the sum of the radii. */
+/* Tolerance of contact, as a fraction of the sum of the radii. */
 static const double apart = 1e-9;
 
 static gneiss_status no_memory(gneiss_error *error) {
@@ -58,7 +58,7 @@ static void file(gn_room *r, size_t k) {
     r->first[cell] = (int32_t)k;
 }
 
-/* Makes no more cells than are useful. */
+/* Makes cells, not more than are useful. */
 static gneiss_status make_cells(gn_room *r, const double lower[3], const double upper[3],
                                 double radius, gneiss_error *error) {
     const int dimension = (int)r->ctx->scene.dimension;
@@ -83,7 +83,7 @@ static gneiss_status make_cells(gn_room *r, const double lower[3], const double 
 
 /* --- existing spheres --- */
 
-/* Adds a sphere and its images within `reach` of the box. */
+/* Adds a sphere, and those of its images that are within `reach` of the box. */
 static gneiss_status collect(gn_room *r, const double *x, const double lower[3],
                              const double upper[3], double reach, gneiss_error *error) {
     int64_t least[3] = {0}, most[3] = {0};
@@ -156,8 +156,8 @@ static bool meets_particle(const gn_room *r, const double *s) {
     return false;
 }
 
-/* The boxes of the tree around nodes date from the last rebuild of the lists; nodes have moved by
- * less than the skin since. */
+/* Boxes of the tree around nodes are those of the last construction of the lists; nodes have moved
+ * by less than the skin since. */
 static bool meets_surface(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *f,
                           const double *s) {
     double d[3], centre[3], reach = s[3] * (1.0 + apart);
@@ -181,7 +181,7 @@ bool gn_room_free(const gn_room *r, const double s[4]) {
 gneiss_status gn_room_take(gn_room *r, const double sphere[4], gneiss_error *error) {
     size_t before = r->count;
     const double *x = sphere;
-    /* Images are included if everything is near enough. */
+    /* Images are included if they are near enough. */
     double lower[3], upper[3];
     for (int a = 0; a < 3; a++) {
         lower[a] = r->lower[a];

@@ -1,5 +1,5 @@
 /* Particles that leave the domain stop the run or are removed with their energy; sinks remove
- * particles; rows of particles are added and dropped. */
+ * particles. */
 #include "inflow/removal.h"
 #include "base/ball.h"
 #include "base/error.h"
@@ -28,7 +28,8 @@
 
 /* --- leaving particles --- */
 
-/* A particle beyond the range of coordinates has left the domain, whatever its size. */
+/* Tells whether a particle is in the domain; beyond the range of coordinates it has left, whatever
+ * its size. */
 static bool in_domain(const gn_step_context *ctx, const double *x, double reach) {
     for (int a = 0; a < (int)ctx->scene.dimension; a++)
         if (!(x[a] >= ctx->scene.domain_min[a] && x[a] <= ctx->scene.domain_max[a] &&
@@ -55,7 +56,7 @@ static gneiss_status left_domain(const gn_step_context *ctx, const gn_dem *dem, 
 
 /* --- thin sinks: particles that pass through them between two lists --- */
 
-/* Returns the least extent of the region of a sink, m; of a polygon an upper bound; INFINITY: a
+/* Returns the least extent of the region of a sink, m; for a polygon an upper bound; INFINITY: a
  * plane. */
 static double sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
     const gn_flow_region *r = &ctx->scene.sinks[sink].region;
@@ -68,22 +69,24 @@ static double sink_width(const gn_step_context *ctx, const gn_dem *dem, size_t s
         const double *x = r->corners + 2 * k, *y = r->corners + 2 * ((k + 1) % r->corner_count);
         around += hypot(y[0] - x[0], y[1] - x[1]);
     }
-    /* A long strip has 2 A/P, any other polygon less than its width. */
+    /* This is twice the area over the perimeter, the width of a long strip and less than that of
+     * other polygons. */
     return around > 0.0 ? fmin(width, 2.0 * gn_domain_volume(region) / around) : width;
 }
 
-/* Tells whether a particle is entirely inside for hardly longer than lists may last: the skin grows
- * to six times that of the start. */
+/* Tells whether a sink is thin: a particle is entirely inside for hardly longer than lists may
+ * last. The skin may grow to six times its value at the start. */
 static bool is_thin(const gn_step_context *ctx, const gn_dem *dem, size_t sink) {
     return ctx->scene.sinks[sink].remove &&
            sink_width(ctx, dem, sink) - 2.0 * dem->flow.largest < 12.0 * dem->verlet.skin_start;
 }
 
 enum { PLACES = 16, HALVINGS = 40 };
-/* Share of a radius within which a particle counts as inside in spite of rounding. */
+/* Fraction of a radius by which a particle may protrude, within rounding, and count as inside. */
 static const double rounding = 1e-9;
 
-/* Depth, m, of a particle's centre in a region at a share of its last step, counted backwards. */
+/* Returns the depth, m, of a particle's centre in a region at a fraction of its last step, counted
+ * backwards. */
 static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const gn_domain *region,
                            size_t particle, double share) {
     const gn_particles *q = &dem->particles;
@@ -93,8 +96,8 @@ static double depth_before(const gn_step_context *ctx, const gn_dem *dem, const 
     return gn_domain_depth(region, at);
 }
 
-/* The largest depth between two shares of the last step; on a line through a convex region depth
- * has one maximum. */
+/* Returns the largest depth between two fractions of the last step; along a line through a convex
+ * region depth has one maximum. */
 static double deepest_between(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_domain *region, size_t particle, double from, double to) {
     for (int k = 0; k < HALVINGS; k++) {
@@ -137,9 +140,9 @@ static bool sink_takes(const gn_step_context *ctx, const gn_dem *dem, size_t sin
            (is_thin(ctx, dem, sink) && passed(ctx, dem, sink, particle));
 }
 
-/* --- which --- */
+/* --- particles that leave --- */
 
-/* Fates of a particle: 0 it stays, LEFT the domain, from 1 on removed by a sink, base 1. */
+/* Fates of a particle: 0: it stays; LEFT: it has left the domain; k > 0: sink k - 1 removes it. */
 enum { LEFT = -1 };
 
 static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, double reach) {
@@ -166,18 +169,19 @@ static size_t mark_gone(const gn_step_context *ctx, const gn_dem *dem, int32_t *
 
 /* --- energy of their contacts --- */
 
-/* A particle leaves at the end of a step, when velocities are those of the half step before and its
- * contacts will not be evaluated at the present positions. So a contact removes the energy that its
- * springs stored at the last instant, and the work of its force of that instant over half of the
- * step, which the velocities contain: `power`, at which the two sides separate against it. That
- * closes the ledger exactly. The dashpot's part of the power is dissipated. */
+/* Books the energy of the contact of a particle that leaves. It leaves at the end of a step, when
+ * velocities are those of half a step before, and its contacts will not be evaluated at the present
+ * positions. The contact therefore removes the energy that its springs stored at the last instant,
+ * and the work that its force of that instant did over half of the step, which the velocities
+ * contain: `power` is that with which the two sides separate against the force. This closes the
+ * ledger exactly. The dashpot's part of the power is dissipated. */
 static void book_contact(const gn_step_context *ctx, gn_ledger *ledger, double stored, double power,
                          double viscous) {
     ledger->energy.removed += stored + 0.5 * ctx->dt_past * (power - viscous);
     ledger->energy.contact_damping += 0.5 * ctx->dt_past * viscous;
 }
 
-/* Power of the moments, whose arms are those of the last instant. */
+/* Returns the power of the moments; their arms are those of the last instant. */
 static double turning_power(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
                             double length, const double n[3], const double t[3]) {
     const gn_particles *q = &dem->particles;
@@ -189,7 +193,7 @@ static double turning_power(const gn_step_context *ctx, const gn_dem *dem, size_
            (rj + half) * gn_dot3(moment, q->spin + 4 * j);
 }
 
-/* A contact between particles, where they were at the last instant. */
+/* Books a contact between particles at their positions of the last instant. */
 static void book_pair(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger,
                       const gn_contacts *k, size_t c) {
     const gn_particles *q = &dem->particles;
@@ -217,7 +221,7 @@ static void book_pair(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger
     book_contact(ctx, ledger, h.stored + m.stored, power, h.viscous * gn_dot3(n, v));
 }
 
-/* A contact with a wall or a facet: its row holds the force of the last instant. */
+/* Books a contact with a wall or a facet, whose row contains the force of the last instant. */
 static void book_wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                               gn_ledger *ledger, size_t c) {
     const gn_wall_contacts *k = &boundary->contacts;
@@ -252,9 +256,9 @@ static void book_contacts(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
         if (gone[boundary->contacts.i[c]]) book_wall_contact(ctx, dem, boundary, ledger, c);
 }
 
-/* --- leaving --- */
+/* --- removal --- */
 
-/* Records a particle that a sink took. */
+/* Records a particle that a sink has taken. */
 static void note_taken(gn_dem *dem, size_t sink, size_t p, double energy) {
     gn_sink_state *s = &dem->flow.sinks[sink];
     const double *v = dem->particles.vel + 4 * p;
@@ -264,8 +268,8 @@ static void note_taken(gn_dem *dem, size_t sink, size_t p, double energy) {
     for (int a = 0; a < 3; a++) s->momentum[a] += v[a] / v[3];
 }
 
-/* A removed particle stays at its last position, at rest, without mass. Its energy is booked as
- * carried away. */
+/* Takes a particle out: it stays at its last position, at rest and without mass, and its energy is
+ * booked as carried away. */
 static gneiss_status take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, size_t p,
                               int32_t way, gneiss_error *error) {
     gn_particles *q = &dem->particles;
@@ -282,7 +286,7 @@ static gneiss_status take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger
     return GNEISS_OK;
 }
 
-/* Contacts of persistent lists stay in them. The work of their dashpots has been booked. */
+/* Releases contacts, which stay in persistent lists. The work of their dashpots has been booked. */
 static void release_contacts(const gn_step_context *ctx, gn_contacts *b, const int32_t *gone) {
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gone[b->i[c]] && !gone[b->j[c]]) continue;

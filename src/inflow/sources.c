@@ -19,21 +19,22 @@
 
 #include <string.h>
 
-/* Making lists costs as much as some fifteen steps, and flows require it every hundred or so
- * anyway. */
+/* Least number of steps between two insertions. Making lists costs as much as some fifteen steps,
+ * and flows require it every hundred or so anyway. */
 enum { STEPS_BETWEEN = 50 };
-/* Number of positions that are tried for a particle before it waits. */
+/* Number of positions that are tried for a particle before it has to wait, and number of points
+ * drawn to find one in the region. */
 enum { TRIES = 100, SAMPLES = 10000 };
 
-/* --- when --- */
+/* --- times --- */
 
-/* Time during which the source has been active. */
+/* Returns the time, s, during which the source has been active. */
 static double running(const gn_source_def *d, double time) {
     double until = d->end > 0.0 ? fmin(time, d->end) : time;
     return until - d->start;
 }
 
-/* Inflow so far in the unit of the rate, and its value per second. */
+/* Return the inflow so far in the unit of the rate, and the rate. */
 static double amount(const gn_source_def *d, const gn_source_state *s) {
     return d->mass_rate > 0.0 ? s->mass : s->number;
 }
@@ -41,8 +42,9 @@ static double rate(const gn_source_def *d) {
     return d->mass_rate > 0.0 ? d->mass_rate : d->rate;
 }
 
-/* Particles due by the end of a source enter later, when there is room. The first particle is due
- * at the start, so that the one after the last would be due at the end. */
+/* Tells whether a source is finished. Particles that are due by its end enter later when there is
+ * room. The first particle is due at the start, so that the one after the last would be due at the
+ * end. */
 static bool is_done(const gn_source_def *d, const gn_source_state *s) {
     if (d->total > 0 && s->number >= (double)d->total) return true;
     return d->end > 0.0 && amount(d, s) >= rate(d) * (d->end - d->start) * (1.0 - 1e-12);
@@ -113,7 +115,7 @@ double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k)
     return d->total > 0 ? fmin(fed, (double)d->total) : fed;
 }
 
-/* --- sizes and places --- */
+/* --- sizes and positions --- */
 
 /* Random numbers of a source, separate for sizes, places and velocities. */
 enum { FOR_SIZES, FOR_PLACES, FOR_VELOCITIES, PURPOSES };
@@ -133,8 +135,8 @@ static double draw_radius(const gn_step_context *ctx, gn_dem *dem, size_t k) {
     return radius;
 }
 
-/* Draws a position uniformly in the region; false: none was found, because the region fills almost
- * nothing of its bounding box. */
+/* Draws a position uniformly in the region; returns false if none was found, because the region
+ * fills almost nothing of its bounding box. */
 static bool draw_place(const gn_step_context *ctx, gn_dem *dem, size_t k, double x[3]) {
     double lower[3], upper[3];
     gn_source_state *s = &dem->flow.sources[k];
@@ -160,7 +162,7 @@ static void draw_velocity(const gn_step_context *ctx, const gn_dem *dem, size_t 
     }
 }
 
-/* --- coming in --- */
+/* --- insertion --- */
 
 typedef struct arrivals {
     gn_arrival *item;
@@ -181,7 +183,7 @@ static gneiss_status keep(arrivals *list, const gn_arrival *a, gneiss_error *err
     return GNEISS_OK;
 }
 
-/* Energy at the start counts as stored, later as inflow. */
+/* Books the energy of a new particle: at the start as stored, later as inflow. */
 static void book(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, const gn_arrival *a) {
     gn_source_state *s = &dem->flow.sources[a->source];
     const gn_source_def *d = &ctx->scene.sources[a->source];
@@ -197,7 +199,8 @@ static void book(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, con
     if (ctx->step > 0) ledger->energy.inserted += energy;
 }
 
-/* A particle that finds no room keeps its radius, so that crowding does not favour small ones. */
+/* Finds room for a particle. If there is none, the particle keeps its radius, so that crowding does
+ * not favour small ones. */
 static bool find_place(const gn_step_context *ctx, gn_dem *dem, size_t k, const gn_room *room,
                        double sphere[4]) {
     gn_source_state *s = &dem->flow.sources[k];

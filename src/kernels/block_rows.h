@@ -1,5 +1,5 @@
-/* The rows of a block of contacts or elements: those of its particles that it reads, and those in
- * which it sums forces (see partials.h). */
+/* The rows of a block of contacts or elements: the rows of the particles that it reads, and the
+ * rows in which it sums up forces (see partials.h). */
 #ifndef GN_KERNELS_BLOCK_ROWS_H
 #define GN_KERNELS_BLOCK_ROWS_H
 
@@ -9,8 +9,8 @@
 
 #include <string.h>
 
-/* Returns the zeroed rows of the block that begins with item `begin`. `row`: rows of all blocks, of
- * `bytes` bytes each. */
+/* Clears and returns the rows of the block that begins with item `begin`. `row`: rows of all
+ * blocks, of `bytes` bytes each. */
 static inline void *gn_clear_block_rows(const gn_partials *partials, size_t begin, size_t bytes,
                                         void *row) {
     size_t block = begin / partials->length, first = (size_t)partials->first[block];
@@ -18,7 +18,7 @@ static inline void *gn_clear_block_rows(const gn_partials *partials, size_t begi
     return memset((char *)row + bytes * first, 0, bytes * rows);
 }
 
-/* The particles of a block that are still to be prefetched. */
+/* The particles of a block that have not been prefetched yet. */
 typedef struct gn_block_particles {
     const int32_t *next, *end;
 } gn_block_particles;
@@ -30,11 +30,11 @@ static inline gn_block_particles gn_block_particles_of(const gn_partials *partia
     return (gn_block_particles){partials->particle + first[0], partials->particle + first[1]};
 }
 
-/* Prefetches the next few of them into the caches, from `kinds` arrays of rows of four. Particles
- * are scattered in memory, and a core cannot hide the latency of reading them. They are requested
- * once per block (not per contact), in the order of their first use and ahead of it: vectors mostly
- * refer to fewer new particles than are prefetched for each. It may exceed the end by less than
- * GN_LANES_MAX. */
+/* Prefetches the next particles into the caches, from `kinds` arrays of rows of four. Particles are
+ * scattered in memory, and a core cannot hide the latency of reading them. They are requested once
+ * per block (not per contact), in the order of their first use and ahead of it: vectors mostly
+ * refer to fewer new particles than are prefetched for each. The prefetch may exceed the end by
+ * less than GN_LANES_MAX. */
 GN_INLINE void gn_fetch_ahead(gn_block_particles *ahead, const gn_real *const *rows, int kinds,
                               int few) {
     if (ahead->next >= ahead->end) return;
@@ -43,8 +43,8 @@ GN_INLINE void gn_fetch_ahead(gn_block_particles *ahead, const gn_real *const *r
     ahead->next += few;
 }
 
-/* Returns how many particles a vector has to prefetch, so that all are requested before the last
- * vector. */
+/* Returns how many particles have to be prefetched per vector, so that all are requested before the
+ * last vector. */
 GN_INLINE int gn_fetch_rate(const gn_block_particles *ahead, size_t vectors) {
     enum { LEAST = (GN_W + 1) / 2 };
     const size_t rate = (size_t)(ahead->end - ahead->next) / (vectors + 1) + 1;

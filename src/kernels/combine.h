@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-/* Returns two springs in series; equal values return their value exactly. */
+/* Returns the stiffness of two springs in series, such that for equal values a and b it is exactly
+ * that value. */
 static inline double gn_series(double a, double b) {
     return a == b ? a : a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
 }
@@ -25,7 +26,7 @@ static inline double gn_bond_friction(const gn_law_pair *pair) {
     return GN_OWN(pair, bond_friction, gn_smaller(pair->a->bond_friction, pair->b->bond_friction));
 }
 
-/* Returns a number uniformly distributed in (0, 1), a pure function of seed, lot and draw. */
+/* Returns a number uniformly distributed in (0, 1), which depends on seed, lot and draw only. */
 static inline double gn_drawn(uint64_t seed, uint64_t lot, uint64_t draw) {
     double u = 0.5 * (gn_random_symmetric(seed ^ draw * UINT64_C(0x9e3779b97f4a7c15), lot) + 1.0);
     return u > 0.0 ? u : 0x1p-54;

@@ -8,8 +8,9 @@
 
 _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole vectors");
 
-/* Columns of parameters that all contacts of a list may share. Per column: 0, or all ones if they
- * do, and the kernel then reads the first item repeatedly instead of streaming the column. */
+/* Columns of parameters that may be the same for all contacts of a list. Per column: all bits are
+ * set if they are, and the kernel then reads the first item repeatedly instead of streaming the
+ * column; else 0. */
 #define GN_UNIFORM_COLUMNS(X)                                                                      \
     X(kn) X(kt) X(mu) X(cn) X(mu1) X(beam) X(share) X(lag) X(rolling) X(twisting) X(reduced)
 typedef struct gn_uniform {
@@ -18,17 +19,17 @@ typedef struct gn_uniform {
 #undef X
 } gn_uniform;
 
-/* An overlap within this fraction of the distance (at a wall: of the radius) is rounding of
- * positions and counts as none. Whether a contact that begins at 0 has begun is then decided
- * equally in this step and in the next one, which uses the previous stretch. */
+/* An overlap within this fraction of the distance (at a wall: of the radius) is due to rounding of
+ * positions and counts as none. Whether a contact that begins at 0 has begun is then decided alike
+ * in this step and in the next one, which uses the previous stretch. */
 #define GN_OVERLAP_ROUNDING 0x1p-48
 
 typedef struct gn_contact_args {
     const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
     /* rows in mixed precision; pos_f: displacement, see records.h */
     const float *pos_f, *vel_f, *spin_f;
-    /* fields are written, the record is not changed; rows of contacts only if the list stores
-     * forces */
+    /* fields of the contacts may be written, the record may not; rows of contacts only if the list
+     * stores forces */
     const gn_contacts *contacts;
     gn_uniform uniform;
     const gn_partials
@@ -37,22 +38,23 @@ typedef struct gn_contact_args {
     double speed_most; /* m/s, largest speed of a particle in that interval; 0: unknown */
     double arm_factor; /* 0.5: contact point at r + gap/2; 0: at r */
     double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
-    /* 1/s: relative growth of branches with the box in the interval dt, see flows */
+    /* 1/s: relative growth of branches with the box in the interval dt, if `flows` */
     double flow[3];
     /* the sides of the periodic box moved: velocities are relative to the mean flow (drive/box.h)
      */
     bool flows;
-    /* [particles] of those with prescribed components, -1: none; NULL: no particle has any */
+    /* [particles] slot of a particle with prescribed components, -1: it has none; NULL: no particle
+     * has any */
     const int32_t *slot;
     const uint8_t *held; /* [slots] prescribed components, see gn_prescription.mask */
     double gravity[3];   /* m/s2 */
-    const double *own;   /* [particles] fraction of gravity that accelerates each; NULL: 1 */
-    double time;         /* s, time of the instant */
-    bool measure;        /* the sums for readings are computed as well, see gn_contact_sums */
+    const double *own; /* [particles] fraction of gravity that accelerates each particle; NULL: 1 */
+    double time;       /* s, time of the instant */
+    bool measure;      /* the sums for readings are computed as well, see gn_contact_sums */
 } gn_contact_args;
 
-/* Energy losses of a block of contacts in a step: X(name, text), J. Lanes sum each up under its
- * name, and it is added to the ledger's term of that name. */
+/* Energy losses of a block of contacts in a step: X(name, text), J. Lanes sum up each loss under
+ * its name, and it is added to the ledger's term of the same name. */
 #define GN_CONTACT_LOSSES(X)                                                                       \
     X(friction, "dissipated in this step")                                                         \
     X(contact_damping, "dissipated in this step")                                                  \
@@ -97,15 +99,15 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
 #undef X
 }
 
-/* Processes contacts [begin, end) of one block of the partial sums (without partial sums: of any
- * begin that is a multiple of GN_LANES_MAX); vectors may extend past `end` into padding. Sets the
+/* Processes contacts [begin, end) of one block of the partial sums (without partial sums, `begin`
+ * may be any multiple of GN_LANES_MAX); vectors may extend past `end` into padding. Sets the
  * block's partial sums and adds to *sums. */
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 
-/* The contact laws. X(name, effects that select it, lists that have it), those that need more
- * effects first. The linear law serves lists for which no effect selects another one. A law is
- * law_<name>.h and law_<name>.c, see law.h. */
+/* The contact laws: X(name, effects that select it, lists that have it), with laws that need more
+ * effects first. Lists for which no effect selects another law have the linear one. The files of a
+ * law are law_<name>.h and law_<name>.c, see law.h. */
 #define GN_LAWS(X)                                                                                 \
     X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
     X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
@@ -155,16 +157,16 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 enum { GN_CONTACT_VARIANTS = 32 * (0 GN_CONTACT_KINDS(X)) }; /* 32 * kind + options */
 #undef X
 
-/* Return the variant number of an effects mask, GN_CONTACT_VARIANTS for a kind without kernels; and
- * the mask of a variant. */
+/* Return the number of the variant for an effects mask (GN_CONTACT_VARIANTS for a kind without
+ * kernels), and the mask of a variant. */
 unsigned gn_contact_variant(gn_effects effects);
 gn_effects gn_contact_variant_effects(unsigned variant);
 
 /* Writes "contact_bond_frictional_space_rotation_energy" into `name`. */
 void gn_contact_variant_name(unsigned variant, char *name, size_t size);
 
-/* Returns the effects of a list of contacts under a scene's effects: bonds are cleared for pairs,
- * and with them the tangential spring if nothing could load it (no friction). */
+/* Returns the effects of a list of contacts under a scene's effects. For pairs the effects of bonds
+ * are cleared, and the tangential spring with them if nothing could load it (no friction). */
 gn_effects gn_contact_list_effects(gn_effects scene_effects, bool bonds);
 
 /* One table per instruction set and precision. In mixed precision entries of periodic boxes are

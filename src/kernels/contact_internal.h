@@ -30,7 +30,7 @@ enum { STAGES = 6, RING = 8 };
 
 typedef struct pair_geometry {
     gn_v3 n;                /* normal from i to j; before find_normal the branch, not normalised */
-    gn_v distance, stretch; /* stretch: beyond the distance at which the normal force is zero */
+    gn_v distance, stretch; /* stretch: distance less that of zero normal force */
     gn_v arm_i, arm_j;      /* arms from the centres to the contact; before find_normal the radii */
 } pair_geometry;
 
@@ -63,7 +63,8 @@ _Static_assert(sizeof(stage) == 16 * sizeof(gn_v), "a stage has a power of two o
 _Static_assert(sizeof(brief) == 8 * sizeof(gn_v) || sizeof(gn_v) < 64,
                "a brief has a power of two of bytes");
 
-/* Lane sums, kept in registers over a block and added up in lane order at its end. */
+/* Data of the sums of a block, one value per lane; they stay in registers and are added up in lane
+ * order at the end. */
 typedef struct lane_sums {
     gn_v elastic_normal, elastic_shear, elastic_bending;
     gn_v stress[9], force, carrying;
@@ -72,7 +73,8 @@ typedef struct lane_sums {
 #undef X
 } lane_sums;
 
-/* The force of a contact on its first particle: along the normal, and across it. */
+/* The force of a contact on its first particle: its component along the normal and the vector
+ * across it. */
 typedef struct contact_force {
     gn_v normal;
     gn_v3 shear;
@@ -83,22 +85,22 @@ GN_INLINE gn_v across2_of(gn_v3 v, gn_v speed, int space) {
     return gn_max(gn_fnma(speed, speed, gn_dot(v, v, space)), gn_set(0.0));
 }
 
-/* Returns how fast the distance grew in the step. Before it the distance was |d n - dt v|, with q =
- * d - dt speed the root of q^2 + dt^2 across^2: it grew by dt speed - dt^2 across^2/(2 q), to
- * leading order. */
+/* Returns the rate at which the distance d grew in the step. Before the step the distance was |d n
+ * - dt v|, which is the root of q^2 + dt^2 across^2 with q = d - dt speed; to leading order it grew
+ * by dt speed - dt^2 across^2/(2 q). */
 GN_INLINE gn_v growth_of(gn_v3 v, gn_v speed, gn_v rate, int space) {
     return gn_fnma(across2_of(v, speed, space), rate, speed);
 }
 
-/* Tells whether the growth is computed, where the velocities are at hand. The dashpots of bonds use
- * it, the ledger needs it for the work of all dashpots, and those of Hertz's law need it to
- * determine when they began to act. */
+/* Tells whether the growth is computed, while the velocities are loaded. It is needed for the
+ * dashpots of bonds, for the work of all dashpots in the ledger, and for the instant at which
+ * dashpots of Hertz's law began to act. */
 GN_INLINE int growth_known(variant with) {
     return with.damping &&
            (with.bonds || with.energy || with.law == LAW_hertz || with.law == LAW_hertz_rolling);
 }
 
-/* Returns the opening velocity; `geometry` has a normal of unit length. */
+/* Returns the velocity at which the contact opens; the normal of `geometry` has unit length. */
 GN_INLINE gn_v3 opening_velocity(const gn_contact_args *args, size_t c,
                                  const pair_geometry *geometry, variant with) {
     gn_v opening[4];

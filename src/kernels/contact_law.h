@@ -6,20 +6,21 @@
 
 #include "kernels/simd.h"
 
-/* Returns the direction of the branch in the middle of the step, scaled to a component of 1 along
- * n: with v = speed n + across that branch is d n - dt/2 v = (d - dt/2 speed) middle, so that
- * middle = n - half, |half| = (dt/2) |across|/(d - dt/2 speed) the tangent of the angle to n.
- * `rate` is dt/(2 d), and 1/(1 - rate speed) is expanded to second order. */
+/* Returns the direction of the branch in the middle of the step, scaled so that its component along
+ * n is 1. With v = speed n + across, that branch is d n - dt/2 v = (d - dt/2 speed) middle, so that
+ * middle = n - half, where |half| = (dt/2) |across|/(d - dt/2 speed) is the tangent of its angle to
+ * n. `rate` is dt/(2 d), and 1/(1 - rate speed) is expanded to second order. */
 GN_INLINE gn_v3 gn_middle(gn_v3 v, gn_v3 n, gn_v speed, gn_v rate, int space) {
     gn_v scaled = gn_fma(rate * rate, speed, rate);
     return gn_axmy(gn_scale(gn_fma(scaled, speed, gn_set(1.0)), n, space), scaled, v, space);
 }
 
-/* Rotates a vector across an earlier normal into the tangent plane of n, by means of `middle`. For
- * a vector across the normal of the last instant, whose angle with n `middle` bisects, that is the
- * shortest rotation (Labra et al. 2012, ch. 2), t - (t.n)(n_old + n)/(1 + n_old.n), and preserves
- * |t|. A vector across `middle` itself is rotated by half that angle, and its part in the plane of
- * the rotation is stretched by a factor 1 + half^2/2. A component along `middle` is removed. */
+/* Rotates a vector that is tangential to an earlier normal into the tangent plane of n, by means of
+ * `middle`. For a vector across the normal of the last instant, whose angle with n is bisected by
+ * `middle`, this is the shortest rotation (Labra et al. 2012, ch. 2), t - (t.n)(n_old + n)/(1 +
+ * n_old.n), and preserves |t|. A vector across `middle` itself is rotated by half that angle, and
+ * its component in the plane of the rotation grows by the factor 1 + half^2/2. A component along
+ * `middle` is removed. */
 GN_INLINE gn_v3 gn_turn_with_normal(gn_v3 t, gn_v3 n, gn_v3 middle, int space) {
     return gn_axmy(t, gn_dot(t, n, space), middle, space);
 }
@@ -54,7 +55,7 @@ GN_INLINE gn_v3 gn_linear_shear(gn_v3 t, gn_v3 relative, gn_v kt, double dt, gn_
     return gn_axpy(t, half, relative, 1);
 }
 
-/* Radial return: the magnitude of slipping forces, of square `size2`, becomes the limit. */
+/* Radial return: reduces the magnitude of slipping forces, whose square is size2, to the limit. */
 GN_INLINE gn_v3 gn_linear_slip(gn_v3 trial, gn_v size2, gn_v limit, gn_m slipping, int space) {
     gn_v factor = gn_where(slipping, limit / gn_sqrt(size2), gn_set(1.0));
     return gn_scale(factor, trial, space);
@@ -63,7 +64,7 @@ GN_INLINE gn_v3 gn_linear_slip(gn_v3 trial, gn_v size2, gn_v limit, gn_m slippin
 /* The normal force of a linear contact in a step, without the dashpot. */
 typedef struct gn_linear_crossing {
     gn_v normal; /* N */
-    gn_v share;  /* factor of the dashpot's force */
+    gn_v share;  /* factor on the dashpot's force */
     gn_v way;    /* m: normal times this is twice the energy of the spring */
 } gn_linear_crossing;
 

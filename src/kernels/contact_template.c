@@ -77,7 +77,7 @@ GN_INLINE void find_normal(const gn_contact_args *args, stage *vector, variant w
     /* Coincident centres have no direction: GN_TINY gives a zero normal and no force. */
     gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(GN_TINY));
     s->n = gn_scale(inverse, s->n, with.space);
-    /* The direction of the normal is undefined if centres (nearly) coincide. */
+    /* Where centres nearly coincide, the direction of the normal is undefined. */
     gn_m apart = gn_less(gn_set(0.05) * (s->arm_i + s->arm_j), distance);
     vector->rate = gn_keep(apart, gn_set(0.5 * args->dt) * inverse);
     if (with.shear && with.rotation) {
@@ -88,10 +88,10 @@ GN_INLINE void find_normal(const gn_contact_args *args, stage *vector, variant w
 }
 
 /* Velocities belong to the middle of the step that led here, so that they are evaluated with the
- * normal and the arms of the middle: a cluster in rigid rotation then strains no contact, for any
- * angle of a step. (The arms of the force are those of the end, so that force and moment preserve
- * the angular momentum.) With arms to the middle of the gap a rigid rotation gives exactly no
- * relative velocity: those arms add up to the length of the middle branch. */
+ * normal and the arms of the middle: in rigid rotation of a cluster, contacts are then not
+ * strained, for any angle of a step. (The arms of the force are those of the end of the step, so
+ * that force and moment preserve the angular momentum.) Arms to the middle of the gap add up to the
+ * length of the middle branch, so that a rigid rotation gives exactly no relative velocity. */
 GN_INLINE void find_motion(const gn_contact_args *args, size_t c, stage *vector, brief *out,
                            variant with) {
     const int32_t *i = args->contacts->i + c, *j = args->contacts->j + c;
@@ -186,12 +186,12 @@ GN_INLINE int rolls(contact_law law) {
     return law == LAW_rolling || law == LAW_hertz_rolling;
 }
 
-/* Tells whether contacts exert a couple in addition: equal and opposite on both particles. */
+/* Tells whether contacts also exert a couple: equal and opposite moments on both particles. */
 GN_INLINE int exerts_couple(variant with) {
     return (with.law == LAW_beam || rolls(with.law)) && with.rotation;
 }
 
-/* Rows of those couples, as the law has stored them: x y z 0. */
+/* Rows of the couples, as the law has stored them: x y z 0. */
 typedef struct couple_rows {
     _Alignas(64) gn_real row[4 * GN_W];
 } couple_rows;
@@ -204,10 +204,10 @@ GN_INLINE void write_couples(const gn_contact_args *args, size_t c, couple_rows 
     gn_store_rows4(out->row, row);
 }
 
-/* Adds contact k of a vector, whose two rows of sums begin at place[0] and place[1]. Its couple
- * follows its force immediately, so that the contributions to a particle are added in one order for
- * any width of vectors. Places 0 to 2 of a row are forces in space; in 2D the third is the
- * moment. */
+/* Adds contact k of a vector to its two rows of sums, which begin at place[0] and place[1]. Its
+ * couple follows its force immediately, so that the contributions to a particle are added in the
+ * same order for any width of vectors. Numbers 0 to 2 of a row are forces in space; in 2D the third
+ * is the moment. */
 GN_INLINE void add_row(const stage *vector, const brief *from, const couple_rows *couples, size_t k,
                        const uint16_t *place, gn_real *sums, variant with) {
     const size_t moment = with.space ? 4 : 0;
@@ -225,9 +225,9 @@ GN_INLINE void add_row(const stage *vector, const brief *from, const couple_rows
                     &none, 0);
 }
 
-/* Adds the rows of a vector of contacts from c on, and stores them if `rows` is given. The force
- * has opposite signs for the two particles; the moment has the same sign, because arm and force are
- * both reversed. */
+/* Adds the rows of a vector of contacts, from c on, and stores them if `rows` is given. The force
+ * has opposite signs for the two particles; the moment has the same sign for both, because arm and
+ * force are both reversed. */
 GN_INLINE void add_rows(const gn_contact_args *args, size_t c, size_t end, const stage *vector,
                         const brief *from, const couple_rows *couples, gn_real *sums, gn_real *rows,
                         variant with) {
@@ -236,7 +236,7 @@ GN_INLINE void add_rows(const gn_contact_args *args, size_t c, size_t end, const
         memcpy(rows + width * c, from->row, width * count * sizeof *rows);
     if (!sums) return;
     const uint16_t *place = args->partials->place + 2 * c;
-    if (__builtin_expect(count == GN_W, 1)) /* no test between contacts */
+    if (__builtin_expect(count == GN_W, 1)) /* this saves a test per contact */
         for (size_t k = 0; k < GN_W; k++)
             add_row(vector, from, couples, k, place + 2 * k, sums, with);
     else
@@ -246,7 +246,7 @@ GN_INLINE void add_rows(const gn_contact_args *args, size_t c, size_t end, const
 
 /* The vector that entered `lag` iterations ago, and whether it exists. */
 #define AT(lag)        (&ring[(v - (lag)) % RING])
-#define UNDER_WAY(lag) (v - (lag) < vectors) /* below `lag` the difference wraps round */
+#define UNDER_WAY(lag) (v - (lag) < vectors) /* unsigned: wraps around below `lag` */
 
 GN_INLINE void contact_core(const gn_contact_args *args, size_t begin, size_t end,
                             gn_contact_sums *sums, variant with) {
@@ -312,8 +312,8 @@ GN_INLINE void contact_core(const gn_contact_args *args, size_t begin, size_t en
 enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
-/* In mixed precision the initial branch contains the period. Hertz's law is one of spheres; rolling
- * requires rotation. */
+/* In mixed precision the initial branch contains the period. Hertz's law applies to spheres only;
+ * rolling requires rotation. */
 #define IS_HERTZ(law)  (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling)
 #define IS_ROLLED(law) (LAW_##law == LAW_rolling || LAW_##law == LAW_hertz_rolling)
 #define ABSENT(options, law, shear, friction, bonds)                                               \
@@ -340,9 +340,9 @@ GN_CONTACT_KINDS(X)
 #define KINDS_OF_PART GN_CONTACT_KINDS_2
 #endif
 
-/* One body serves all options of a kind in one space, with spins or without: damping, energies and
- * periods are branches that all vectors of a list take alike. So is the friction of bonds, whose
- * frictional kinds have no body of their own. */
+/* All options of a kind share one body per dimension and rotation: damping, energies and periods
+ * are branches that all vectors of a list take alike. Frictional kinds of bonds have no body of
+ * their own either, because their friction is such a branch. */
 enum { FRICTION_BIT = 5 };
 #define BODY(number, name, body, law, shear, friction, bonds)                                      \
     static __attribute__((noinline, unused)) void name##_body_##number(                            \

@@ -29,17 +29,17 @@ static inline double gn_dashpot(double stiffness, double inverse_mass, double al
 }
 
 /* The least number of steps per half period pi/w of a free collision, w^2 = k/m, for an automatic
- * step. Its restitution is then within 1 % (below one half: within 0.01) wherever in a step it
- * begins: that takes 3.5 steps at 1, 4.5 at 0.9, 5.5 at 0.8, 7.5 at 0.6, 9.5 at 0.5 and fewer again
- * below (worst phases, measured). Without dashpots, where every collision's error of the energy
- * adds up, ten keep that of a bed that bounces for ever within 1 % for thousands of collisions;
- * five did not. */
+ * step. The restitution is then within 1 % (below one half: within 0.01) wherever in a step the
+ * collision begins; this requires 3.5 steps at a restitution of 1, 4.5 at 0.9, 5.5 at 0.8, 7.5 at
+ * 0.6, 9.5 at 0.5 and fewer again below (worst phases, measured). Without dashpots, where the
+ * energy errors of all collisions add up, ten steps keep the energy of a bed that bounces for ever
+ * within 1 % for thousands of collisions; five do not. */
 enum { GN_STEPS_PER_CONTACT = 10 };
 
-/* The least number by Hertz's law, w^2 = S_n/m at the largest overlap. Restitution is within 1 %
- * from five steps on, but the elastic work of a damped collision is in error by (w dt)^2/6 of the
- * dashpot's work while the spring is stiff, up to 1.5 % of all its energy at ten (worst phases, at
- * a restitution of one half): the ledger shows it. */
+/* The least number of steps by Hertz's law, with w^2 = S_n/m at the largest overlap. The
+ * restitution is within 1 % from five steps on, but the elastic work of a damped collision has an
+ * error of (w dt)^2/6 of the dashpot's work while the spring is stiff: at ten steps up to 1.5 % of
+ * all its energy (worst phases, at a restitution of one half), which the ledger shows. */
 enum { GN_STEPS_PER_HERTZ = 12 };
 
 #endif

@@ -126,7 +126,7 @@ _Static_assert(COUNT(kinds) * OPTIONS == GN_CONTACT_VARIANTS,
                "variants are all kinds with all options");
 _Static_assert(1 << COUNT(option_bits) == OPTIONS, "options are bits of a variant's number");
 
-/* Bonds with moments include the friction of others if there is a column for it. */
+/* Bonds with moments include the friction of other bonds if there is a column for it. */
 unsigned gn_contact_variant(gn_effects effects) {
     if (effects & GN_FX_BOND_MOMENTS) effects &= ~(gn_effects)GN_FX_MOHR;
     for (unsigned k = 0; k < COUNT(kinds); k++)

@@ -28,15 +28,16 @@ typedef struct gn_kernel_set {
 enum { GN_KERNEL_SETS = GN_INSTRUCTION_SETS(X) };
 #undef X
 
-/* Returns the sets from narrow to wide; index in [0, GN_KERNEL_SETS). */
+/* Returns a set of kernels; sets are ordered from narrow to wide vectors, index in [0,
+ * GN_KERNEL_SETS). */
 const gn_kernel_set *gn_kernel_set_at(int index);
 
 /* Tells whether this machine can run a set. */
 bool gn_kernel_set_supported(const gn_kernel_set *set);
 
-/* Finds the set called `name`; "auto" or NULL: GNEISS_ISA from the environment, else the widest
- * that the machine supports. Fails with a list of the supported sets if the name is unknown or not
- * supported. */
+/* Finds the set called `name`; for "auto" or NULL, the one named by GNEISS_ISA in the environment,
+ * else the widest that the machine supports. Fails with a list of the supported sets if the name is
+ * unknown or not supported. */
 gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set,
                                    gneiss_error *error);
 

@@ -25,7 +25,8 @@ GN_INLINE gn_v gn_component(gn_v3 a, int k) {
     return k == 0 ? a.x : k == 1 ? a.y : a.z;
 }
 
-/* Returns column k of F s, from the columns of F and the stress in the order 00 11 22 01 12 20. */
+/* Returns column k of F s, from the columns of F and the stress components in the order 00 11 22 01
+ * 12 20. */
 GN_INLINE gn_v3 gn_first_piola(const gn_v3 f[3], const gn_v s[6], int k, int space) {
     static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     gn_v3 p = gn_scale(s[at[k][0]], f[0], space);

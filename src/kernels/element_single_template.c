@@ -10,7 +10,7 @@
  * It has no stages as in element_template.c: with twice the lanes they gain nothing. */
 #include "kernels/element_internal.h"
 
-/* Columns of H and F, strain c = 2 E and stress s = -V0 S in the order 00 11 22 01 12 20. */
+/* Columns of H and F, and strain c = 2 E and stress s = -V0 S in the order 00 11 22 01 12 20. */
 typedef struct state {
     gn_v3 h[3], gradient[3]; /* gradient: of nodes 1 2 3 */
     gn_v c[6], s[6];

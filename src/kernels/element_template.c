@@ -52,8 +52,8 @@ GN_INLINE void load_gradients(const gn_elements *elements, size_t e, state *now,
     now->volume = gn_load(elements->volume + e);
 }
 
-/* Returns |f|^2 - 1; the component that is near one for small rotations comes first, which then
- * cancels without rounding. */
+/* Returns |f|^2 - 1. The component that is near one for small rotations comes first, so that 1 is
+ * subtracted from it without rounding. */
 GN_INLINE gn_v stretched(gn_v near_one, gn_v a, gn_v b, variant with) {
     gn_v c = gn_fma(a, a, gn_fma(near_one, near_one, gn_set(-1.0)));
     return with.space ? gn_fma(b, b, c) : c;
@@ -108,7 +108,7 @@ GN_INLINE gn_v3 add_pressure(const state *now, int k, gn_v3 piola, variant with)
     return piola;
 }
 
-/* Returns the row of two for a row of four at `place`. */
+/* Returns the row of two numbers that belongs to the row of four at `place`. */
 GN_INLINE double *row_of_two(double *rows, uint16_t place) {
     return (double *)((char *)rows + sizeof(double) / 2 * (size_t)place);
 }
@@ -126,7 +126,8 @@ GN_INLINE void find_slope(const gn_element_args *args, size_t e, state *now, var
         gn_scale(share, gradient_of(now->gradient, now->pressure + 1, with.space), with.space);
 }
 
-/* In the pressure form, the slope uses the numbers of a row that the force leaves free. */
+/* Writes a row. In the pressure form the slope uses the numbers of a row that the force leaves
+ * free. */
 GN_INLINE void write_row(gn_real *row, gn_v3 force, const state *now, variant with) {
     const gn_v zero = gn_set(0.0);
     gn_v columns[4] = {force.x, force.y, force.z, zero};
@@ -155,7 +156,7 @@ GN_INLINE void find_forces(const state *now, gn_v3 piola[3], gn_element_rows *ou
     write_row(out->row[0], first, now, with);
 }
 
-/* Adds the rest of the slope of tetrahedra. */
+/* Adds the remaining components of the slope of tetrahedra. */
 GN_INLINE void add_slopes(const gn_element_args *args, size_t e, size_t end, const state *now,
                           double *sums) {
     const size_t nodes = 4, count = end - e < GN_W ? end - e : GN_W;
@@ -248,9 +249,9 @@ GN_INLINE void resist(const gn_element_args *args, size_t e, size_t end, state *
     if (with.measure) measure(now, piola, e, end, sums, with);
 }
 
-/* Tetrahedra of the displacement form pass through three stages, one vector in each per iteration:
- * the chain of one vector is longer than the instruction window of a core (see contact_template.c).
- * Other variants gain nothing by it. */
+/* Tetrahedra of the displacement form pass through three stages, with one vector in each per
+ * iteration, because the chain of operations of one vector is longer than the instruction window of
+ * a core (see contact_template.c). Other variants gain nothing by it. */
 GN_INLINE void element_core(const gn_element_args *args, size_t begin, size_t end,
                             gn_element_sums *sums, variant with) {
     double *partial =
@@ -285,8 +286,8 @@ GN_INLINE void element_core(const gn_element_args *args, size_t begin, size_t en
 
 /* --- first pass of the pressure form --- */
 
-/* An element's first pass: growth in volume V - V0, from the edges, and g = grad q - mean of the
- * nodes' projected gradients; node a receives (V - V0)/nodes and tau V0 grad N_a . g. */
+/* First pass over an element: growth in volume V - V0, from the edges, and g = grad q - mean of the
+ * nodes' projected gradients. Node a receives (V - V0)/nodes and tau V0 grad N_a . g. */
 typedef struct dilation {
     gn_v growth, term[4];
 } dilation;

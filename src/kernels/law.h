@@ -12,9 +12,9 @@
 typedef struct gn_derived {
     double radius;  /* m: stiffness is 2 E_c radius */
     double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
-    double gamma;   /* section of a pair that was never bonded over Dempack's */
-    /* bond area per area of a plane that cuts the bonds, if fracture energies are those of planes;
-     * else 0 */
+    double gamma;   /* ratio of the section of a pair that was never bonded to Dempack's */
+    /* area of bonds per area of a plane that cuts them, if fracture energies refer to planes; else
+     * 0 */
     double cut;
 } gn_derived;
 
@@ -30,7 +30,7 @@ typedef struct gn_law_model {
 typedef struct gn_law_pair {
     const gn_material *a, *b;
     double ri, rj; /* m */
-    /* 1/kg, effective along the line of the centres; with a damping fraction only */
+    /* 1/kg, of both along the line of the centres; only with a damping fraction */
     double inverse_mass;
     const gn_contact_def *own; /* parameters of this pair of materials; NULL: none */
     double area, length;       /* m2, m: section and length of a bond; 0: none is stored */
@@ -58,15 +58,15 @@ typedef struct gn_law_moments {
     double bend, twist;   /* N m, stiffness against relative rotation across n and about n */
 } gn_law_moments;
 
-/* Effective Hertz-Mindlin parameters of a material pair (law_hertz.c). */
+/* Effective Hertz-Mindlin parameters of two materials (law_hertz.c). */
 typedef struct gn_hertz_pair {
     double modulus, shear_modulus; /* Pa: E*, G* */
     double damping;                /* c_n/sqrt(m S_n) */
     double friction, rolling, twisting;
 } gn_hertz_pair;
 
-/* Contact parameters of a wall or a surface, and the fraction that one of several contacts has
- * which share the stiffness. */
+/* Contact parameters of a wall or a surface. If several contacts share a stiffness, `part` is the
+ * fraction that this one has. */
 typedef struct gn_touch_side {
     double stiffness, kratio, friction, part;
     double radius;       /* m, radius of the particle; this and all below with GN_FX_HERTZ only */
@@ -85,17 +85,17 @@ typedef struct gn_touch {
     double relative[3];
     double twist;        /* rad/s, sum of both spins about n */
     double inverse_mass; /* 1/kg, sum over both sides */
-    /* 1/kg, inverse_mass with a deformable surface replaced by its whole body, for the dashpot; 0:
-     * inverse_mass */
+    /* 1/kg, inverse mass to which the dashpot refers: with the whole body of a deformable surface;
+     * 0: inverse_mass */
     double body_inverse_mass;
     double other_acceleration; /* m/s2, acceleration of the gap by all forces but this contact; only
                                   where it may cross */
     double checked_overlap;    /* m, overlap up to which the step was checked; with GN_FX_HERTZ */
-    /* m^-1/2, in: of the last step, out: of this one; with GN_FX_HERTZ and a shear force */
+    /* m^-1/2; in: value of the last step, out: of this one; with GN_FX_HERTZ and a shear force */
     double *closeness;
     double spin[3]; /* rad/s, spin of the wall relative to the particle; with GN_FX_ROLLING */
-    /* [3] columns of roll_stride, N m: in: moment on the particle of the last step, rotated with
-     * the normal, out: that of this one, as in *couple; NULL: none */
+    /* [3] columns of roll_stride, N m; in: moment on the particle in the last step, rotated with
+     * the normal; out: that of this step, which *couple receives too; NULL: none */
     double *roll;
     size_t roll_stride;
     double *couple; /* [3] */
@@ -106,7 +106,7 @@ typedef struct gn_touch_step {
     double dt;               /* s */
     double damping_fraction; /* fraction of the critical damping */
     bool damping, space, spins;
-    bool pulls; /* Hertz: the dashpot may cause tension */
+    bool pulls; /* Hertz's law: the dashpot may cause tension */
 } gn_touch_step;
 
 /* Returns the inverse of the mass to which a dashpot refers, 1/kg. */
@@ -119,8 +119,8 @@ static inline bool gn_touch_crosses(const gn_touch *touch, double path) {
     return (touch->gap < -touch->rounding) != (touch->gap - path < -touch->rounding);
 }
 
-/* The functions of a law. `overlap`, m: the largest overlap of an unbonded contact for which the
- * result holds. */
+/* The functions of a law. `overlap`, m: the largest overlap of an unbonded contact up to which the
+ * result is valid. */
 typedef struct gn_law {
     /* Computes averages of the packing, over its particles or over the initial contacts, in their
      * order; returns false if there is nothing to average over. */
@@ -131,39 +131,39 @@ typedef struct gn_law {
     void (*set)(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
     void (*set_dashpot)(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                         size_t c);
-    /* Scales contact c, whose parameters have just been set, so that its forces and energies are
-     * `part` of their values for any motion. NULL: the law does not support it. */
+    /* Scales contact c, whose parameters have just been set, so that its forces and energies have
+     * the fraction `part` of their values in any motion. NULL: the law does not support it. */
     void (*weigh)(gn_contacts *list, size_t c, double part);
-    /* Returns the largest stiffness of two particles that meet unbonded. For a given partner k_n
-     * (1/m_i + 1/m_j) must have its maximum at the least or the greatest radius of a material
-     * (src/timestep/collisions.c evaluates no others). */
+    /* Returns the largest stiffness of two particles that come into contact without a bond. For a
+     * given partner k_n (1/m_i + 1/m_j) must have its maximum at the least or the greatest radius
+     * of a material, because src/timestep/collisions.c evaluates only these. */
     gn_law_spring (*meeting)(const gn_law_model *model, const gn_law_pair *pair, double overlap);
     /* Returns the largest stiffness that contact c can have. */
     gn_law_spring (*spring)(const gn_contacts *list, size_t c, double overlap);
-    /* Returns the forces and energy of contact c when its ends were `length` apart, `stretch`
-     * beyond the distance of zero normal force. */
+    /* Returns the forces and energy of contact c at a `length` between its ends, which is the
+     * distance of zero normal force plus `stretch`. */
     gn_law_held (*held)(const gn_contacts *list, size_t c, double length, double stretch);
     /* Deactivates contact c, one of whose particles was removed. The caller records the cause. */
     void (*release)(gn_contacts *list, size_t c);
-    /* Returns the largest ratio of force to strength of an intact bond. `bent`: increase of the
-     * normal force at the extreme fibre by moments, which is no pressure for friction; their
-     * increase of the shear force is included in that. */
+    /* Returns the largest ratio of force to strength of an intact bond. `bent`: increase by moments
+     * of the normal force at the extreme fibre, which does not count as pressure for friction;
+     * `shear` includes their increase of the shear force. */
     double (*criterion)(const gn_contacts *list, size_t c, double normal, double bent,
                         double shear);
-    /* Tells whether contact c, not an intact bond, slides under these forces. */
+    /* Tells whether contact c, which is not an intact bond, slides under these forces. */
     bool (*slips)(const gn_contacts *list, size_t c, double normal, double shear);
 
     /* Returns the largest stiffness of a contact with a wall, for a particle with
      * `inverse_mass`. */
     gn_law_spring (*touch_spring)(const gn_touch_side *side, double inverse_mass,
                                   double damping_fraction, double overlap);
-    /* Returns the energy of the normal force and a tangential one of square `shear2`, N and N2,
-     * J. */
+    /* Returns the energy, J, of the normal force (N) and of a tangential force of square `shear2`
+     * (N2). */
     double (*touch_stored)(const gn_touch_side *side, double normal, double shear2);
-    /* Computes the force on the particle: the returned value along n, and t across it. `fd` (may be
-     * NULL): in: viscous force of the last step, out: of this one; `shear` (may be NULL) [3]
-     * columns of `stride`: in: tangential force of the last step, across the present normal, out:
-     * the new one. The caller rotates it with the normal. Energies are added to *sums. */
+    /* Computes the force on the particle: returns its component along n and sets t, the rest. `fd`
+     * (may be NULL): in: viscous force of the last step, out: of this one. `shear` (may be NULL)
+     * [3] columns of `stride`: in: tangential force of the last step, rotated to the present normal
+     * by the caller, out: the new one. Energies are added to *sums. */
     double (*touch)(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                     double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums);
 
@@ -193,8 +193,8 @@ double gn_dempack_area(int dimension, double ri, double rj);
 /* Functions of the linear law, which the tables of other laws may contain (law_linear.c). */
 bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
                       const int32_t (*pair)[2], size_t count, gn_derived *derived);
-/* Returns the section to which the strengths of a pair refer, m2, in 2D m x 1 m; for the uniform
- * law, whose strengths are forces, that of the mean radius. It does not depend on random properties
+/* Returns the section to which the strengths of a pair refer, m2 (2D: m x 1 m); the uniform law,
+ * whose strengths are forces, has that of the mean radius. It does not depend on random properties
  * of a bond. */
 double gn_linear_section(const gn_law_model *model, const gn_law_pair *pair);
 void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
@@ -216,14 +216,14 @@ bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double sh
 gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
                                      double damping_fraction, double overlap);
 double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2);
-/* Returns only the normal force, without other_acceleration, and stores nothing. */
+/* Returns the normal force alone, without the effect of other_acceleration, and stores nothing. */
 double gn_linear_press(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch);
 double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                        double *fd, double *shear, size_t stride, double t[3],
                        gn_contact_sums *sums);
 
-/* Common entries of laws that are linear except for the strength of their bonds; the second for
- * laws whose wall contacts are linear, too. */
+/* Table entries of laws that are linear except for the strength of their bonds; the second macro is
+ * for laws whose wall contacts are linear, too. */
 #define GN_LINEAR_SPRINGS                                                                          \
     .derive = gn_linear_derive, .set_dashpot = gn_linear_set_dashpot,                              \
     .meeting = gn_linear_meeting, .spring = gn_linear_spring, .slips = gn_linear_slips,            \

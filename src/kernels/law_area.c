@@ -1,8 +1,8 @@
 /* Parameters by area (Santasusana 2013, ch. 4): a bond is a bar of section A between the centres,
  * k_n = alpha E A/L, k_t = beta G A/L, G = E/(2 (1 + nu)), R_n = sigma A, R_t = tau A, L the
  * distance at which it has no normal force. The section of a bond is found once, when it is made
- * (src/particles/bond_sections.c); pairs that meet later have gamma times Dempack's, and L = r_i +
- * r_j. */
+ * (src/particles/bond_sections.c); pairs that come into contact later have gamma times Dempack's
+ * section, and L = r_i + r_j. */
 #include "kernels/combine.h"
 
 double gn_dempack_area(int dimension, double ri, double rj) {
@@ -10,7 +10,8 @@ double gn_dempack_area(int dimension, double ri, double rj) {
     return dimension == 3 ? M_PI * r * r : 2.0 * r;
 }
 
-/* Computes alpha E and beta G of a pair. Each is in series for two materials, factor by factor. */
+/* Computes alpha E and beta G of a pair; for two materials each factor is that of both in series.
+ */
 static void moduli(const gn_law_pair *pair, double *normal, double *shear) {
     const gn_material *a = pair->a, *b = pair->b;
     double young = GN_OWN(pair, young, gn_series(a->young, b->young));
@@ -36,9 +37,10 @@ gn_area_parameters gn_area_parameters_of(const gn_law_model *model, const gn_law
         GN_OWN(pair, shear_strength, gn_smaller(a->shear_strength, b->shear_strength)) * area};
 }
 
-/* With x = r_i/r_j k_n is proportional to x^2/(1 + x)^3 (2D: x/(1 + x)^2), and k_n (1/m_i + 1/m_j)
- * may have its maximum between the least and the greatest radius. x/(1 + x)/4 (2D: 1/4) is an upper
- * bound, equal at x = 1, whose maximum is at an end: see gn_linear_meeting. */
+/* With x = r_i/r_j, k_n is proportional to x^2/(1 + x)^3 (2D: x/(1 + x)^2), and k_n (1/m_i + 1/m_j)
+ * may have its maximum between the least and the greatest radius. It is replaced by the upper bound
+ * x/(1 + x)/4 (2D: 1/4), equal at x = 1, whose maximum is at one of these radii: see
+ * gn_linear_meeting. */
 gn_area_parameters gn_area_meeting(const gn_law_model *model, const gn_law_pair *pair) {
     gn_area_parameters p = gn_area_parameters_of(model, pair);
     double x = pair->ri / pair->rj, over = 0.25 * (1.0 + x) * (1.0 + x) / x;

@@ -63,9 +63,9 @@ typedef struct beam_parts {
     gn_v twist;
 } beam_parts;
 
-/* Splits a present moment; or one of the last instant, when the normal was the mirror image q m - n
- * of the present one, q = 2/|m|^2, m = `middle`. Bending is then rotated as by gn_turn_with_normal,
- * written out here. */
+/* Splits a moment of this instant; or one of the last instant, when the normal was the mirror image
+ * q m - n of the present one, with q = 2/|m|^2 and m = `middle`. The bending part is then rotated
+ * as gn_turn_with_normal does it, written out here. */
 GN_INLINE beam_parts parts_of(gn_v3 moment, gn_v3 n) {
     beam_parts p = {.twist = gn_dot(moment, n, 1)};
     p.bend = gn_axmy(moment, p.twist, n, 1);
@@ -79,17 +79,18 @@ GN_INLINE beam_parts parts_turned(gn_v3 moment, gn_v3 n, gn_v3 middle, gn_v q) {
     return (beam_parts){gn_axmy(bend, gn_fma(twist, q, left), middle, 1), twist};
 }
 
-/* Returns the relative rotation rate of the two ends, seen from this instant. Its part across the
- * middle normal is rotated and also shortened by the cosine of half the angle, and so is its part
- * along it: the work of a moment that rotates with the bond then equals the energy of the springs,
- * for any angle. */
+/* Returns the rate of relative rotation of the two ends, in the directions of this instant. Its
+ * component across the middle normal is rotated and shortened by the cosine of half the angle, and
+ * so is its component along that normal: the work of a moment that rotates with the bond then
+ * equals the energy of the springs, for any angle. */
 GN_INLINE beam_parts turn_rate(gn_v3 spin, gn_v3 n, gn_v3 middle, gn_v q) {
     gn_v along = gn_set(0.5) * q * gn_dot(spin, middle, 1);
     gn_v3 across = gn_axmy(spin, along, middle, 1);
     return (beam_parts){gn_axmy(across, gn_dot(spin, n, 1) - along, n, 1), along};
 }
 
-/* Returns 2/|m|^2; |m|^2 = 1 + tan^2 of half the angle of the step, whose square is negligible. */
+/* Returns 2/|m|^2, with |m|^2 = 1 + tan^2(angle/2) for the angle of the step; the square of tan^2
+ * is negligible. */
 GN_INLINE gn_v mirror_factor(gn_v3 middle) {
     gn_v e = gn_dot(middle, middle, 1) - gn_set(1.0);
     return gn_fma(gn_set(2.0) * e, e - gn_set(1.0), gn_set(2.0));
@@ -101,7 +102,7 @@ GN_INLINE gn_v3 relative_spin(const gn_contact_args *args, size_t c) {
     return (gn_v3){spin[0], spin[1], spin[2]};
 }
 
-/* Stores the elastic moment in its column, until beam_force limits it. */
+/* Stores the elastic moment in its column; beam_force limits it later. */
 GN_INLINE void beam_trial(const gn_contact_args *args, size_t c, const brief *from, stage *vector,
                           variant with) {
     const gn_v3 n = vector->geometry.n, middle = from->motion.middle;
@@ -122,9 +123,9 @@ GN_INLINE void beam_trial(const gn_contact_args *args, size_t c, const brief *fr
     store_moment(args, COLUMN(args->contacts, moment), c, m, with);
 }
 
-/* Quadratic coupling: finds the bonds that reach their strength in this step, and of them those
- * with the larger ratio in tension. Both strengths and forces are times R; `pull`: at the extreme
- * fibre. */
+/* Quadratic coupling: finds the bonds that reach their strength in this step, and among them those
+ * with the larger ratio in tension. Strengths and forces are both multiplied by R; `pull`: at the
+ * extreme fibre. */
 GN_INLINE gn_m break_beams_coupled(gn_v strength, gn_v shear_strength, gn_v pull, gn_v sheared,
                                    gn_m *in_tension) {
     gn_v share = gn_max(pull, gn_set(0.0)) / strength, share2 = share * share;
@@ -134,9 +135,9 @@ GN_INLINE gn_m break_beams_coupled(gn_v strength, gn_v shear_strength, gn_v pull
     return beyond;
 }
 
-/* Finds the intact bonds that reach their strength in this step at the extreme fibre; tension takes
- * precedence. f_n + z s |M_b|/R >= R_n, z = A R^2/I, and similarly in shear, without roots or
- * divisions. */
+/* Finds the intact bonds that reach their strength at the extreme fibre in this step; tension takes
+ * precedence. The condition f_n + z s |M_b|/R >= R_n, z = A R^2/I, and the similar one in shear are
+ * evaluated without roots or divisions. */
 GN_INLINE void break_beams(const gn_contact_args *args, size_t c, size_t end,
                            const beam_parts *moment, contact_state *state, gn_contact_sums *sums,
                            variant with) {
@@ -173,8 +174,8 @@ GN_INLINE void break_beams(const gn_contact_args *args, size_t c, size_t end,
         record_breaks(args, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
 }
 
-/* Returns half of the product of two moments over the stiffness; for equal moments the stored
- * energy. */
+/* Returns half of the product of two moments over the stiffness, which for equal moments is the
+ * stored energy. */
 GN_INLINE gn_v moment_work(const beam_parts *moment, const beam_parts *of, beam_stiffness stiffness,
                            variant with) {
     const gn_v half = gn_set(0.5), tiny = gn_set(GN_TINY);
@@ -183,7 +184,7 @@ GN_INLINE gn_v moment_work(const beam_parts *moment, const beam_parts *of, beam_
            half * moment->twist * of->twist / gn_max(stiffness.twist, tiny);
 }
 
-/* Returns the middle normal again, as in find_motion. */
+/* Computes the middle normal again, as find_motion does. */
 GN_INLINE gn_v3 middle_again(const gn_contact_args *args, size_t c, const stage *vector,
                              variant with) {
     gn_v pi[4], pj[4], distance = vector->geometry.distance;
@@ -195,8 +196,9 @@ GN_INLINE gn_v3 middle_again(const gn_contact_args *args, size_t c, const stage 
                      vector->speed, rate, 1);
 }
 
-/* Rare: returns the energy that the moments of breaking bonds release, half their product with
- * those of the last instant over the stiffness; these are recomputed. */
+/* Rare: returns the energy that the moments of breaking bonds release: half of the product of the
+ * present moments and those of the last instant, over the stiffness. The moments of the last
+ * instant are recomputed. */
 GN_INLINE gn_v released_moments(const gn_contact_args *args, size_t c, const stage *vector,
                                 const beam_parts *moment, variant with) {
     const gn_v dt = gn_set(args->dt);

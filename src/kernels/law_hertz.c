@@ -7,13 +7,14 @@
 
 /* --- parameters --- */
 
-/* Least restitution that is distinguished if the dashpot never causes tension: the fit is unbounded
- * below. */
+/* Least restitution that is distinguished if the dashpot must not cause tension, because the fit
+ * has no bound below it. */
 static const double least_fitted = 0.05;
 
-/* Returns c/sqrt(m S_n) for a restitution: 2 sqrt(5/6) beta with beta = -ln e/sqrt(pi^2 + ln^2 e)
- * of the linear oscillator (Antypov and Elliott 2011), 1 at e = 0; if the sum of both forces is cut
- * at zero, by the polynomial of Thornton, Cummins and Cleary 2013 (eq. 20). */
+/* Returns c/sqrt(m S_n) for a restitution e: 2 sqrt(5/6) beta, with beta = -ln e/sqrt(pi^2 + ln^2
+ * e) of the linear oscillator (Antypov and Elliott 2011), and beta = 1 at e = 0. If the total force
+ * must not become tensile, it follows from the polynomial of Thornton, Cummins and Cleary 2013 (eq.
+ * 20). */
 static double damping_of(double e, bool pulls) {
     static const double h[] = {-6.918798, -16.41105, 146.8049,  -796.4559, 2928.711,
                                -7206.864, 11494.29,  -11342.18, 6276.757,  -1489.915};
@@ -104,8 +105,8 @@ void gn_hertz_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn
 
 /* --- springs --- */
 
-/* S_n (1/m_i + 1/m_j) at a given overlap over x = r_i/r_j is proportional to sqrt(x/(1 + x)) (A/x^3
- * + B), which decreases and then increases. */
+/* At a given overlap S_n (1/m_i + 1/m_j), as a function of x = r_i/r_j, is proportional to
+ * sqrt(x/(1 + x)) (A/x^3 + B), which decreases and then increases. */
 gn_law_spring gn_hertz_meeting(const gn_law_model *model, const gn_law_pair *pair, double overlap) {
     parameters p = parameters_of(model, pair);
     double root = sqrt(overlap);
@@ -135,7 +136,7 @@ gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, doub
         shear2 += h.shear[a] * h.shear[a];
     }
     h.stored = gn_hertz_stored(p.normal, overlap);
-    /* A contact that opened since the last forces has no energy. */
+    /* A contact that has opened since the last forces has no energy. */
     const double kt = list->kt[c] * p.root;
     if (shear2 > 0.0 && kt > 0.0) h.stored += 0.5 * shear2 / kt;
     return h;
@@ -156,7 +157,7 @@ static double kt_of(const gn_touch_side *side) {
 
 gn_law_spring gn_hertz_touch_spring(const gn_touch_side *side, double inverse_mass,
                                     double damping_fraction, double overlap) {
-    (void)damping_fraction; /* every pair has parameters of its own */
+    (void)damping_fraction; /* damping is a parameter of every pair */
     double root = sqrt(overlap), kn = kn_of(side) * root;
     double kt = side->hertz.friction > 0.0 ? kt_of(side) * root : 0.0;
     return (gn_law_spring){kn, kt, side->hertz.damping * sqrt(kn / inverse_mass)};
@@ -188,8 +189,8 @@ static double touch_viscous(const gn_touch_step *step, const gn_touch_side *side
     return step->pulls ? viscous : fmin(viscous, -press->normal);
 }
 
-/* Replaces the tangential force of the last step by that of this one, in *shear; adds its energy to
- * *elastic. */
+/* Replaces the tangential force of the last step, in *shear, by that of this one; adds its energy
+ * to *elastic. */
 static double touch_shear(const gn_touch_step *step, const gn_touch_side *side,
                           const gn_touch *touch, const gn_hertz_press *press, double limit,
                           double *shear, size_t stride, double t[3], double *elastic) {

@@ -15,7 +15,7 @@
 #include "kernels/hertz.h"
 
 /* Sets `before` to the tangential force of the last step, rotated, and `trial` to the displacement
- * across the normal. The spring's force follows later, as it depends on the overlap. */
+ * across the normal, not yet multiplied by the stiffness, which depends on the overlap. */
 GN_INLINE void hertz_trial(const gn_contact_args *args, size_t c, const brief *from, stage *vector,
                            variant with) {
     const gn_contacts *list = args->contacts;
@@ -30,12 +30,12 @@ GN_INLINE void hertz_trial(const gn_contact_args *args, size_t c, const brief *f
                                     vector->angle, twists, with.space);
 }
 
-/* The quantities of a contact's dashpot. */
+/* Quantities of a contact's dashpot. */
 typedef struct hertz_pot {
     gn_v kn, c, lag, path, coefficient; /* path of the step */
 } hertz_pot;
 
-/* Rare: computes coefficients of contacts that closed or opened within the step. */
+/* Rare: computes the dashpot's coefficients for contacts that closed or opened within the step. */
 static __attribute__((noinline)) gn_v hertz_crossing(const hertz_pot *pot, gn_v stretch,
                                                      gn_m closing, gn_m opening) {
     const gn_v zero = gn_set(0.0), one = gn_set(1.0);
@@ -49,7 +49,7 @@ static __attribute__((noinline)) gn_v hertz_crossing(const hertz_pot *pot, gn_v 
 }
 
 /* Returns the dashpot's force along the normal; it uses the speed along the last normal, as
- * `damped` of the linear law. `beyond`: the stretch and the rounding of positions. */
+ * `damped` of the linear law does. `beyond`: the stretch plus the rounding of positions. */
 GN_INLINE gn_v hertz_viscous(const gn_contact_args *args, size_t c, const stage *vector, gn_v kn,
                              gn_v beyond, const gn_hertz_press *press, lane_sums *sums,
                              variant with) {
@@ -66,7 +66,7 @@ GN_INLINE gn_v hertz_viscous(const gn_contact_args *args, size_t c, const stage 
         pot.coefficient = hertz_crossing(&pot, vector->geometry.stretch, closing, opening);
     }
     gn_v viscous = pot.coefficient * vector->speed;
-    if (!pulls) viscous = zero - gn_max(zero - viscous, press->normal); /* the sum is cut at zero */
+    if (!pulls) viscous = zero - gn_max(zero - viscous, press->normal); /* no tension in total */
     if (with.energy) {
         gn_v half = gn_set(0.5);
         sums->contact_damping =

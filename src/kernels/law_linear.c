@@ -14,7 +14,7 @@
 
 typedef struct parameters {
     double kn, kt, mu, cn;
-    double rn, rt; /* bonds */
+    double rn, rt; /* of bonds */
 } parameters;
 
 typedef struct effective_radius {
@@ -84,15 +84,16 @@ static void set_kn_and_strength(const gn_law_model *model, const gn_law_pair *pa
         GN_OWN(pair, shear_strength, gn_smaller(a->shear_strength, b->shear_strength)) * section;
 }
 
-/* Each material has its k_t/k_n; two different ones act in series as the normal springs do. */
+/* Returns the tangential stiffness. Each material has its own k_t/k_n; two different materials act
+ * in series, as their normal springs do. */
 static double shear_of(const gn_law_pair *pair, double kn) {
     double ka = GN_OWN(pair, kratio, pair->a->kratio), kb = GN_OWN(pair, kratio, pair->b->kratio);
     double ta = ka > 0.0 ? 1.0 / ka : 0.0, tb = kb > 0.0 ? 1.0 / kb : 0.0;
     return ta + tb > 0.0 ? kn * gn_series(ta, tb) : 0.0;
 }
 
-/* If both materials have their own scatter, the smaller of the two numbers from the same draw is
- * used. */
+/* Applies random factors. If both materials have their own scatter, both factors are computed from
+ * the same random number, and the smaller one is used. */
 static void scatter(const gn_law_model *model, const gn_law_pair *pair, parameters *values) {
     enum { STRENGTH = 1, STIFFNESS = 2 };
     const uint64_t seed = model->scene->seed;
@@ -145,7 +146,8 @@ void gn_linear_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, g
     if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
 }
 
-/* Every force is linear in these parameters, and so is every limit of a force. */
+/* Multiplies these parameters by `part`; every force, and every limit of a force, is proportional
+ * to them. */
 void gn_linear_weigh(gn_contacts *list, size_t c, double part) {
     double *columns[] = {list->kn, list->kt, list->cn, list->rn, list->rt};
     for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
@@ -182,8 +184,9 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
 
 /* --- springs --- */
 
-/* k_n (1/m_i + 1/m_j) over x = r_i/r_j is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3 + B)
- * (harmonic) or A/x^d + B, each of which decreases and then increases, or only decreases. */
+/* As a function of x = r_i/r_j, k_n (1/m_i + 1/m_j) is proportional to (1 + x)(A/x^3 + B)
+ * (arithmetic), x/(1 + x) (A/x^3 + B) (harmonic) or A/x^d + B; each of them decreases and then
+ * increases, or only decreases. */
 gn_law_spring gn_linear_meeting(const gn_law_model *model, const gn_law_pair *pair,
                                 double overlap) {
     (void)overlap;
@@ -218,7 +221,7 @@ gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, dou
     return h;
 }
 
-/* For kernels a released contact is broken and has no stiffness. */
+/* For kernels, a released contact is a broken bond without stiffness. */
 void gn_linear_release(gn_contacts *list, size_t c) {
     if (list->rn) list->rn[c] = -fabs(list->rn[c]);
     list->kn[c] = 0.0;
@@ -238,7 +241,8 @@ double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, dou
     return list->rt ? fmax(ratio, shear / list->rt[c]) : ratio;
 }
 
-/* A sliding contact is at its limit, up to rounding (of single precision, in mixed). */
+/* The force of a sliding contact is at its limit, up to rounding (in mixed precision, of single
+ * precision). */
 bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double shear) {
     return list->mu && shear > 0.0 && shear >= list->mu[c] * fmax(-normal, 0.0) * (1.0 - 1e-6);
 }
@@ -257,14 +261,14 @@ gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_m
                            2.0 * damping_fraction * sqrt(kn / inverse_mass)};
 }
 
-/* Contacts that share their stiffness have the full tangential stiffness each. */
+/* Contacts that share their normal stiffness each have the full tangential stiffness. */
 double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2) {
     double kn = side->part * side->stiffness, kt = touch_kt(side);
     double stored = kn > 0.0 ? 0.5 * normal * normal / kn : 0.0;
     return kt > 0.0 ? stored + 0.5 * shear2 / kt : stored;
 }
 
-/* Coulomb friction with radial return; returns the dissipated energy. */
+/* Applies Coulomb friction with radial return; returns the dissipated energy. */
 static double touch_friction(const gn_touch_step *step, const gn_touch *touch, double kt,
                              double limit, double *shear, size_t stride, double t[3],
                              double *elastic) {
@@ -286,20 +290,20 @@ static double touch_friction(const gn_touch_step *step, const gn_touch *touch, d
     return lost;
 }
 
-/* Returns the root of b x^2 - a x + c = 0, b >= 0, with the smaller absolute value, within +-most;
- * if there is none, the minimum of the residual. */
+/* Returns the root of b x^2 - a x + c = 0, b >= 0, that has the smaller absolute value, limited to
+ * +-most; without a root, the place where the left side is smallest. */
 static double smaller_root(double a, double b, double c, double most) {
     double square = a * a - 4.0 * b * c;
     double root = square > 0.0 ? 2.0 * c / (a + copysign(sqrt(square), a)) : 0.5 * a / b;
     return fmax(-most, fmin(most, root));
 }
 
-/* Returns the force of a contact that closed by the path p > 0 to the overlap u: the force f with
- * which the trapezoidal works of this step and of the next, of path q, are the energy of the spring
- * after both, at the overlap u + q: f (p + q) = k u (u + q), where q = p - other dt^2 - f dt^2/m.
- * (gn_linear_cross is its first order without other forces.) If the contact opens again in the next
- * step, the same holds for the sum with the correction then, with a force that may be slightly
- * tensile. */
+/* Returns the force of a contact that closed by the path p > 0 to the overlap u. It is the force f
+ * with which the trapezoidal works of this step and of the next one, of path q, equal the energy of
+ * the spring after both, at the overlap u + q: f (p + q) = k u (u + q), where q = p - other dt^2 -
+ * f dt^2/m. (gn_linear_cross is the first order of this, without other forces.) If the contact
+ * opens again in the next step, this holds together with the correction made then; the force may be
+ * slightly tensile. */
 static double closing_force(double kn, const gn_touch *touch, double p, double dt) {
     double u = -touch->gap, free = p - touch->other_acceleration * dt * dt,
            give = dt * dt * touch->inverse_mass;
@@ -307,24 +311,24 @@ static double closing_force(double kn, const gn_touch *touch, double p, double d
     return smaller_root(p + free + full * give, give, full * (u + free), full);
 }
 
-/* Returns the correction of a contact that opened by the path p > 0 to the gap s p, with the
- * overlap u = (1 - s) p before: f (p + q) = k u (p - u) subtracts the work of the full force of the
- * last instant beyond the opening. */
+/* Returns the correction for a contact that opened by the path p > 0 to the gap s p, from the
+ * overlap u = (1 - s) p. By f (p + q) = k u (p - u) it subtracts the work that the full force of
+ * the last instant did beyond the opening. */
 static double opening_force(double kn, const gn_touch *touch, double p, double dt) {
     double u = p - touch->gap, free = p + touch->other_acceleration * dt * dt,
            give = dt * dt * touch->inverse_mass;
     return smaller_root(p + free, give, kn * u * touch->gap, kn * u);
 }
 
-/* Largest (w dt)^2 at which the works of a crossing are closed exactly: three steps per contact,
+/* Largest (w dt)^2 for which the works of a crossing are closed exactly: three steps per contact,
  * which automatic steps provide (src/timestep/collisions.c). With a longer prescribed step the full
- * force acts at any overlap: fractions of steps that do not resolve the contact made platens
- * chatter. */
+ * force acts at any overlap, because fractions of steps that do not resolve the contact made
+ * platens chatter. */
 static const double crossing_resolved = 1.0;
 
-/* Computes the normal force without the dashpot, whose factor is also returned. The normal of a
- * plane or facet does not rotate within a step: the path is entirely along it. For the next step
- * the dashpot counts among the other forces. */
+/* Computes the normal force without the dashpot, and the factor on the dashpot's force. The normal
+ * of a plane or facet does not rotate within a step, so that the path is along it. For the next
+ * step the dashpot counts among the other forces. */
 static gn_linear_crossing touch_normal(double kn, double cn, const gn_touch *touch, double path,
                                        double dt) {
     bool touching = touch->gap < -touch->rounding;

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Returns the elastic tangential force before any limit; *turned: the old one, rotated across the
- * new normal. */
+/* Returns the tangential force before any limit; *turned: the force of the last step, rotated
+ * across the new normal. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *args, const pair_geometry *geometry,
                             const pair_motion *motion_of, gn_v3 *turned, gn_v angle, gn_v kt,
                             variant with) {
@@ -21,8 +21,8 @@ GN_INLINE gn_v3 shear_trial(const gn_contact_args *args, const pair_geometry *ge
                            with.space && with.rotation, with.space);
 }
 
-/* Returns the compression that friction of a bond uses: its own normal force, or that of the mean
- * stress around it. Tension counts only if it reduces the strength. */
+/* Returns the compression on which the friction of a bond depends: its own normal force, or that by
+ * the mean stress around it. Tension counts only if it reduces the strength. */
 GN_INLINE gn_v pressed_of(const gn_contact_args *args, size_t c, gn_v normal) {
     const gn_contacts *k = args->contacts;
     gn_v least = gn_set(k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0);
@@ -52,8 +52,8 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *args,
     }
 }
 
-/* Rare: records the energy released by each breaking lane, for the list of events; contributions
- * are added. */
+/* Rare: records the energy that breaking bonds release, for the list of events; contributions are
+ * added up. */
 static __attribute__((noinline)) void note_released(const gn_contact_args *args, size_t c,
                                                     unsigned lanes, gn_v energy) {
     double *released = args->contacts->released;
@@ -66,17 +66,19 @@ static __attribute__((noinline)) void note_released(const gn_contact_args *args,
 
 /* Forces of a contact before and after its limits. */
 typedef struct contact_state {
-    gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: its acting part */
-    gn_v beyond;                           /* the stretch and the rounding of positions */
-    gn_v way;                              /* normal times this is twice the energy of the spring */
-    gn_v share;                            /* factor of the dashpot's force */
-    gn_v3 before, trial, t; /* tangential: of the last step, rotated; unlimited; acting */
+    gn_v kn, kt, stretch, elastic,
+        normal;  /* elastic: k_n stretch; normal: the part of it that acts */
+    gn_v beyond; /* the stretch and the rounding of positions */
+    gn_v way;    /* m; half of normal times this is the energy of the spring */
+    gn_v share;  /* factor on the dashpot's force */
+    gn_v3 before, trial,
+        t; /* tangential force of the last step, rotated; before limits; after them */
     gn_m touching, intact, breaking, slipping;
 } contact_state;
 
-/* Applies the Coulomb limit to all but intact bonds; open contacts lose their force. Magnitudes are
- * compared by their squares, so that only a vector with a slipping contact needs the root and the
- * division. */
+/* Applies the Coulomb limit to all contacts but intact bonds; open contacts lose their force.
+ * Magnitudes are compared by their squares, so that the root and the division are needed only if a
+ * contact of the vector slips. */
 GN_INLINE void limit_shear(const gn_contact_args *args, size_t c, gn_v total, contact_state *state,
                            variant with) {
     const gn_contacts *k = args->contacts;
@@ -92,7 +94,7 @@ GN_INLINE void limit_shear(const gn_contact_args *args, size_t c, gn_v total, co
         state->t = gn_linear_slip(state->trial, size2, limit, state->slipping, with.space);
 }
 
-/* Tells whether all of a vector are intact bonds, which is the common case. */
+/* Tells whether all contacts of a vector are intact bonds, which is the common case. */
 GN_INLINE bool all_hold(const gn_contact_args *args, size_t c, const contact_state *state,
                         variant with) {
     const gn_contacts *k = args->contacts;
@@ -156,8 +158,8 @@ GN_INLINE void book_elastic(const contact_state *state, lane_sums *sums, variant
                                                         gn_max(state->kt, gn_set(GN_TINY));
 }
 
-/* Input and output of the rare branch. The state of the vector is not part of it: taking its
- * address would keep all of it out of registers. */
+/* Input and output of the rare branch. It does not include the state of the vector, which would
+ * have to leave the registers if its address were taken. */
 typedef struct crossing_state {
     gn_v kn, cn, stretch, beyond, elastic;
     gn_m touching, loose, breaking;
@@ -167,14 +169,14 @@ typedef struct crossing {
     gn_v elastic;
 } crossing;
 
-/* The mobility of two ends along the normal if some components of some particles are prescribed,
- * and the other accelerations of their gap. */
+/* Mobility of the two ends along the normal if components of particles are prescribed, and the
+ * acceleration of their gap by other forces. */
 typedef struct end_sums {
     gn_v inverse_mass, acceleration;
 } end_sums;
 
-/* Tells whether any end of a vector has prescribed components; the AND of all slots is negative
- * only if all are. */
+/* Tells whether any end in a vector has prescribed components; the AND of all slots is negative
+ * only if none has. */
 GN_INLINE bool any_held(const gn_contact_args *args, size_t c) {
     const int32_t *i = args->contacts->i + c, *j = args->contacts->j + c;
     int32_t common = -1;
@@ -211,15 +213,16 @@ static end_sums ends_of(const gn_contact_args *args, size_t c, gn_v3 normal, gn_
     return (end_sums){gn_load(inverse), gn_load(acceleration)};
 }
 
-/* Adds the rounding of the path. In single precision the displacements of the two particles and
- * their velocities are rounded separately, however much they have in common, and the path of a step
- * has that error: otherwise a contact that began at 0 would count as begun, or as open again, by
- * chance. `speeds`: sum of both. In double it is within GN_OVERLAP_ROUNDING. */
+/* Adds the rounding of the path to a stretch. In single precision the displacements of the two
+ * particles and their velocities are rounded separately, however similar they are, which affects
+ * the path of a step. Otherwise chance would decide whether a contact that began at 0 counts as
+ * begun, or as open again. `speeds`: sum over both ends. In double precision the error is within
+ * GN_OVERLAP_ROUNDING. */
 GN_INLINE gn_v with_path_rounding(const gn_contact_args *args, gn_v of, gn_v speeds) {
     return gn_pick(GN_MIXED, gn_fma(gn_set(0x1p-20 * args->dt), speeds, of), of);
 }
 
-/* Adds an upper bound of the rounding of any contact's path. */
+/* Adds an upper bound of the rounding of the path of any contact. */
 GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *args, gn_v of) {
     double speeds = args->speed_most > 0.0 ? 4.0 * args->speed_most : (double)INFINITY;
     double most =
@@ -227,7 +230,8 @@ GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *args, gn_v of) {
     return gn_pick(GN_MIXED, gn_set(most) + of, of);
 }
 
-/* Handles a contact that closed or opened within the step, or possibly did not. */
+/* Handles contacts that closed or opened within the step; contacts that did neither may be
+ * included. */
 static __attribute__((noinline)) crossing cross(const gn_contact_args *args, size_t c,
                                                 const stage *vector, const crossing_state *state) {
     gn_v vi[4], vj[4];
@@ -237,7 +241,7 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *args, siz
     gn_v side2 = gn_set(args->dt * args->dt) * across2_of(v, vector->speed, 1);
     end_sums ends = ends_of(args, c, vector->geometry.n, vi[3], vj[3]);
     gn_v quarter_y2 = gn_set(0.25 * args->dt * args->dt) * state->kn * ends.inverse_mass;
-    /* Up to rounding, this is the stretch of the previous step. */
+    /* Up to rounding, this is the distance at the previous instant. */
     gn_v along = gn_set(args->dt) * vector->speed, left = vector->geometry.distance - along;
     gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, side2)), gn_set(GN_TINY));
     gn_v path = along - side2 / past, before = state->stretch - path;
@@ -247,7 +251,7 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *args, siz
     gn_m opening = gn_and(gn_and(state->loose, touched), gn_not(state->touching));
     gn_m closing = gn_and(gn_and(state->loose, state->touching), gn_not(touched));
     /* A bond that breaks in this step was a two-sided spring until now, unless it was stretched
-     * only within that rounding, and then it may be ignored. */
+     * only within the rounding; then it may be ignored. */
     gn_m never = gn_less(before, state->beyond - state->stretch);
     closing = gn_and(closing, gn_or(gn_not(state->breaking), never));
     gn_m acting = gn_not(gn_and(state->loose, gn_not(state->touching)));
@@ -257,13 +261,13 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *args, siz
     gn_v drag = gn_set(args->dt) * state->cn * ends.inverse_mass;
     r.of = gn_linear_cross(state->kn, state->stretch, path, quarter_y2, bias, drag, closing,
                            opening, acting);
-    /* No energy remains to be released. */
+    /* No energy remains that could be released. */
     r.elastic = gn_where(opening, r.of.normal, state->elastic);
     return r;
 }
 
-/* Rare: returns the path of unbonded contacts (or broken bonds); an intact bond only needs the
- * first term. In 2D the third component is 0. */
+/* Rare: returns the path of unbonded contacts and broken bonds in the step; for an intact bond the
+ * first term is enough. In 2D the third component is 0. */
 static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *args, size_t c,
                                                  const stage *vector, gn_m intact) {
     const variant space = {.space = 1, .periodic = 1}; /* correct also without a moving box */
@@ -272,8 +276,9 @@ static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *args, si
            gn_where(intact, vector->speed, growth_of(v, vector->speed, vector->rate, 1));
 }
 
-/* Finds contacts that may have closed or opened within the step, possibly too many: by the normal
- * speed alone and an upper bound of motion across a normal. Most contacts are far from either. */
+/* Finds contacts that may have closed or opened within the step, by the normal speed alone and an
+ * upper bound of the motion across the normal; some of them did neither. Most contacts are far from
+ * either. */
 GN_INLINE gn_m may_cross(const gn_contact_args *args, const stage *vector,
                          const contact_state *state) {
     gn_v along = gn_set(args->dt) * vector->speed, before = state->beyond - along;
@@ -286,9 +291,9 @@ GN_INLINE gn_m may_cross(const gn_contact_args *args, const stage *vector,
     return gn_not(gn_or(gn_and(state->touching, surely), gn_and(gn_not(state->touching), apart)));
 }
 
-/* Computes the normal force without the dashpot if the error of the path is far below `slack`, the
- * effect of the motion across the normal: contacts closer to a transition are examined exactly.
- * Lanes are independent: the others of a vector must not have an effect. */
+/* Computes the normal force without the dashpot. Only contacts that are closer to a transition than
+ * `slack`, the effect of the motion across the normal, are examined exactly; the error of the path
+ * is far below it. Lanes are independent: other lanes of the vector must have no effect. */
 GN_INLINE void cross_if_near(const gn_contact_args *args, size_t c, const stage *vector, gn_v path,
                              gn_m loose, contact_state *contact, variant with) {
     gn_v before = contact->beyond - path;
@@ -315,8 +320,8 @@ GN_INLINE void cross_if_near(const gn_contact_args *args, size_t c, const stage 
     contact->elastic = gn_where(crosses, r.elastic, contact->elastic);
 }
 
-/* Computes the normal force without the dashpot if not all are intact bonds; and the path of the
- * step as far as it is needed. */
+/* Computes the normal force without the dashpot, unless all contacts are intact bonds, and the path
+ * of the step as far as it is needed. */
 GN_INLINE gn_v find_normal_force(const gn_contact_args *args, size_t c, const stage *vector,
                                  contact_state *state, variant with) {
     gn_m loose = gn_not(state->intact), acting = gn_or(state->touching, state->intact),
@@ -333,10 +338,10 @@ GN_INLINE gn_v find_normal_force(const gn_contact_args *args, size_t c, const st
     return path;
 }
 
-/* Adds the dashpot. `speed` is, for a bond, the mean of the step, so that a damped cluster in rigid
- * rotation dissipates nothing. In a collision it is the speed along the last normal: with part of
- * the centrifugal acceleration it is closer to the end of the step, at which the force acts, and
- * preserves restitution in fast tangential motion. */
+/* Adds the dashpot. For a bond `speed` is the mean over the step, so that a damped cluster in rigid
+ * rotation dissipates nothing. In a collision it is the speed along the last normal: this includes
+ * part of the centrifugal acceleration and is closer to the speed at the end of the step, where the
+ * force acts, so that the restitution is right in fast tangential motion. */
 GN_INLINE gn_v damped(const gn_contact_args *args, size_t c, gn_v speed, gn_v path,
                       const contact_state *state, lane_sums *sums, variant with) {
     const gn_contacts *k = args->contacts;
@@ -360,8 +365,8 @@ GN_INLINE void linear_trial(const gn_contact_args *args, size_t c, const brief *
                                 vector->angle, kt, with);
 }
 
-/* Computes the state of a contact with its spring alone; a law modifies bonds between this and
- * act_of. */
+/* Computes the forces of the springs of a contact; a law then limits bonds, and act_of completes
+ * the forces. */
 GN_INLINE contact_state state_of(const gn_contact_args *args, size_t c, const stage *vector,
                                  variant with) {
     const gn_contacts *list = args->contacts;
@@ -387,7 +392,7 @@ GN_INLINE contact_force act_of(const gn_contact_args *args, size_t c, const stag
     gn_v path = gn_set(args->dt) * gn_pick(growth_known(with), vector->growth, vector->speed),
          total = state->normal;
     if (with.bonds && __builtin_expect(gn_bits(gn_not(state->intact)) == 0, 1)) {
-        /* Intact bonds have no such limits. */
+        /* Intact bonds have no friction limit and do not open or close. */
         if (with.damping) total = damped(args, c, vector->growth, path, state, sums, with);
     } else {
         state->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), p->distance, state->stretch);

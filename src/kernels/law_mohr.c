@@ -17,8 +17,8 @@ double gn_mohr_strength(const gn_contacts *list, size_t c, double normal) {
     return fmax(0.0, list->rt[c] + list->mu1[c] * pressed);
 }
 
-/* With quadratic coupling of tension and shear, returns the root of their sum; for a bond without
- * shear strength it stays infinite. */
+/* Returns the ratio of the load to the strength. With quadratic coupling of tension and shear it is
+ * the root of the sum of both squares; for a bond without shear strength it stays infinite. */
 double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, double bent,
                          double shear) {
     const gn_effects fx = list->soa.effects;

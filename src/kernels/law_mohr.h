@@ -12,8 +12,8 @@
 
 #include "kernels/law_linear.h"
 
-/* The ratios of tension and shear to their strengths are squared, so that for bonds that fail by
- * both the larger one is the cause. */
+/* Finds the bonds that break under both loads. The ratios of tension and of shear to strength are
+ * compared by their squares; if both contribute, the larger one is the cause. */
 GN_INLINE gn_m break_coupled(gn_v rn, gn_v size2, gn_v *strength2, const contact_state *state) {
     gn_v share = gn_max(state->elastic, gn_set(0.0)) / rn, share2 = share * share;
     gn_v whole = *strength2;

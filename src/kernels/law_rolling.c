@@ -33,8 +33,8 @@ static void set_hertz(const gn_law_model *model, const gn_law_pair *pair, gn_con
 
 /* --- forces and energy of a contact --- */
 
-/* Returns moments with the stiffness kr, that of a contact at its largest overlap for the limit of
- * the step. */
+/* Returns the moments with the stiffness kr; for the limit of the step it is that of a contact at
+ * its largest overlap. */
 static gn_law_moments moments_of(const gn_contacts *list, size_t c, double kr, double most) {
     gn_law_moments m = {.bend = most, .twist = most};
     double size2 = 0.0;
@@ -64,12 +64,12 @@ static gn_law_moments hertz_moments(const gn_contacts *list, size_t c, const dou
 
 /* --- walls and surfaces --- */
 
-/* See roll_grip. */
+/* The counterpart of roll_grip for one contact. */
 typedef struct grip {
     double kt, root, past, now;
 } grip;
 
-/* Returns a moment after a further rotation `way`, with the magnitude limited to `limit`. */
+/* Returns a moment after a further rotation `way`; its magnitude is limited to `limit`. */
 static gn_v3 turn_on(gn_v3 before, gn_v3 way, double kr, double limit, const grip *hold,
                      gn_contact_sums *sums) {
     gn_v3 m =
@@ -126,7 +126,7 @@ static double touch_hertz(const gn_touch_step *step, const gn_touch_side *side,
     double root = touch->gap < -touch->rounding ? sqrt(-touch->gap) : 0.0;
     grip g = {8.0 * side->hertz.shear_modulus * sqrt(side->radius), root, past,
               root > 0.0 ? 1.0 / root : 0.0};
-    if (touch->closeness) *touch->closeness = g.now; /* needed without friction too */
+    if (touch->closeness) *touch->closeness = g.now; /* also needed without friction */
     if (touch->roll && step->spins) touch_roll(step, side, touch, pressing(touch, total), &g, sums);
     return total;
 }

@@ -16,13 +16,13 @@
 #include "kernels/law_beam.h"
 #include "kernels/law_hertz.h"
 
-/* Dependence of the tangential spring on the overlap: k_t is times `root`; `past` and `now` are its
- * inverse in the last step and in this one; for the linear law all are 1. */
+/* Effect of the overlap on the tangential spring: k_t is multiplied by `root`; `past` and `now` are
+ * its inverse in the last step and in this one. For the linear law all are 1. */
 typedef struct roll_grip {
     gn_v root, past, now;
 } roll_grip;
 
-/* The moments of the last step, rotated, and the relative rotations of the ends. */
+/* Moments of the last step, rotated, and relative rotations of the ends. */
 typedef struct roll_step {
     beam_parts before, way;
 } roll_step;

@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-/* Returns the stretch at which a strength R over the stiffness k has softened to zero, m. */
+/* Returns the stretch, m, at which the force of a bond with strength R and stiffness k has
+ * decreased to zero. */
 static double end_of(const gn_law_model *model, double area, double strength, double limit,
                      double energy, double strained, double ratio) {
     switch (model->scene->softening) {
@@ -24,18 +25,18 @@ static double end_of(const gn_law_model *model, double area, double strength, do
     return 0.0;
 }
 
-/* If shear_fracture_energy is auto it is this many times fracture_energy: the bonds of a rough
- * crack open and slip at once, and with this factor those of a notched beam dissipate their
- * fracture energy (docs/physics.md). */
+/* If shear_fracture_energy is auto, it is this factor times fracture_energy. The bonds of a rough
+ * crack open and slip at the same time, and with this factor those of a notched beam dissipate
+ * their fracture energy (docs/physics.md). */
 #define SHEAR_SHARE 2.0
-/* The automatic shear energy is at least the elastic energy at the strength and this fraction of
- * the dissipation beyond that in tension, so that a bond which softens in tension softens in
- * shear. */
+/* The automatic shear energy is at least the elastic energy at the strength plus this fraction of
+ * the dissipation in tension after the strength was reached, so that a bond that softens in tension
+ * also softens in shear. */
 #define LEAST_SHARE 0.5
 
 typedef struct ends {
     double first;         /* fraction of the energies under the first line */
-    double end, pulled;   /* m, of opening: the end of a single line, the elastic limit */
+    double end, pulled;   /* m, openings: the end of a single line, the elastic limit */
     double pull, shear;   /* N, strengths */
     double sheared, area; /* m, the elastic limit in shear; m2 */
 } ends;
@@ -54,11 +55,11 @@ static double slip_of(const gn_law_model *model, const gn_material *a, const end
                   a->shear_fracture_strain * sqrt(limits->area), a->fracture_ratio);
 }
 
-/* Sets the second line, from the fraction `kink` of the strengths. The first one, down to an
- * opening that dissipates a fraction of the fracture energy, is already set; `all` and `all_slip`,
- * m, are the ends of a single line that dissipates all of it. From the kink at the opening w_k (the
- * stretch is larger by the elastic part) the second one continues to w_c = (all - w_k)/kink, so
- * that the area under both is that under the single one. */
+/* Sets the second line, which begins where the fraction `kink` of the strengths is lost. The first
+ * line, whose end dissipates a fraction of the fracture energy, is already set; `all` and
+ * `all_slip`, m, are the ends of a single line that dissipates all of it. From the kink, at the
+ * opening w_k (the stretch is larger by the elastic part), the second line continues to w_c = (all
+ * - w_k)/kink, so that the area under both lines is that under the single one. */
 static void bend(double kink, double all, double all_slip, gn_contacts *list, size_t c) {
     const size_t stride = list->soa.capacity;
     double *fade = list->fade + c;
@@ -102,10 +103,10 @@ static void set_fade(const gn_law_model *model, const gn_law_pair *pair, double 
     if (bilinear) bend(model->scene->kink_stress, all, all_slip, list, c);
 }
 
-static const double never = 1e30; /* N, also in single precision */
+static const double never = 1e30; /* N, more than any force, also in single precision */
 
-/* Expresses the compression curve as a deviation from the elastic one: beyond the elastic force at
- * each kink, the fraction 1/Y_before - 1/Y of it. */
+/* Writes the compression curve as a deviation from the elastic line: at each kink the fraction
+ * 1/Y_before - 1/Y is subtracted from the elastic force beyond that at the kink. */
 static void set_crush(const gn_material *material, double area, gn_contacts *list, size_t c) {
     const size_t stride = list->soa.capacity;
     double elastic = 0.0, stress = 0.0, ratio = 1.0;
@@ -124,7 +125,7 @@ static void set_crush(const gn_material *material, double area, gn_contacts *lis
     if (list->yields_f) list->yields_f[c] = (float)first;
 }
 
-/* Returns the material that yields first; one that does not yield is the stronger one. */
+/* Returns the material that yields first; one that does not yield counts as stronger. */
 static const gn_material *weaker(const gn_material *a, const gn_material *b) {
     if (!(a->yield_stress[0] > 0.0)) return b;
     return b->yield_stress[0] > 0.0 && b->yield_stress[0] < a->yield_stress[0] ? b : a;
@@ -140,7 +141,7 @@ static void set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts 
     if (list->crush) set_crush(weaker(pair->a, pair->b), area, list, c);
 }
 
-/* Stretches stay unchanged, forces of kinks and limits are scaled. */
+/* Scales the forces of kinks and limits; stretches stay unchanged. */
 static void weigh(gn_contacts *list, size_t c, double part) {
     const size_t stride = list->soa.capacity;
     gn_linear_weigh(list, c, part);
@@ -166,11 +167,11 @@ static gn_law_held held(const gn_contacts *list, size_t c, double length, double
     return h;
 }
 
-/* Returns the ratio of the stretch to that at which softening ends, and of the force to the present
- * strength. */
+/* Returns the larger of two ratios: of the stretch to that at which softening ends, and of the
+ * force to the present strength. */
 static double criterion(const gn_contacts *list, size_t c, double normal, double bent,
                         double shear) {
-    (void)bent; /* these bonds have no moments */
+    (void)bent; /* bonds of this law have no moments */
     double strength = gn_mohr_strength(list, c, normal);
     double end = gn_softening_end(list->fade + c, list->soa.capacity);
     double tension =

@@ -41,9 +41,9 @@
 /* Input and output of the rare branch, lane by lane. */
 typedef struct soft_lanes {
     gn_real stretch[GN_W], normal[GN_W], shear[3][GN_W], broken[GN_W];
-    gn_real was[GN_W],
-        before[3][GN_W];       /* values at the start of the step, if both share one damage */
-    unsigned tension, sheared; /* lanes that break */
+    gn_real was[GN_W], before[3][GN_W]; /* values at the start of the step, if one damage variable
+                                           applies to tension and shear */
+    unsigned tension, sheared;          /* lanes that break */
 } soft_lanes;
 
 static inline void write_softened(const gn_contacts *list, size_t c,
@@ -69,7 +69,7 @@ static inline void note_beginning(const gn_contacts *list, size_t c, gn_happenin
     sums->began++;
 }
 
-/* Rare: bonds at their strength or beyond it. */
+/* Rare: softens bonds at their strength or beyond it. */
 static __attribute__((noinline)) void soften(const gn_contact_args *args, size_t c, size_t end,
                                              unsigned lanes, soft_lanes *q, gn_contact_sums *sums) {
     const gn_contacts *k = args->contacts;
@@ -124,14 +124,14 @@ static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *args, si
 /* The state of a vector in addition to its contact_state. */
 typedef struct soft_state {
     gn_v soft, shift; /* values at the start of the step */
-    gn_v line;        /* force at which it would then yield in compression, if it can */
+    gn_v line;        /* force at which the bond would yield in compression then, if it can */
     gn_v3 slipped;    /* tangential force of bonds that softened */
-    gn_v stored;      /* twice the normal energy, where `crossing` */
+    gn_v stored;      /* twice the energy of the normal spring, for contacts in `crossing` */
     gn_m bonds;       /* the bond is intact at the start of the step */
     gn_m yielding, softening, crossing;
 } soft_state;
 
-/* Computes the permanent stretch and its change in this step. */
+/* Computes the permanent stretch of bonds in compression and its change in this step. */
 GN_INLINE void press(const gn_contact_args *args, size_t c, const stage *vector,
                      contact_state *state, soft_state *soft, gn_contact_sums *sums) {
     const gn_contacts *k = args->contacts;
@@ -162,7 +162,7 @@ GN_INLINE gn_v3 sheared_before(const stage *vector, const contact_state *state, 
                  : state->before;
 }
 
-/* Computes damage, and which bonds break. */
+/* Computes damage, and which bonds break in this step. */
 GN_INLINE void damage(const gn_contact_args *args, size_t c, size_t end, const stage *vector,
                       contact_state *state, soft_state *bond, gn_contact_sums *sums, variant with) {
     const gn_contacts *k = args->contacts;
@@ -205,8 +205,9 @@ GN_INLINE void damage(const gn_contact_args *args, size_t c, size_t end, const s
     if (l.tension | l.sheared) record_breaks(args, c, end, l.tension, l.sheared, sums);
 }
 
-/* Exceeds may_cross by an upper bound of the particles' motion, and needs no division: if every
- * bond is damaged all of them are tested, and almost none is near. */
+/* Finds contacts that may have passed the state of zero normal force. It finds more of them than
+ * may_cross, by an upper bound of the particles' motion, but needs no division; where every bond is
+ * damaged all of them are tested, and almost none is near that state. */
 GN_INLINE gn_m near_no_force(const gn_contact_args *args, const stage *vector,
                              const contact_state *state) {
     double fastest = args->speed_most > 0.0 ? 2.0 * args->speed_most : (double)INFINITY;
@@ -218,8 +219,8 @@ GN_INLINE gn_m near_no_force(const gn_contact_args *args, const stage *vector,
     return gn_not(gn_less(gn_set(1.03 * most * most), beyond));
 }
 
-/* Rare: a damaged bond is a two-sided spring (1 - d) k in parallel with one of d k in compression
- * only. The latter closes or opens within a step as any contact does. */
+/* Rare: a damaged bond is a two-sided spring of stiffness (1 - d) k in parallel with one of d k
+ * that acts in compression only. The latter closes or opens within a step as any contact does. */
 GN_INLINE void cross_softened(const gn_contact_args *args, size_t c, const stage *vector,
                               contact_state *contact, soft_state *soft) {
     gn_m weak = gn_and(contact->intact, gn_less(soft->soft, gn_set(1.0)));
@@ -232,12 +233,12 @@ GN_INLINE void cross_softened(const gn_contact_args *args, size_t c, const stage
     contact->beyond =
         gn_fma(gn_set(GN_OVERLAP_ROUNDING), vector->geometry.distance, contact->stretch);
     contact->touching = gn_less(contact->beyond, gn_set(0.0));
-    stage seen = *vector; /* rate and growth share storage */
+    stage seen = *vector; /* rate and growth share their storage */
     seen.rate = gn_set(0.5 * args->dt) / gn_max(vector->geometry.distance, gn_set(GN_TINY));
     soft->crossing = gn_and(weak, may_cross(args, &seen, contact));
     if (__builtin_expect(gn_bits(soft->crossing) == 0, 1)) return;
     gn_v gone = (gn_set(1.0) - soft->soft) * contact->kn;
-    /* The dashpot belongs to the bond, on both sides. */
+    /* The dashpot belongs to the two-sided bond. */
     crossing_state state = {.kn = gone,
                             .cn = gn_set(0.0),
                             .stretch = contact->stretch,
@@ -247,7 +248,8 @@ GN_INLINE void cross_softened(const gn_contact_args *args, size_t c, const stage
                             .loose = soft->crossing,
                             .breaking = gn_m_none()};
     crossing r = cross(args, c, &seen, &state);
-    /* Contacts that were only near the transition act as any other, whatever else was examined. */
+    /* Contacts that were only near the transition act as in any other step, whatever other lanes
+     * do. */
     gn_m as_ever =
         gn_and(gn_at_least(r.of.way, contact->stretch), gn_at_least(contact->stretch, r.of.way));
     soft->crossing = gn_and(soft->crossing, gn_not(as_ever));
@@ -281,10 +283,11 @@ GN_INLINE void book_softening(const gn_contact_args *args, size_t c, const stage
     sums->damage = sums->damage + gn_keep(soft->softening, gn_where(crushed, shear, both));
 }
 
-/* Rare: contacts (bonds no more) that yield in the step. One that was in compression before acts as
- * any does, also if it moved by less than it yields. One that closed in it at the fraction s = u/p
- * of its path acted from there: the force of gn_linear_cross of the elastic part is smaller by the
- * yield, a loss of (F_0 + F) du/2 between the forces F_0 and F, over the path. */
+/* Rare: handles broken bonds that yield in the step. A contact that was in compression before acts
+ * as usual, even if it moved by less than it yields. A contact that closed within the step, at the
+ * fraction s = u/p of its path, acted from there on: the elastic part of its force, as of
+ * gn_linear_cross, is reduced by the yield, and the loss is (F_0 + F) du/2 between the forces F_0
+ * and F, over the path. */
 GN_INLINE void close_yielding(const stage *vector, gn_v path, gn_m yielding, const soft_state *soft,
                               contact_state *state) {
     const gn_v zero = gn_set(0.0), half = gn_set(0.5);

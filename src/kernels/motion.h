@@ -1,5 +1,5 @@
-/* The second pass of a step: adds up the partial sums of each particle in fixed order and
- * integrates. Sums over particles are kept per block and merged in block order. */
+/* The second pass of a step: the partial sums of each particle are added up in a fixed order, and
+ * its motion is integrated. Sums over particles are kept per block and merged in block order. */
 #ifndef GN_KERNELS_MOTION_H
 #define GN_KERNELS_MOTION_H
 
@@ -16,8 +16,8 @@ typedef struct gn_prescription {
     double *load;     /* [count][6] output: the load that the prescription supplied (N, N m) */
 } gn_prescription;
 
-/* Blocks of particles whose motion waits: their loads are added up and stored here, where an
- * exchange between parts of a model may add to them; then they move (sched/hold.h). */
+/* Blocks of particles whose motion waits: their loads are added up and stored here, other parts of
+ * the model may add to them, and then the blocks move (sched/hold.h). */
 typedef struct gn_hold {
     size_t blocks, count, room;
     int32_t *slot;  /* [blocks] index among the held blocks, -1: moves as soon as its forces are
@@ -26,10 +26,10 @@ typedef struct gn_hold {
     double *load;   /* [room][GN_BLOCK_LOAD] N and N m, in rows as those of gn_partials */
 } gn_hold;
 
-/* Doubles of a block's loads for any width of a row. */
+/* Number of doubles in the loads of a block, for any width of a row. */
 enum { GN_BLOCK_LOAD = 8 * GN_PARTICLE_BLOCK };
 
-/* The two passes of a held block. */
+/* The two passes of a held block: adding up loads, and moving. */
 typedef enum gn_motion_pass { GN_PASS_GATHER, GN_PASS_MOVE } gn_motion_pass;
 
 typedef struct gn_motion_args {
@@ -43,8 +43,8 @@ typedef struct gn_motion_args {
     double gravity[3];
     double damping;      /* coefficient of the background damping */
     double damping_spin; /* coefficient of the background damping of spins */
-    /* Non-viscous damping per component uses the sign of v + damping_lead interval F/m. 0: of the
-     * last half step; 0.5: of the instant without damping. */
+    /* Non-viscous damping of a component depends on the sign of v + damping_lead interval F/m. 0:
+     * the velocity of the last half step; 0.5: that of the instant, without damping. */
     double damping_lead;
     bool measure;         /* kinetic energies and resultants are summed as well */
     bool changes;         /* the largest change of velocity is found as well */

@@ -1,6 +1,7 @@
-/* Gathering and integration: central differences (leap-frog) with variable step. The partial sums
- * of a block of particles are added up in the L1 cache, then the block is integrated lane by lane.
- * One body, expanded per variant and compiled per instruction set, as contact_template.c. */
+/* Adds up partial sums and integrates the motion by central differences (leap-frog) with variable
+ * step. The partial sums of a block of particles are added up in the L1 cache, then the block is
+ * integrated lane by lane. One body is expanded per variant and compiled per instruction set, as
+ * contact_template.c. */
 #include "kernels/expand.h"
 #include "kernels/motion.h"
 #include "kernels/simd.h"
@@ -65,7 +66,7 @@ GN_INLINE void add_walls(const gn_motion_args *args, size_t begin, size_t end, d
     for (int32_t c = args->wall_first[begin]; c < args->wall_first[end]; c++) {
         double *to = load + (size_t)row_width(with) * ((size_t)walls->i[c] - begin);
         const double *row = walls->row + 8 * (int64_t)c;
-        if (with.space && with.rotation) { /* the fourth number of a row of four is zero in both */
+        if (with.space && with.rotation) { /* the fourth number of each half is zero */
             *(row8 *)to += *(const row8 *)row;
         } else if (with.space) {
             *(row4 *)to += *(const row4 *)row;
@@ -104,12 +105,13 @@ GN_INLINE gn_v3 load_of(const double *sum, size_t k, int part, variant with) {
 
 /* Translation or rotation of GN_W particles. */
 typedef struct motion {
-    gn_v3 v, v_new; /* velocity (spin) at the half steps before and after */
-    gn_v3 f, d;     /* force (moment) without background damping, and background damping */
+    gn_v3 v, v_new; /* velocity (or spin) at the half steps before and after */
+    gn_v3 f, d;     /* force (or moment) without background damping; background damping */
     gn_v inverse;   /* 1/m (inertia); 0 for removed particles */
 } motion;
 
-/* Returns the mass, kg, 0 for removed particles; only if it is needed, as it takes a division. */
+/* Returns the mass, kg; 0 for removed particles. It is computed only where it is needed, because it
+ * takes a division. */
 GN_INLINE gn_v mass_of(const motion *state) {
     return gn_keep(gn_less(gn_set(0.0), state->inverse), gn_set(1.0) / state->inverse);
 }
@@ -124,8 +126,8 @@ GN_INLINE gn_v opposing(double damping, gn_v f, gn_v v) {
 }
 
 /* Computes background damping and the new velocity. Viscous damping is evaluated at the middle of
- * the kick, -a m (v + v_new)/2, which is stable for any coefficient. At rest the non-viscous kinds
- * vanish. */
+ * the kick, -a m (v + v_new)/2, which is stable for any coefficient. Non-viscous damping vanishes
+ * at rest. */
 GN_INLINE void kick(const gn_motion_args *args, double damping, motion *state, double interval,
                     int space, variant with) {
     gn_v zero = gn_set(0.0), rate = gn_set(interval) * state->inverse;
@@ -157,8 +159,8 @@ GN_INLINE gn_v half_work(gn_v3 f, gn_v3 v, double dt, int space) {
     return gn_set(0.5 * dt) * gn_dot(f, v, space);
 }
 
-/* Returns the kinetic energy 1/2 m v(-) v(+), which is exactly conserved with the elastic energy of
- * a linear system; at the start v(-) is the velocity before a full kick. */
+/* Returns the kinetic energy 1/2 m v(-) v(+); its sum with the elastic energy of a linear system is
+ * exactly conserved. At the start v(-) is the velocity before a full kick. */
 GN_INLINE gn_v kinetic(const gn_motion_args *args, const motion *state, int space) {
     gn_v3 before = state->v;
     if (!(args->dt_past > 0.0))
@@ -171,8 +173,8 @@ typedef struct lane_sums {
     gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2, spin2, change2;
 } lane_sums;
 
-/* Books the work of a force, and that of background damping, in the halves before and after the
- * instant. */
+/* Books the works of a force and of background damping in the halves before and after the instant.
+ */
 GN_INLINE void book_work(gn_v halves[2], const gn_motion_args *args, gn_v3 f, const motion *state) {
     halves[0] = halves[0] + half_work(f, state->v, args->dt_past, 1);
     halves[1] = halves[1] + half_work(f, state->v_new, args->dt, 1);
@@ -184,8 +186,8 @@ GN_INLINE void book_loss(gn_v halves[2], const gn_motion_args *args, const motio
 
 /* --- prescribed particles, lane by lane --- */
 
-/* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and records
- * the load they took. Prescribed components have no background damping. */
+/* Replaces the prescribed components (first: 0 for velocity, 3 for spin) of one particle and
+ * records the loads that this requires. Prescribed components have no background damping. */
 GN_INLINE void prescribe_lane(const gn_motion_args *args, int32_t slot, int first, double interval,
                               int lane, double inverse, double v[3][GN_W], double v_new[3][GN_W],
                               double f[3][GN_W], double d[3][GN_W], double work[2]) {
@@ -195,7 +197,7 @@ GN_INLINE void prescribe_lane(const gn_motion_args *args, int32_t slot, int firs
         if (!(q->mask[slot] >> (first + k) & 1)) continue;
         const double before = v[k][lane], now = q->velocity[6 * slot + first + k];
         double inertia = 0.0;
-        /* Most keep their velocity. */
+        /* Most prescribed components keep their velocity. */
         if (accelerates && now != before) inertia = (now - before) / (interval * inverse);
         const double supplied = inertia - f[k][lane];
         d[k][lane] = 0.0;
@@ -206,8 +208,8 @@ GN_INLINE void prescribe_lane(const gn_motion_args *args, int32_t slot, int firs
     }
 }
 
-/* Damping against the velocity considers free components only: the reaction of a prescribed one is
- * no unbalanced force. */
+/* Damps the free components against the velocity of the free components alone, because the reaction
+ * of a prescribed component is no unbalanced force. */
 static void damp_free(double damping, unsigned held, double rate, int lane, const double v[3][GN_W],
                       double v_new[3][GN_W], const double f[3][GN_W], double d[3][GN_W]) {
     double force2 = 0.0, speed2 = 0.0;
@@ -262,8 +264,9 @@ static __attribute__((noinline)) motion prescribe(const gn_motion_args *args, si
     return state;
 }
 
-/* Returns the prescribed components of GN_W particles together, as bits of a mask, and DRIVEN if
- * one of them is prescribed at all. The AND of all slots is negative only if all are. */
+/* Returns the prescribed components of GN_W particles together, as bits of a mask, with the bit
+ * DRIVEN if any component is prescribed. The AND of all slots is negative only if no particle has a
+ * slot. */
 enum { DRIVEN = 1 << 6 };
 GN_INLINE unsigned prescribed_components(const gn_motion_args *args, size_t p) {
     const int32_t *slot = args->particles->slot + p;
@@ -280,7 +283,7 @@ GN_INLINE unsigned prescribed_components(const gn_motion_args *args, size_t p) {
     return held;
 }
 
-/* Returns 1 for lanes whose resultant counts (free particles), else 0. */
+/* Returns 1 for lanes whose resultant counts, which are those of free particles, else 0. */
 static gn_v free_lanes(const gn_motion_args *args, size_t p, bool prescribed) {
     double lanes[GN_W];
     for (int lane = 0; lane < GN_W; lane++) {
@@ -441,8 +444,8 @@ enum { NOT_BUILT = 0 GN_MOTION_EFFECTS(X) };
 
 #define SENSELESS(v) (GN_BIT(v, 2) + GN_BIT(v, 3) + GN_BIT(v, 4) > 1 || ((v)&NOT_BUILT))
 
-/* One body serves all variants in one space, with spins or without: damping, gravity and energies
- * are branches that all blocks take alike. */
+/* All variants of one dimension share two bodies, with and without rotation: damping, gravity and
+ * energies are branches that all blocks take alike. */
 #define HAS(NAME, v, bit) (GN_BUILT(NAME) && GN_BIT(v, bit))
 #define BODY(number)                                                                               \
     static __attribute__((noinline)) void motion_body_##number(                                    \

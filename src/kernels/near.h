@@ -8,15 +8,16 @@
 
 #include <stdbool.h>
 
-/* Pairs that the functions below process at once; a byte has their bits. */
+/* Number of pairs that the functions below process at once; a byte has their bits. */
 enum { GN_NEAR_GROUP = 8 };
 
-/* Bounds for a block of particles: the most violent collision is far from most. */
+/* Bounds of the motion of a block of particles. They are per block, because most particles are far
+ * from the most violent collision. */
 typedef struct gn_near_path {
     double margin; /* m, largest deviation from the position predicted by the velocity */
     double last;   /* m/s, largest change of a velocity in the last step */
     double change; /* m/s, largest change of a velocity since the active pairs were found */
-    double drift;  /* m, largest additional displacement by these changes */
+    double drift;  /* m, largest displacement by these changes */
 } gn_near_path;
 
 typedef struct gn_near_args {
@@ -25,21 +26,22 @@ typedef struct gn_near_args {
     const int32_t *i, *j;     /* [count] and padding of GN_LANES_MAX */
     const int32_t *particle;  /* [particles] of the block, as in gn_partials */
     size_t count, particles;
-    double widening;           /* factor of sums of radii, so that no contact is missed */
-    const gn_near_path *paths; /* [blocks of particles, and one with zeros] */
-    double ahead, behind;      /* s, intervals for which pairs are selected */
+    double widening;           /* factor on sums of radii, so that no contact is missed */
+    const gn_near_path *paths; /* [blocks of particles + 1], the last one zero */
+    double ahead,
+        behind; /* s, intervals after and before the instant for which pairs are selected */
     bool periodic;
     double period[3], inverse_period[3]; /* m, 1/m */
 } gn_near_args;
 
 typedef struct gn_near_kernels {
-    /* Finds pairs that touch, or may have touched up to `behind` before, or may touch within
-     * `ahead`, as bits in `act`; returns their number. */
+    /* Finds pairs that touch, may touch within the interval `ahead`, or may have touched within the
+     * interval `behind`, and marks them as bits in `act`; returns their number. */
     size_t (*find)(const gn_near_args *args, uint8_t *act);
-    /* `pack` copies doubles (or 32-bit numbers) of the items in `act` from `groups` groups to a
-     * contiguous array; `unpack` copies doubles back to their places, with zeros between them;
-     * `repack` converts doubles of the items in `was`, packed elsewhere, to those in `act`, with
-     * zeros for new items. Both arrays need room for one group more at the end. */
+    /* `pack` copies doubles (or 32-bit numbers) of the items marked in `act` from `groups` groups
+     * to a contiguous array; `unpack` copies doubles back to their places, with zeros between them;
+     * `repack` converts an array of the items in `was` to one of the items in `act`, with zeros for
+     * new items. Both arrays need room for one more group at the end. */
     void (*pack)(double *to, const double *from, const uint8_t *act, size_t groups);
     void (*pack32)(void *to, const void *from, const uint8_t *act, size_t groups);
     void (*unpack)(double *to, const double *from, const uint8_t *act, size_t groups);

@@ -1,5 +1,5 @@
-/* Selection of pairs that act soon, and packing of their columns: compiled once per instruction
- * set, in double. */
+/* Selects the pairs that act soon, and packs their columns; compiled once per instruction set, in
+ * double. */
 #include "kernels/near.h"
 
 #include "kernels/block_rows.h"
@@ -7,7 +7,7 @@
 
 _Static_assert(GN_NEAR_GROUP % GN_W == 0, "a group has whole vectors");
 
-/* Returns the margins of both ends of pairs from c on, one vector. */
+/* Returns the margins of both ends of one vector of pairs, from c on. */
 GN_INLINE gn_v margins(const gn_near_args *args, size_t c) {
     double both[GN_W];
     for (size_t k = 0; k < GN_W; k++)
@@ -16,8 +16,8 @@ GN_INLINE gn_v margins(const gn_near_args *args, size_t c) {
     return gn_load(both);
 }
 
-/* Returns the active pairs from c on, one vector. Centres at d with the relative velocity v are
- * never closer than d.(d + v t)/|d|, for any t. */
+/* Returns the active pairs of one vector, from c on. Centres at the distance vector d with the
+ * relative velocity v are never closer than d.(d + v t)/|d|, at any time t. */
 GN_INLINE unsigned acting(const gn_near_args *args, size_t c, int periodic) {
     gn_v p[4], q[4], v[4], d[3], d2 = gn_set(0.0), along = gn_set(0.0);
     gn_rows4(args->pos, args->i + c, p);
@@ -38,7 +38,8 @@ GN_INLINE unsigned acting(const gn_near_args *args, size_t c, int periodic) {
     return gn_bits(gn_or(near, gn_less(distance * (distance - reach), way)));
 }
 
-/* Rows are prefetched for the kernel, which processes the block several times as fast. */
+/* Rows are prefetched for the kernel, which processes a block in a fraction of the time of this
+ * search. */
 GN_INLINE size_t find_core(const gn_near_args *args, uint8_t *act, int periodic) {
     size_t found = 0;
     gn_block_particles ahead = {args->particle, args->particle + args->particles};

@@ -29,11 +29,11 @@ typedef struct gn_partials {
     int width;
     size_t blocks, length; /* contacts per block, a multiple of GN_LANES_MAX */
     int32_t *first;        /* [blocks + 1] first row of a block */
-    /* [first[blocks] + GN_LANES_MAX] particle of each row, in the order in which the block refers
-     * to them: those it reads next */
+    /* [first[blocks] + GN_LANES_MAX] particle of each row, in the order in which the block first
+     * refers to them */
     int32_t *particle;
-    /* [contacts][2] begin of the rows of a contact's two particles, in numbers from the block's
-     * first row; elements: [elements][nodes of an element] */
+    /* [contacts][2] starts of the rows of a contact's two particles, in numbers from the block's
+     * first row; for elements [elements][nodes of an element] */
     uint16_t *place;
     double *row;         /* [first[blocks]][width]; NULL for contacts in mixed precision */
     float *row_f;        /* rows in mixed precision; NULL otherwise */

@@ -22,8 +22,8 @@ static void gather_growth(const gn_pressure_args *args, size_t begin, double sum
     }
 }
 
-/* Books the energies of node n: that of the pressures, and S times the past rate, from the change
- * of the stabilising term S q. */
+/* Books the energies of node n: that of the pressures, and the product of S and the past rate, from
+ * the change of the stabilising term S q. */
 static void book_term(const gn_pressure_args *args, size_t n, const double sum[2],
                       gn_pressure_sums *sums) {
     const gn_particles *q = args->nodes;
@@ -66,7 +66,8 @@ static void gather_slopes(const gn_pressure_args *args, size_t begin, double *su
 }
 
 /* Books the energies of the inertia S/w^2 of the stabilising pressure. A loss is booked after its
- * interval: its second half (with the mean rate of the instant at which it began) and its first. */
+ * interval: first its second half (with the mean rate of the instant at which it began), then its
+ * first half. */
 static void book_rate(const gn_pressure_args *args, size_t n, double before, double after,
                       gn_pressure_sums *sums) {
     double *past = args->nodes->mean_rate + n, mean = 0.5 * (before + after);
@@ -76,8 +77,8 @@ static void book_rate(const gn_pressure_args *args, size_t n, double before, dou
     *past = mean;
 }
 
-/* Integrates the row of a node: projected gradient and value of the stabilising pressure q follow
- * those of the pressure; damping uses the mean over the kick as in motion_template.c. */
+/* Integrates the stabilising pressure q of each node and its projected gradient, which follow those
+ * of the pressure; damping uses the mean over the kick, as in motion_template.c. */
 static void follow(const gn_pressure_args *args, size_t begin, size_t end, gn_pressure_sums *sums) {
     const gn_particles *p = args->nodes;
     const double interval = 0.5 * (args->dt_past + args->dt), half = 0.5 * args->damping * interval;

@@ -16,7 +16,7 @@
 
 #if GN_MIXED
 typedef float gn_real;
-#define GN_TINY           1e-30 /* smaller than any stiffness or length, with a finite inverse */
+#define GN_TINY           1e-30 /* smaller than any stiffness or length, but its inverse is finite */
 #define GN_MATH(function) function##f
 #else
 typedef double gn_real;
@@ -63,8 +63,8 @@ GN_INLINE void gn_rows4_beyond(const gn_real *rows, const int32_t *index, const 
     gn_columns4(r, out);
 }
 
-/* Loads the difference of rows index[k] and from[k] into lane k: one transposition instead of
- * two. */
+/* Loads the difference of rows index[k] and from[k] into lane k; this takes one transposition
+ * instead of two. */
 GN_INLINE void gn_rows4_less(const gn_real *rows, const int32_t *index, const int32_t *from,
                              gn_v out[4]) {
     gn_v first[4];
@@ -84,14 +84,14 @@ GN_INLINE void gn_rows4_sum(const gn_real *rows, const int32_t *const *index, in
     gn_columns4(r, out);
 }
 
-/* Returns the place at which a parameter that may be uniform (`uniform` all ones, else 0) is
- * read. */
+/* Returns the index at which a parameter is read: 0 if it is uniform (`uniform` all bits set), else
+ * `item`. */
 GN_INLINE size_t gn_column_at(size_t item, size_t uniform) {
     return item & ~uniform;
 }
 
-/* Returns a if the literal holds, else b. (A conditional expression does not accept products of
- * vector types.) */
+/* Returns a if the literal is nonzero, else b. (A conditional expression does not accept products
+ * of vector types.) */
 GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) {
     return literal ? a : b;
 }
@@ -109,9 +109,9 @@ typedef struct gn_v3 {
     gn_v x, y, z;
 } gn_v3;
 
-/* Vector functions; `space` is a literal: 1 in 3D, 0 in 2D. Exchanging the two particles of a
- * contact flips signs of some arguments; every function below then gives the same number with the
- * same or the opposite sign, fused products included. */
+/* Vector functions; `space` is a literal: 1 in 3D, 0 in 2D. If the two particles of a contact are
+ * exchanged, some arguments change sign; every function below then returns the same bits except for
+ * the sign, fused products included. */
 GN_INLINE gn_v gn_dot(gn_v3 a, gn_v3 b, int space) {
     gn_v s = gn_fma(a.y, b.y, a.x * b.x);
     if (space) s = gn_fma(a.z, b.z, s);

@@ -80,7 +80,7 @@ GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
 GN_INLINE void gn_columns_to_pairs(const gn_v in[4], gn_v out[4]) {
     gn_v u0 = _mm512_unpacklo_pd(in[0], in[1]), u1 = _mm512_unpackhi_pd(in[0], in[1]);
     gn_v u2 = _mm512_unpacklo_pd(in[2], in[3]), u3 = _mm512_unpackhi_pd(in[2], in[3]);
-    /* 128-bit lanes: u0 = rows 0 2 4 6 columns 0 1, u2 the same columns 2 3 */
+    /* 128-bit parts: u0 has rows 0 2 4 6, columns 0 1; u2 the same rows, columns 2 3 */
     __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
     __m512i high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
     out[0] = _mm512_permutex2var_pd(u0, low, u2);
@@ -104,7 +104,8 @@ GN_INLINE void gn_store_rows4(double *rows, const gn_v in[4]) {
     gn_store_pairs(rows, 4, pairs);
 }
 
-/* Stores both halves of rows (0,2), (1,3), (4,6), (5,7) separately, which saves shuffles. */
+/* Stores both halves of registers with rows (0,2), (1,3), (4,6), (5,7) separately, which saves
+ * shuffles. */
 GN_INLINE void gn_store_rows8(double *rows, const gn_v in[8]) {
     gn_v low[4], high[4];
     gn_columns_to_pairs(in, low);

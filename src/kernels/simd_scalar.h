@@ -1,5 +1,5 @@
 /* Scalar backend: one lane, plain C. Every other backend must agree with it bit for bit in the same
- * precision; in double it is the reference of everything. */
+ * precision; in double it is the reference for all results. */
 #ifndef GN_KERNELS_SIMD_SCALAR_H
 #define GN_KERNELS_SIMD_SCALAR_H
 
@@ -63,8 +63,8 @@ GN_INLINE unsigned gn_bits(gn_m m) {
     return m ? 1u : 0u;
 }
 
-/* Gathers rows index[0], index[1], ... in an order that suits the backend, and as columns: lane k
- * has the numbers of row index[k]. */
+/* Gathers rows index[0], index[1], ... in an order that suits the backend; gn_columns4 makes
+ * columns of them, so that lane k has the numbers of row index[k]. */
 GN_INLINE void gn_gather4(const gn_real *rows, const int32_t *index, gn_v out[4]) {
     const gn_real *row = rows + 4 * (int64_t)index[0];
     for (int k = 0; k < 4; k++) out[k] = row[k];

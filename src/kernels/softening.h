@@ -14,22 +14,23 @@ enum {
     GN_FADE_COHESION, /* N, C of the whole bond */
     GN_FADE_SLIP,     /* m, u_s, where its line reaches zero; 0: brittle in shear */
     GN_FADE_FRICTION, /* mu_1 of the whole bond */
-    GN_FADE_KINK, /* fraction of the strength that is lost where a second line begins; 0: none */
+    GN_FADE_KINK, /* fraction of the strength that is lost where a second line begins; 0: there is
+                     none */
     GN_FADE_SLOPE_SECOND, /* N/m */
     GN_FADE_END_SECOND,   /* m, where the second line reaches zero */
     GN_FADE_SLIP_SECOND,  /* m, slip by the second line for a loss of the entire strength */
     GN_FADES
 };
-/* Elastic forces F_i at the kinks of the compression curve, in N; then the fraction of k_n by which
- * its slope decreases there (column crush). */
+/* Number of kinks of the compression curve. Column crush has the elastic forces F_i at the kinks,
+ * N, then the fractions of k_n by which the slope decreases there. */
 enum { GN_KINKS = 3 };
 
 typedef struct gn_softening_bond {
     double fade[GN_FADES];
     double kn, kt, mu2;
     double least;    /* N, least compression for friction */
-    double confined; /* N, that compression; NaN: the bond's own normal force */
-    bool together;   /* quadratic coupling: kappa is the damage of both */
+    double confined; /* N, compression for friction; NaN: the bond's own normal force */
+    bool together;   /* quadratic coupling: kappa is the damage in tension and shear */
     double soft, rn, rt, mu1, kappa;
 } gn_softening_bond;
 
@@ -54,14 +55,14 @@ static inline bool gn_softening_whole(const gn_softening_bond *bond) {
     return bond->soft == 1.0 && bond->kappa == 0.0;
 }
 
-/* Returns the stretch at which a bond is broken, m, from its parameters, every `stride`-th; 0:
- * brittle. */
+/* Returns the stretch at which a bond is broken, m, from its parameters, which are `stride` numbers
+ * apart; 0: brittle. */
 static inline double gn_softening_end(const double *fade, size_t stride) {
     double second = fade[GN_FADE_END_SECOND * stride];
     return second > 0.0 ? second : fade[GN_FADE_END * stride];
 }
 
-/* Tells whether so much of the strength (kappa) is lost that the second line applies. */
+/* Tells whether the second line applies, because enough of the strength is lost (kappa). */
 static inline bool gn_softening_second(const gn_softening_bond *bond) {
     return bond->fade[GN_FADE_KINK] > 0.0 && bond->kappa >= bond->fade[GN_FADE_KINK];
 }
@@ -80,8 +81,8 @@ static inline bool gn_soften_pulled(gn_softening_bond *bond, double u, double *n
     return true;
 }
 
-/* Applies slip to the trial force of size `size` under the compression n; returns the remaining
- * size, negative: broken. Until kappa exceeds d the cohesion is that of d. */
+/* Applies slip to a trial force of size `size` under the compression n; returns the remaining size;
+ * negative: the bond is broken. Until kappa exceeds d, the cohesion is reduced by d. */
 static inline double gn_soften_sheared(gn_softening_bond *bond, double n, double size) {
     const double cohesion = bond->fade[GN_FADE_COHESION], mu1 = bond->fade[GN_FADE_FRICTION];
     const double kink = bond->fade[GN_FADE_KINK], d = bond->together ? 0.0 : 1.0 - bond->soft;
@@ -112,8 +113,8 @@ static inline double gn_soften_sheared(gn_softening_bond *bond, double n, double
     return size;
 }
 
-/* With quadratic coupling the tensile stiffness is reduced by (1 - kappa)/(base + more kappa): base
- * = 1 and more = n - 1 by the first line; the second one continues from there. */
+/* With quadratic coupling the tensile stiffness is reduced to the fraction (1 - kappa)/(base + more
+ * kappa). On the first line base = 1 and more = n - 1; the second line continues from its end. */
 typedef struct gn_softening_secant {
     double base, more;
 } gn_softening_secant;
@@ -126,7 +127,7 @@ static inline gn_softening_secant gn_softening_secant_of(const gn_softening_bond
     return (gn_softening_secant){1.0 + (more - second) * bond->fade[GN_FADE_KINK], second};
 }
 
-/* Sets kappa of both strengths; bond->rn and bond->soft follow it. */
+/* Sets the common damage kappa; bond->rn and bond->soft follow from it. */
 static inline void gn_soften_both(gn_softening_bond *bond, double kappa) {
     if (!(kappa > bond->kappa)) return;
     bond->rn *= (1.0 - kappa) / (1.0 - bond->kappa);
@@ -135,25 +136,26 @@ static inline void gn_soften_both(gn_softening_bond *bond, double kappa) {
     bond->soft = (1.0 - kappa) / (s.base + s.more * kappa);
 }
 
-/* Returns the g >= 0 at which (A/(1 + P g))^2 + (B/(1 + Q g))^2 = 1, for a sum that is at least 1
- * at g = 0; 1: it lies there or beyond. Newton's method is applied to 1/root of the sum, which is
- * concave in g and linear if A or B is 0, so that it converges from below in few iterations. */
+/* Returns the g >= 0 at which (A/(1 + P g))^2 + (B/(1 + Q g))^2 = 1; the sum is at least 1 at g =
+ * 0. A result of 1 means that g is 1 or larger. Newton's method is applied to 1/root of the sum,
+ * which is concave in g and linear if A or B is 0, so that it converges from below in few
+ * iterations. */
 static inline double gn_soften_growth(double A, double B, double P, double Q) {
     double g = 0.0;
     for (int k = 0; k < 64; k++) {
         double a = A / (1.0 + P * g), b = B / (1.0 + Q * g), square = a * a + b * b;
         double rate = a * a * P / (1.0 + P * g) + b * b * Q / (1.0 + Q * g);
         double more = (sqrt(square) - 1.0) * square / rate;
-        if (!(g + more < 1.0)) return 1.0; /* without a rate there is no softening either */
+        if (!(g + more < 1.0)) return 1.0; /* without a slope there is no softening */
         if (!(more > 0x1p-52)) break;
         g += more;
     }
     return g;
 }
 
-/* Fractions of tension and shear in the failure of a bond that both damage, at the stretch u and
- * the tangential force of size `size`: the ratios A and B to the remaining strengths; and the
- * factors 1 + P and 1 + Q by which they decrease while kappa grows to 1. */
+/* Contributions of tension and shear to the failure of a bond that both damage, at the stretch u
+ * and the tangential force of size `size`: the ratios A and B to the remaining strengths, and the
+ * factors 1 + P and 1 + Q by which these ratios decrease while kappa grows to 1. */
 typedef struct gn_softening_shares {
     double A, B, P, Q;
 } gn_softening_shares;
@@ -174,16 +176,16 @@ static inline double gn_softening_size(const double t[3]) {
     return sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
 }
 
-/* The path of a bond in a step: the stretch and the tangential force at its start, and at its end
- * without any limit. */
+/* Path of a bond in a step: stretch and tangential force at its start, and at its end if there were
+ * no limit. */
 typedef struct gn_softening_way {
     double u[2], t[2][3];
 } gn_softening_way;
 
-/* Returns the cause of failure of a bond under both: the larger ratio at the point within the step
- * where the strength vanished, which is where A/(1 + P) and B/(1 + Q) reach the ellipse. (Not at
- * the end of the step: the strength at its start may be arbitrarily small, and any tangential
- * motion of the step is then a large fraction of it.) */
+/* Returns the cause of failure of a bond under tension and shear: the larger ratio at the point of
+ * the path where the strength vanished, which is where A/(1 + P) and B/(1 + Q) reach the ellipse.
+ * (The end of the step would be misleading: the strength at its start may be arbitrarily small, and
+ * any tangential motion of the step is then a large multiple of it.) */
 static inline gn_cause gn_softening_cause(const gn_softening_bond *bond,
                                           const gn_softening_way *way) {
     double low = 0.0, high = 1.0, a = 0.0, c = 0.0;
@@ -203,10 +205,10 @@ static inline gn_cause gn_softening_cause(const gn_softening_bond *bond,
     return a >= c ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
 }
 
-/* Stretches and shears a bond with quadratic coupling. The fraction (1 - g) of the strength remains
- * after growth by g: the trial force along the secant is multiplied by (1 - g)/(1 + P g), the
- * tangential one by (1 - g)/(1 + Q g). Growth beyond a kink goes up to it and continues from there.
- * Returns false if no strength remains. */
+/* Stretches and shears a bond with quadratic coupling. After growth by g the fraction 1 - g of the
+ * strength remains: the trial force along the secant is multiplied by (1 - g)/(1 + P g), the
+ * tangential one by (1 - g)/(1 + Q g). Growth beyond a kink is computed up to the kink and
+ * continues from there. Returns false if no strength remains. */
 static inline bool gn_soften_together(gn_softening_bond *bond, double u, double *normal,
                                       double t[3]) {
     const double kink = bond->fade[GN_FADE_KINK];
@@ -220,7 +222,7 @@ static inline bool gn_soften_together(gn_softening_bond *bond, double u, double 
         if (bends) {
             g = (kink - bond->kappa) / (1.0 - bond->kappa);
             kappa = kink;
-            bond->rt *= 1.0 - g; /* basis of the next fraction */
+            bond->rt *= 1.0 - g; /* the next fraction refers to this */
         }
         if (!(kappa < 1.0)) return false;
         gn_soften_both(bond, kappa);
@@ -230,7 +232,7 @@ static inline bool gn_soften_together(gn_softening_bond *bond, double u, double 
     }
 }
 
-/* Applies the limits along the normal first, then across it. */
+/* Applies the limit of the normal force first, then that of the tangential force. */
 static inline gn_cause gn_soften_apart(gn_softening_bond *bond, double u, double *normal,
                                        double t[3]) {
     if (!bond->together && !gn_soften_pulled(bond, u, normal)) return GN_BROKEN_TENSION;
@@ -247,8 +249,8 @@ static inline gn_cause gn_soften_apart(gn_softening_bond *bond, double u, double
     return GN_INTACT;
 }
 
-/* Advances the bond along `way` under the normal force *normal of the undamaged bond; that force
- * and the tangential force t are reduced to what the bond carries, unless it broke. */
+/* Advances the bond along `way`. *normal is the normal force of the undamaged bond; it and the
+ * tangential force t are reduced to the forces that the bond carries, unless it breaks. */
 static inline gn_cause gn_soften(gn_softening_bond *bond, const gn_softening_way *way,
                                  double *normal, double t[3]) {
     const double u = way->u[1];

@@ -16,12 +16,12 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Relative tolerance: stress is proportional to span and thickness, and to the square of the
- * height. */
+/* Relative tolerance. It is small because stress is proportional to the span, and inversely
+ * proportional to the thickness and to the square of the height. */
 static const double tolerance = 0.01;
 
-/* Positions along the beam of the parts of an end, of all parts and on either side of their middle.
- * */
+/* Positions along the beam of the parts of an end: of all parts, and of those on either side of
+ * their middle. */
 typedef struct places {
     bool known; /* a wall has no position along itself */
     double low, high, left_high, right_low;
@@ -29,7 +29,7 @@ typedef struct places {
 
 typedef struct visit {
     places *into;
-    bool sides; /* true if the middle is known */
+    bool sides; /* the middle is known, so that parts are sorted by side */
     double middle;
 } visit;
 
@@ -61,7 +61,8 @@ static void visit_motion(const gn_solids *solids, size_t motion, size_t axis, co
         add(v, nodes->start[4 * (size_t)set->node[k] + axis], 0);
 }
 
-/* A body extends to its reach from its reference point, whatever its orientation. */
+/* The position of a body along the beam is that of its reference point, plus and minus its reach,
+ * whatever its orientation. */
 static void visit_body(const gn_boundary *boundary, size_t body, size_t axis, const visit *v) {
     size_t first = 0;
     double reach = 0.0;
@@ -73,7 +74,7 @@ static void visit_body(const gn_boundary *boundary, size_t body, size_t axis, co
     add(v, boundary->bodies[body].start[axis], reach);
 }
 
-/* Returns false if a wall is among the parts of the end. */
+/* Visits the parts of an end; returns false if one of them is a wall. */
 static bool visit_end(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       const gn_solids *solids, const gn_test_end *end, size_t axis,
                       const visit *v) {
@@ -110,7 +111,7 @@ typedef struct report {
     size_t size, used, before; /* the message begins with the place */
 } report;
 
-/* Compares a number of the test with its range in the scene. */
+/* Compares a value of the test with its range in the specimen. */
 static void hold(report *r, const char *key, double given, double low, double high,
                  const char *what) {
     const double slack = tolerance * fmax(fabs(given), fabs(high));
@@ -125,7 +126,8 @@ static void hold(report *r, const char *key, double given, double low, double hi
     r->used += more > 0 ? (size_t)more : 0;
 }
 
-/* Axis of the beam: across the load in 2D; in 3D the longer of the sides across the load. */
+/* Returns the axis of the beam: in 2D the one across the load; in 3D the longer of the two sides
+ * across the load. */
 static size_t along_beam(const gn_step_context *ctx, const gn_solids *solids) {
     size_t axis = (size_t)ctx->scene.test.axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
     if (ctx->scene.dimension == 2) return 1 - axis;
@@ -145,7 +147,7 @@ static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_b
         hold(r, "load_span", t->given.load_span, fmax(0.0, apart), loads.high - loads.low,
              "the loads are apart by");
     if (!supports->known || r->used >= r->size) return;
-    /* A single particle, node or body is on one side. */
+    /* A single particle, node or body is on one side only. */
     const bool two = isfinite(supports->left_high) && isfinite(supports->right_low);
     const double slack = tolerance * t->given.span,
                  low = two ? 0.5 * (supports->low + supports->right_low) : supports->low,
@@ -160,13 +162,14 @@ static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     r->used += more > 0 ? (size_t)more : 0;
 }
 
-/* The surface of particles that are not packed into a shape is known to a radius. */
+/* Checks the extent. The surface of particles that were not packed into a shape is known to within
+ * a radius. */
 static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                         const char *key, double given, size_t axis, report *r) {
     const gn_pack_def *pack = &ctx->scene.specimen.pack;
     double low = gn_tested_side(ctx, solids, (int)axis), high = low;
     if (!(given > 0.0)) return;
-    /* Extent of the elements, or of the body with its particles, which protrude a little. */
+    /* Extent of the elements, or of a body with particles, which protrude a little. */
     if (ctx->scene.has_couple) {
         double side[3];
         gn_elements_sides(solids, side);
@@ -188,8 +191,8 @@ static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_
     hold(r, key, given, low, high, "the specimen has");
 }
 
-/* Returns the depth of the deepest corner of an outline between the supports that is neither lowest
- * nor highest; below 0: no notch is recognised. */
+/* Returns the depth of the deepest corner of an outline between the supports that is neither a
+ * lowest nor a highest one; below 0: no notch is recognised. */
 static double notch_of(const gn_step_context *ctx, size_t along, const places *supports) {
     const gn_scene *s = &ctx->scene;
     const gn_pack_def *pack = &s->specimen.pack;
@@ -231,7 +234,7 @@ bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     if (ctx->scene.dimension == 3)
         hold_extent(ctx, dem, solids, "thickness", t->given.thickness, 3 - axis - along, &r);
     const double notch = notch_of(ctx, along, &supports);
-    /* A shape without a notch may have one cut by groups that do not bond. */
+    /* In a shape without a notch, groups that do not bond may form one. */
     const bool whole = notch == 0.0 && ctx->scene.has_elements && ctx->scene.elements.has_beam &&
                        !ctx->scene.has_specimen;
     if (notch > 0.0 || whole)

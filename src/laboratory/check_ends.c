@@ -26,7 +26,7 @@
 typedef struct reach {
     double low, high, sum; /* m */
     size_t count;          /* 0: no extent is known */
-    bool bodies;           /* alone */
+    bool bodies;           /* the end consists of bodies alone */
 } reach;
 
 static void add(reach *r, double x) {
@@ -126,7 +126,7 @@ static int64_t shared_nodes(const gn_solids *solids, size_t one, size_t other) {
     return shared;
 }
 
-/* A particle or node in both ends is loaded by neither. */
+/* Refuses a particle or node that belongs to both ends, because neither would load it. */
 static gneiss_status check_shared(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_solids *solids, const char *lower, const char *upper,
                                   gneiss_error *error) {
@@ -168,11 +168,11 @@ static bool beside(const gn_step_context *ctx, int way, const reach *r) {
     return r->bodies && (r->high <= ctx->lower[way] || r->low >= ctx->upper[way]);
 }
 
-/* Bits of a face: the lower one, the upper one. */
+/* Bits of a set of faces: the lower and the upper one. */
 enum { LOWER_FACE = 1, UPPER_FACE = 2 };
 
-/* Returns the faces across a direction at which a part of an end is: in the outer third, and at
- * least as far out as the outermost particles there. */
+/* Returns the faces across a direction at which a part of an end is: the part is in the outer
+ * third, and at least as far out as the outermost particles there. */
 static int face_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                    const gn_solids *solids, int way, const char *name) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0,
@@ -196,8 +196,9 @@ static bool on_one_face(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return faces != 0;
 }
 
-/* The ends of a general test may bend a beam across themselves or pull an inclusion out: they are
- * only refused if they are upside down, at one face, or press from one side alone. */
+/* Returns the error in the positions of the ends. Those of a general test may bend a beam
+ * transversely or pull an inclusion out, so that they are refused only if they are upside down, at
+ * the same face, or press from one side alone. */
 static const char *wrong(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          const gn_solids *solids, int way, const reach *lower, const reach *upper) {
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
@@ -214,7 +215,7 @@ static const char *wrong(const gn_step_context *ctx, const gn_dem *dem, const gn
     return NULL;
 }
 
-/* Tells whether a wall beside the ends lies on the specimen and presses there, or is fixed. */
+/* Tells whether a wall other than the ends touches the specimen and presses on it, or is fixed. */
 static bool wall_bears(const gn_step_context *ctx, const gn_dem *dem, size_t wall, double sense) {
     const gn_scene *s = &ctx->scene;
     const gn_wall_def *def = &s->walls[wall];
@@ -224,7 +225,8 @@ static bool wall_bears(const gn_step_context *ctx, const gn_dem *dem, size_t wal
     return def->servo.active || fabs(def->point[way] - face) < gn_dem_mean_radius(dem);
 }
 
-/* An end that is neither held nor pressed can be loaded by walls; only particles touch walls. */
+/* Tells whether walls can load the end: it is neither held nor pressed, and there are particles,
+ * because only they touch walls. */
 static bool walls_bear(const gn_step_context *ctx, const gn_dem *dem) {
     bool below = gn_scene_end_has_normal_load(&ctx->scene, &ctx->scene.test.lower),
          above = gn_scene_end_has_normal_load(&ctx->scene, &ctx->scene.test.upper);
@@ -264,16 +266,16 @@ gneiss_status gn_ends_check(const gn_step_context *ctx, const gn_dem *dem,
     return what ? fail(ctx, way, &lower, &upper, what, error) : GNEISS_OK;
 }
 
-/* Walls that are ends of a test, relative to the specimen at the start. */
+/* --- walls that are ends of a test, relative to the specimen at the start --- */
 
-/* A flat removes little of a disc: one of 30 degrees 1.7 % of the diameter. */
+/* A flat removes little of a disc: one of 30 degrees removes 1.7 % of the diameter. */
 static const double deep = 0.025, far = 0.1, tilted = 2.0; /* shares of the extent, degrees */
 
 static int way_of(const gn_step_context *ctx) {
     return (int)ctx->scene.test.axis;
 }
 
-/* Mean normal of the walls of an end along the axis, over its length; 1: there are none. */
+/* Returns the component along the axis of the mean normal of an end's walls; 1: there are none. */
 static double cosine_of(const gn_step_context *ctx, const gn_test_end *end) {
     double sum[3] = {0.0};
     size_t walls = 0;
@@ -286,15 +288,15 @@ static double cosine_of(const gn_step_context *ctx, const gn_test_end *end) {
     return walls && length > 0.0 ? fmin(1.0, fabs(sum[way_of(ctx)]) / length) : 1.0;
 }
 
-/* Depth, m, of a wall inside the specimen, below 0 outside of it. */
+/* Returns the depth, m, of a wall inside the specimen; negative: it is outside. */
 static double depth_of(const gn_step_context *ctx, const gn_wall_def *wall) {
     const int way = way_of(ctx);
     return wall->normal[way] > 0.0 ? wall->point[way] - ctx->lower[way]
                                    : ctx->upper[way] - wall->point[way];
 }
 
-/* A specimen that falls or flows in, and a wall with a stage or a servo, may come into contact
- * later. */
+/* Tells whether a wall may come into contact later: the specimen falls or flows in, or the wall has
+ * a stage or a servo. */
 static bool may_come(const gn_step_context *ctx, const gn_wall_def *wall) {
     const gn_scene *s = &ctx->scene;
     return wall->servo.active || s->source_count || gn_dot3(s->gravity, s->gravity) > 0.0;
@@ -337,9 +339,9 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     char doubt[240];
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     if (!d->ends || d->sign > 0 || d->beam) return false;
-    /* An unbonded initial state becomes another specimen when stages have bonded it. */
+    /* An unbonded initial state becomes a different specimen if stages bond it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return false;
-    /* With particles beside elements either may be the specimen. */
+    /* If there are particles and elements, either may be the specimen. */
     if (!dem->particles.soa.count == !solids->count) return false;
     for (int e = 0; e < 2; e++) {
         if (!doubt_of_end(ctx, dem, ends[e], doubt, sizeof doubt)) continue;
@@ -351,10 +353,10 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     return false;
 }
 
-/* Tells whether an oedometer has walls at both sides of its specimen. */
+/* --- walls at both sides of the specimen of an oedometer --- */
 
-/* A wall farther from the specimen than this share of its width, or than a particle, does not hold
- * it. */
+/* A wall whose distance from the specimen exceeds this share of the specimen's width, or a
+ * particle, does not hold it. */
 static const double near_by = 0.1;
 
 static double reach_beside(const gn_step_context *ctx, const gn_dem *dem, int a) {
@@ -362,7 +364,7 @@ static double reach_beside(const gn_step_context *ctx, const gn_dem *dem, int a)
     return dem->particles.soa.count ? fmax(share, 2.0 * gn_dem_mean_radius(dem)) : share;
 }
 
-/* `sense` -1: the lower side, +1: the upper one. */
+/* Returns the face of the specimen at a side; `sense` -1: the lower side, +1: the upper one. */
 static double face(const gn_step_context *ctx, int a, int sense) {
     return sense < 0 ? ctx->lower[a] : ctx->upper[a];
 }
@@ -448,7 +450,7 @@ gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids,
                              gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
-    /* Stages may move sides closer; elements beside particles may be the sides. */
+    /* Stages may move sides closer; with particles, elements may be the sides. */
     if (!gn_scene_test(s)->sides_stand || s->stage_count || s->source_count ||
         (s->has_specimen && solids->count))
         return GNEISS_OK;

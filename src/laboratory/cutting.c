@@ -2,6 +2,7 @@
 
 #include "base/ball.h"
 #include "base/new.h"
+#include "base/sort.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/overlap.h"
@@ -10,6 +11,7 @@
 #include "particles/fragments.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
+#include "scene/stages.h"
 #include "soa/records.h"
 #include "surfaces/body_shape.h"
 
@@ -18,8 +20,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Steps between two updates of the contacts along the rim. */
-enum { RIM_EVERY = 10 };
+/* Steps between two samples of the contacts of the tool. */
+enum { SAMPLE_EVERY = 10 };
 
 static size_t tool_of(const gn_step_context *ctx) {
     return (size_t)gn_scene_find_body(&ctx->scene, ctx->scene.test.tool);
@@ -42,12 +44,26 @@ static double arc_of(const gn_step_context *ctx) {
 
 /* --- the start --- */
 
-/* Sense of the first velocity along the cut that is prescribed; 0: none is (yet). */
-static double direction_of(const gn_step_context *ctx) {
-    const gn_table *along = &definition(ctx)->motion.velocity[ctx->scene.test.axis];
+/* Sense of the first velocity along the cut that a scene prescribes; 0: none. */
+static double direction_in(const gn_scene *scene) {
+    const gn_body_def *def = &scene->bodies[gn_scene_find_body(scene, scene->test.tool)];
+    const gn_table *along = &def->motion.velocity[scene->test.axis];
     for (size_t k = 0; k < along->count; k++)
         if (along->value[k] != 0.0) return copysign(1.0, along->value[k]);
     return 0.0;
+}
+
+/* Finds the sense of the first velocity that any stage prescribes. */
+static gneiss_status find_direction(const gn_step_context *ctx, double *direction,
+                                    gneiss_error *error) {
+    *direction = direction_in(&ctx->scene);
+    for (size_t k = 1; k < ctx->given.stage_count && *direction == 0.0; k++) {
+        gn_scene stage;
+        GN_TRY(gn_scene_stage(&ctx->given, k, &stage, error));
+        *direction = direction_in(&stage);
+        gn_scene_free(&stage);
+    }
+    return GNEISS_OK;
 }
 
 static gneiss_status fail(const gn_step_context *ctx, const char *key, gneiss_error *error,
@@ -109,7 +125,8 @@ gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn
     if (!gn_scene_test(&ctx->scene)->tool) return GNEISS_OK;
     gn_tested_extent(ctx, solids, lower, upper);
     const double place = boundary->bodies[tool_of(ctx)].start[normal];
-    *c = (gn_cutting){.direction = direction_of(ctx)};
+    *c = (gn_cutting){.moves = direction_in(&ctx->scene) != 0.0};
+    GN_TRY(find_direction(ctx, &c->direction, error));
     c->outward = place > 0.5 * (lower[normal] + upper[normal]) ? 1.0 : -1.0;
     c->surface = c->outward > 0.0 ? upper[normal] : lower[normal];
     for (size_t p = 0; p < dem->particles.soa.count; p++)
@@ -143,46 +160,64 @@ void gn_cutting_force(const gn_step_context *ctx, const gn_boundary *boundary, c
     in_axes(ctx, c, boundary->bodies[tool_of(ctx)].force, force);
 }
 
-/* Adds the forces of the contacts of a disc cutter to the bins of their angles. */
-static void add_rim(const gn_step_context *ctx, const gn_boundary *boundary, gn_cutting *c) {
+/* Adds the force of a contact of a disc cutter to the bin of its angle. */
+static void add_to_rim(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
+                       gn_cutting *c) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    const double *centre = boundary->bodies[tool_of(ctx)].position;
+    const int axis = (int)ctx->scene.test.axis, normal = (int)ctx->scene.test.normal;
+    const double *f = q->row + 8 * k, on_tool[3] = {-f[0], -f[1], -f[2]};
+    const double along =
+                     c->direction * (q->touch[k + (size_t)axis * q->soa.capacity] - centre[axis]),
+                 down =
+                     c->outward * (centre[normal] - q->touch[k + (size_t)normal * q->soa.capacity]);
+    const double bin = (atan2(along, down) / arc_of(ctx) + 0.5) * GN_RIM_BINS_OF_ARC;
+    double part[GN_CUT_AXES], *sum = c->rim[(size_t)fmax(0.0, fmin(GN_RIM_BINS - 1.0, floor(bin)))];
+    in_axes(ctx, c, on_tool, part);
+    for (int a = 0; a < GN_CUT_AXES; a++) sum[a] += part[a];
+}
+
+/* Samples the contacts of the tool. Those of a particle with several facets follow each other, and
+ * its cross-section (2D: diameter times 1 m) counts once. */
+static void sample(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                   gn_cutting *c) {
     const gn_wall_contacts *q = &boundary->contacts;
     const size_t walls = ctx->scene.wall_count, tool = tool_of(ctx);
-    const double *centre = boundary->bodies[tool].position;
-    const int axis = (int)ctx->scene.test.axis, normal = (int)ctx->scene.test.normal;
-    const double arc = arc_of(ctx);
+    const bool disc = radius_of(ctx) > 0.0;
+    int32_t last = -1;
     for (size_t k = 0; k < q->soa.count; k++) {
-        const double *f = q->row + 8 * k, on_tool[3] = {-f[0], -f[1], -f[2]};
+        const double *f = q->row + 8 * k;
         if ((size_t)q->wall[k] < walls || !(gn_dot3(f, f) > 0.0)) continue;
         if (gn_surface_of_row(ctx, boundary, k)->body != (int32_t)tool) continue;
-        const double along = c->direction *
-                             (q->touch[k + (size_t)axis * q->soa.capacity] - centre[axis]),
-                     down = c->outward *
-                            (centre[normal] - q->touch[k + (size_t)normal * q->soa.capacity]);
-        const double bin = (atan2(along, down) / arc + 0.5) * GN_RIM_BINS_OF_ARC;
-        double part[GN_CUT_AXES],
-            *sum = c->rim[(size_t)fmax(0.0, fmin(GN_RIM_BINS - 1.0, floor(bin)))];
-        in_axes(ctx, c, on_tool, part);
-        for (int a = 0; a < GN_CUT_AXES; a++) sum[a] += part[a];
+        if (disc) add_to_rim(ctx, boundary, k, c);
+        if (q->i[k] == last) continue;
+        last = q->i[k];
+        const double radius = dem->particles.pos[4 * (size_t)last + 3];
+        c->touched += ctx->scene.dimension == 2 ? 2.0 * radius : M_PI * radius * radius;
     }
     c->samples += 1.0;
 }
 
-gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                             gn_cutting *c, gneiss_error *error) {
+void gn_cutting_add(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    gn_cutting *c) {
     double force[GN_CUT_AXES];
-    if (c->direction == 0.0 && (c->direction = direction_of(ctx)) != 0.0) {
+    if (c->moves == 0.0 && direction_in(&ctx->scene) != 0.0) {
         c->loose = c->solid - gn_dem_anchored_volume(ctx, dem);
-        GN_TRY(find_path(ctx, boundary, c, error));
+        c->moves = 1.0;
     }
     gn_cutting_force(ctx, boundary, c, force);
     for (int a = 0; a < GN_CUT_AXES; a++) {
         c->seen[a] = c->impulse[a] + 0.5 * ctx->dt_past * force[a];
         c->impulse[a] = c->seen[a] + 0.5 * ctx->dt * force[a];
     }
-    if (ctx->step % RIM_EVERY != 0 || !(radius_of(ctx) > 0.0)) return GNEISS_OK;
-    const double path = gn_cutting_path(ctx, boundary, c);
-    if (path >= c->begin && path <= c->end) add_rim(ctx, boundary, c);
-    return GNEISS_OK;
+    if (c->moves == 0.0) return;
+    const double path = gn_cutting_path(ctx, boundary, c), place[2] = {c->begin, c->end};
+    for (int k = (int)c->reached; k < 2 && path >= place[k]; k++) {
+        if (ctx->effects & GN_FX_BONDS) c->removed[k] = gn_cutting_removed(ctx, dem, c);
+        c->reached = k + 1;
+    }
+    if (ctx->step % SAMPLE_EVERY == 0 && path >= c->begin && path <= c->end)
+        sample(ctx, dem, boundary, c);
 }
 
 /* --- volume of the cut --- */
@@ -192,10 +227,6 @@ double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const g
     const double removed = c->solid - gn_dem_anchored_volume(ctx, dem) - c->loose;
     /* Rounding of the two sums is no removed rock. */
     return fmax(0.0, removed - 1e-12 * c->solid) * ctx->volume / c->solid;
-}
-
-static int ascending(const void *a, const void *b) {
-    return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
 }
 
 /* Depth, m, at the start above which 95 % of the broken bonds lie. NaN: there are none, or there is
@@ -215,9 +246,7 @@ static double damage_depth(const gn_step_context *ctx, const gn_dem *dem, const 
             c->outward * (c->surface - 0.5 * (start[4 * (size_t)bonds->i[k] + normal] +
                                               start[4 * (size_t)bonds->j[k] + normal]));
     }
-    if (!count) return NAN;
-    qsort(depth, count, sizeof *depth, ascending);
-    return depth[(size_t)(0.95 * (double)(count - 1))];
+    return count ? gn_ranked_number(depth, count, (size_t)(0.95 * (double)(count - 1))) : NAN;
 }
 
 /* Tells whether a chisel or a wedge cuts in the sense in which its rake angle is given. */
@@ -243,7 +272,10 @@ gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem, const 
                   .tensile = t->given.tensile_strength,
                   .exponent = t->pressure_exponent,
                   .friction = atan(def->friction),
-                  .damage_depth = damage_depth(ctx, dem, c)};
+                  .damage_depth = damage_depth(ctx, dem, c),
+                  .contact_area = c->touched / c->samples,
+                  .removed = (c->reached > 1.0 ? c->removed[1] : gn_cutting_removed(ctx, dem, c)) -
+                             c->removed[0]};
     switch (gn_body_tool(def)) {
     case GN_TOOL_DISC_CUTTER:
         cut.tool = GN_CUT_DISC;

@@ -19,15 +19,19 @@ enum { GN_CUT_NORMAL, GN_CUT_ROLLING, GN_CUT_SIDE, GN_CUT_AXES };
 
 /* State, doubles only: checkpoints store it as it is. */
 struct gn_cutting {
-    double direction;  /* +1, -1: sense of the motion along the axis; 0: it has not moved yet */
+    double direction;  /* +1, -1: sense of the motion along the axis; 0: it never moves */
+    double moves;      /* 1: the present stage or an earlier one moves it */
     double outward;    /* +1, -1: sense of the outward normal of the rock's surface */
     double surface;    /* m: place of that surface along the normal at the start */
     double begin, end; /* m: path of the means */
     double loose;      /* m3 of particles that were not anchored when the tool began to move */
     double solid;      /* m3 of all particles at the start */
+    double reached;    /* 1: the tool has come to the path of the means, 2: to its end */
+    double removed[2]; /* m3 that had come off there */
     double impulse[GN_CUT_AXES];          /* N s, including the half step after the last instant */
     double seen[GN_CUT_AXES];             /* N s, up to the last instant */
     double rim[GN_RIM_BINS][GN_CUT_AXES]; /* N, sums over the samples */
+    double touched; /* m2, sum over the samples: cross-sections of the particles at the tool */
     double samples;
 };
 
@@ -37,8 +41,8 @@ struct gn_cutting {
 gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_cutting *cutting, gneiss_error *error);
 /* Adds the forces of the instant, once works up to it are booked. */
-gneiss_status gn_cutting_add(gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                             gn_cutting *cutting, gneiss_error *error);
+void gn_cutting_add(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    gn_cutting *cutting);
 
 /* Path of the tool along the cut since the start, m. */
 double gn_cutting_path(const gn_step_context *ctx, const gn_boundary *boundary,

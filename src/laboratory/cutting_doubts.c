@@ -6,10 +6,14 @@
 #include "frame/frame.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
+#include "scene/stages.h"
 #include "surfaces/body_shape.h"
 
 #include <math.h>
 #include <stdio.h>
+
+/* Most stages through which a prescribed motion is followed. */
+enum { STAGES_FOLLOWED = 64 };
 
 typedef struct cut {
     const gn_step_context *ctx;
@@ -87,42 +91,72 @@ bool gn_cutting_depth_differs(const gn_step_context *ctx, const double depth[2],
     return true;
 }
 
-/* Follows the prescribed motion until the tool has come `path` along the cut or the run ends.
- * Returns the path that it has come, m; `rise`: its path out of the rock, m. */
-static double follow(const cut *q, double path, double *rise) {
+/* Prescribed motion of the tool so far. */
+typedef struct course {
+    double start[STAGES_FOLLOWED]; /* s, of each stage */
+    double came, rise;             /* m, along the cut and out of the rock */
+} course;
+
+/* Follows the motion that a scene prescribes until the tool has come `path` or the time ends. */
+static void follow_scene(const cut *q, const gn_scene *scene, double from, double to, double path,
+                         course *c) {
     enum { PARTS = 4000 };
-    const gn_table *velocity = q->def->motion.velocity;
-    const double part = q->ctx->scene.end / PARTS;
-    double came = 0.0;
-    *rise = 0.0;
-    for (int k = 0; k < PARTS && came < path; k++) {
-        came +=
-            q->state->direction * gn_table_between(velocity + q->axis, k * part, (k + 1) * part);
-        *rise +=
-            q->state->outward * gn_table_between(velocity + q->normal, k * part, (k + 1) * part);
+    const gn_table *velocity = scene->bodies[q->tool].motion.velocity;
+    const double part = (to - from) / PARTS;
+    for (int k = 0; k < PARTS && c->came < path; k++) {
+        const double begin = from + k * part, end = from + (k + 1) * part;
+        c->came += q->state->direction * gn_table_between(velocity + q->axis, begin, end);
+        c->rise += q->state->outward * gn_table_between(velocity + q->normal, begin, end);
     }
-    return came;
 }
 
-static bool is_followed(const cut *q) {
-    return !q->ctx->given.stage_count && q->state->direction != 0.0;
+/* Times in a table that a stage gives count from its start. */
+static void start_table(void *context, gn_table *table) {
+    const course *c = context;
+    for (size_t k = 0; k < table->count && table->stage; k++)
+        table->time[k] += c->start[table->stage - 1];
+}
+
+/* Follows the prescribed motion through all stages; false: the duration of a stage before the end
+ * of that path is not known. */
+static bool follow(const cut *q, double path, course *c) {
+    const gn_scene *given = &q->ctx->given;
+    *c = (course){0};
+    if (!given->stage_count) {
+        follow_scene(q, &q->ctx->scene, 0.0, q->ctx->scene.end, path, c);
+        return q->state->direction != 0.0;
+    }
+    if (given->stage_count > STAGES_FOLLOWED || q->state->direction == 0.0) return false;
+    for (size_t s = 0; s < given->stage_count && c->came < path; s++) {
+        gn_scene stage;
+        const bool last = s + 1 == given->stage_count;
+        const double length = gn_stage_length(&given->stages[s], q->ctx->dt),
+                     end = fmin(given->end, c->start[s] + length);
+        if (!last && !isfinite(length)) return false;
+        if (gn_scene_stage(given, s, &stage, NULL) != GNEISS_OK) return false;
+        gn_scene_tables(&stage, start_table, c);
+        follow_scene(q, &stage, c->start[s], end, path, c);
+        gn_scene_free(&stage);
+        if (!last) c->start[s + 1] = end;
+    }
+    return true;
 }
 
 static bool depth_differs(const cut *q, char *text, size_t size) {
-    double rise[2], depth[2];
-    if (!is_followed(q) || (q->def->free && !q->def->motion.velocity[q->normal].count))
+    course at[2];
+    double depth[2];
+    if ((q->def->free && !q->def->motion.velocity[q->normal].count) ||
+        !follow(q, q->state->begin, &at[0]) || !follow(q, q->state->end, &at[1]))
         return false;
-    follow(q, q->state->begin, &rise[0]);
-    follow(q, q->state->end, &rise[1]);
     for (int k = 0; k < 2; k++)
-        depth[k] = gn_cutting_depth_at_start(q->ctx, q->boundary, q->state) - rise[k];
+        depth[k] = gn_cutting_depth_at_start(q->ctx, q->boundary, q->state) - at[k].rise;
     return gn_cutting_depth_differs(q->ctx, depth, text, size);
 }
 
 static bool is_short(const cut *q, char *text, size_t size) {
-    double rise;
-    if (!is_followed(q)) return false;
-    const double came = follow(q, q->state->end, &rise);
+    course c;
+    if (!follow(q, q->state->end, &c)) return false;
+    const double came = c.came;
     if (came > (1.0 - 1e-3) * q->state->end) return false;
     snprintf(text, size,
              "%s: until time.end (%g s) the tool comes %.4g m far, means are taken from %.4g m to "

@@ -21,7 +21,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Displacement of a part since the start along the axis. */
+/* Returns the displacement of a part since the start along the axis. */
 static double part_travel(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_boundary *boundary, const gn_solids *solids, const char *name,
                           int axis) {
@@ -46,8 +46,8 @@ static double end_travel(const gn_step_context *ctx, const gn_dem *dem, const gn
     return sum / (double)end->count;
 }
 
-/* A wall along the sheared plane that does not move along it, as a lid with a servo, only presses
- * and does not count for the shear displacement. */
+/* Tells whether a part only presses: a wall along the sheared plane that does not move along it,
+ * such as a lid with a servo, does not count for the shear displacement. */
 static bool only_presses(const gn_step_context *ctx, const char *name, int axis) {
     const int wall = gn_scene_find_wall(&ctx->scene, name);
     if (wall < 0 || !gn_scene_test(&ctx->scene)->sheared) return false;
@@ -55,7 +55,8 @@ static bool only_presses(const gn_step_context *ctx, const char *name, int axis)
     return !def->motion.velocity[axis].count && fabs(def->normal[axis]) < 0.1;
 }
 
-/* Travel of an end of the test along its axis; if it has only such walls, all count. */
+/* Returns the displacement of an end of the test along its axis; if all of its parts only press,
+ * all count. */
 static double loaded_travel(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids,
                             const gn_test_end *end) {
@@ -69,7 +70,7 @@ static double loaded_travel(const gn_step_context *ctx, const gn_dem *dem,
     return count > 0.0 ? sum / count : end_travel(ctx, dem, boundary, solids, end, axis);
 }
 
-/* Force with which a part loads the specimen along the axis. */
+/* Returns the force with which a part loads the specimen along the axis. */
 static double part_force(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          const gn_solids *solids, const char *name, int axis) {
     const gn_scene *s = &ctx->scene;
@@ -156,8 +157,8 @@ double gn_ends_dilation(const gn_step_context *ctx, const gn_dem *dem, const gn_
            end_travel(ctx, dem, boundary, solids, &t->lower, normal);
 }
 
-/* Largest position along `sense` (+1, -1) times the normal, times `sense`; -infinity: not known
- * (yet). */
+/* Returns the position farthest in the direction `sense` (+1, -1) along the normal, times `sense`;
+ * -infinity: it is not known yet. */
 static double body_reach(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                          double sense) {
     const int normal = (int)ctx->scene.test.normal;
@@ -225,21 +226,21 @@ double gn_ends_free(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
     return gap > least && gap < height ? gap : height;
 }
 
-/* Ends that start away from the specimen: their approach is no strain. */
+/* --- ends that start away from the specimen, whose approach is no strain --- */
 
-/* Distance from which an end touches, as a share of a mean radius (without particles, of the
- * length). */
+/* Distance at which an end counts as touching, as a fraction of a mean radius (without particles:
+ * of the length). */
 static const double touching = 1e-3, touching_elements = 1e-6;
 
-/* Gap, m, from the specimen to a wall across the axis. `sense` +1: the lower end. */
+/* Returns the gap, m, from the specimen to a wall across the axis. `sense` +1: the lower end. */
 static double wall_gap(const gn_step_context *ctx, const gn_wall_def *wall, double sense,
                        double surface) {
     const int axis = (int)ctx->scene.test.axis;
     return sense * wall->normal[axis] > 0.99 ? sense * (surface - wall->point[axis]) : 0.0;
 }
 
-/* Gap, m, to the plane across the axis that touches a body, so that it is never above the real
- * one. */
+/* Returns the gap, m, to the plane across the axis that touches a body, which is never above the
+ * gap to the body. */
 static double body_gap(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                        double sense, double surface) {
     const int axis = (int)ctx->scene.test.axis;
@@ -255,7 +256,7 @@ static double body_gap(const gn_step_context *ctx, const gn_boundary *boundary, 
     return gap;
 }
 
-/* Smallest gap of all parts; sets and motions are in the specimen. */
+/* Returns the smallest gap of all parts; sets and motions are in the specimen. */
 static double end_gap(const gn_step_context *ctx, const gn_boundary *boundary,
                       const gn_solids *solids, const gn_test_end *end, double sense) {
     const gn_scene *s = &ctx->scene;
@@ -275,8 +276,8 @@ static double end_gap(const gn_step_context *ctx, const gn_boundary *boundary,
     return gap;
 }
 
-/* Largest gap, m, that counts as contact. Loose grains fill the space between their walls: their
- * gap to the nearest wall is not smaller than that to each other. */
+/* Returns the largest gap, m, that counts as contact. Loose grains fill the space between their
+ * walls: their gap to the nearest wall is about that to each other. */
 static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
     const double count = (double)dem->particles.soa.count, d = (double)ctx->scene.dimension;
     if (!(count > 0.0))
@@ -314,8 +315,8 @@ void gn_ends_note_contact(gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
     double lower, upper;
     if (a->away[0] == 0.0 && a->away[1] == 0.0) return;
     gn_ends_forces(ctx, dem, boundary, solids, &lower, &upper);
-    /* Both ends count in one step, because a specimen that one end pushes moves towards the other.
-     * */
+    /* Both ends must touch in one step, because a specimen that one end pushes moves towards the
+     * other. */
     if ((a->away[0] != 0.0 && lower == 0.0) || (a->away[1] != 0.0 && upper == 0.0)) return;
     a->away[0] = a->away[1] = 0.0;
     gn_ranks_whole(ctx->ranks);
@@ -332,10 +333,10 @@ double gn_ends_shortening(const gn_step_context *ctx, const gn_dem *dem,
                : gn_ends_deflection(ctx, dem, boundary, solids) - a->way;
 }
 
-/* Steps between two readings. */
+/* Number of steps between two readings. */
 enum { LOOK_INTERVAL = 10 };
 
-/* Strain across the axis, extension positive. */
+/* Returns the strain across the axis, extension positive. */
 static double lateral_strain(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              const gn_gauge *gauge) {
     double gradient[9], g[9], sum = 0.0;
@@ -363,10 +364,11 @@ void gn_control_create(gn_step_context *ctx) {
     ctx->machine = (gn_machine){.wanted = rate(c) * c->response, .factor = 1.0};
 }
 
-/* The target grows at the rate, but is never ahead of the reading by more than the motion makes up
- * at full speed: a reading that lags during elastic loading leaves no backlog for the moment of
- * failure. The factor is the distance over that, so it is 1 while the reading lags, falls as it
- * approaches, and is bounded both ways for any reading. */
+/* The target grows at the given rate, but is never ahead of the reading by more than the motion
+ * makes up at full speed, so that a reading that lags during elastic loading leaves no backlog for
+ * the moment of failure. The factor is the ratio of the distance from the target to this largest
+ * distance: it is 1 while the reading lags, decreases as the reading approaches, and is bounded on
+ * both sides for any reading. */
 void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, gn_solids *solids,
                        gn_gauge *gauge) {
     const gn_control *c = &ctx->scene.test.control;
@@ -374,14 +376,15 @@ void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
     if (!ctx->scene.test.has_control || ctx->step % LOOK_INTERVAL != 0) return;
     gn_ranks_whole(ctx->ranks);
     const double now = reading(ctx, dem, boundary, solids, gauge), most = rate(c) * c->response;
-    if (isnan(now)) return; /* too little of the specimen remains for a reading */
+    if (isnan(now)) return; /* too little of the specimen is left for a reading */
     m->wanted = fmin(m->wanted + rate(c) * (ctx->time - m->looked), now + most);
     m->looked = ctx->time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));
 }
 
-/* Tells whether a particle counts for the travel of a set: if the set prescribes the velocity, the
- * particles that take it from the set, else all that were selected at the start. */
+/* Tells whether a particle counts for the displacement of a set: if the set prescribes the
+ * velocity, the particles whose velocity it prescribes, else all that were selected at the start.
+ */
 static bool travels(const gn_step_context *ctx, const gn_dem *dem, size_t set, int axis, size_t p) {
     const gn_particles *q = &dem->particles;
     const gn_set_def *s = &ctx->scene.sets[set];

@@ -21,8 +21,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Mean section, m2, across an axis of the particles' volume, enlarged by the ratio of the sides if
- * they fill a part of the body (`couple`). */
+/* Returns the mean section, m2, across an axis from the particles' volume, enlarged by the ratio of
+ * the sides if they fill a part of the body (`couple`). */
 static double mean_section(const gn_step_context *ctx, const gn_solids *solids, int axis) {
     double section = ctx->volume / (ctx->upper[axis] - ctx->lower[axis]);
     for (int a = 0; ctx->scene.has_couple && a < (int)ctx->scene.dimension; a++)
@@ -30,15 +30,15 @@ static double mean_section(const gn_step_context *ctx, const gn_solids *solids, 
     return section;
 }
 
-/* Section, m2, from the area or the diameter of the scene; 0: neither is given. */
+/* Returns the section, m2, from the area or the diameter in the scene; 0: neither is given. */
 static double given_section(const gn_step_context *ctx) {
     const double area = ctx->scene.test.given.area, d = ctx->scene.test.given.diameter;
     if (area > 0.0) return area;
     return ctx->effects & GN_FX_SPACE ? 0.25 * M_PI * d * d : d;
 }
 
-/* Extent, m, along the axis; for loose grains the distance of the ends, between which they fill the
- * space. */
+/* Returns the extent, m, along the axis; for loose grains, which fill the space between the ends,
+ * the distance of the ends. */
 static double prism_length(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const gn_solids *solids) {
     double lower, upper;
@@ -58,8 +58,8 @@ static void add_prism(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
         ctx->scene.has_couple ? mean_section(ctx, solids, x->axis) : ctx->volume / x->length;
 }
 
-/* With periodic sides the sheared specimen is between the ends, over the whole box. Other ends may
- * hold most of the height, but the section is the mean one all the same. */
+/* Adds the sheared part. With periodic sides it is between the ends, over the whole box. Other ends
+ * may hold most of the height, but the section is the mean one all the same. */
 static void add_sheared(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids, gn_tested_specimen *x) {
     const int normal = (int)ctx->scene.test.normal;
@@ -115,8 +115,8 @@ static region region_of(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return r;
 }
 
-/* Returns the fraction of the segment from x along l inside the region: |x + q l - centre| <
- * radius. */
+/* Returns the fraction of the segment from x along l that is inside the region: |x + q l - centre|
+ * < radius. */
 static double share_inside(const region *r, const double x[3], const double l[3]) {
     double d[2] = {x[0] - r->centre[0], x[1] - r->centre[1]};
     double a = l[0] * l[0] + l[1] * l[1], b = d[0] * l[0] + d[1] * l[1];
@@ -127,7 +127,7 @@ static double share_inside(const region *r, const double x[3], const double l[3]
     return fmax(0.0, high - low);
 }
 
-/* Contacts of a list with a share inside, in their order. */
+/* Lists the contacts that are inside the region in part, in their order. */
 static size_t choose(const gn_step_context *ctx, const gn_dem *dem, const region *r,
                      const gn_contacts *list, int32_t *chosen) {
     size_t count = 0;
@@ -157,7 +157,7 @@ static void add_contacts(const gn_step_context *ctx, const gn_dem *dem, const re
     }
 }
 
-/* Without memory the reading is not a number. */
+/* Adds the contacts of a list. Without memory the reading is not a number. */
 static bool add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                      const region *r, const gn_contacts *list, double sigma[9]) {
     gn_contacts part = {0};
@@ -185,11 +185,11 @@ void gn_test_centre_stress(const gn_step_context *ctx, const gn_dem *dem,
     for (int k = 0; k < 9; k++) sigma[k] = held ? sigma[k] / volume : NAN;
 }
 
-/* Relative tolerances: surfaces are known to a radius; larger deviations are reported, and refused
- * beyond the second. */
+/* Relative tolerances: surfaces are known to within a radius. Deviations beyond the first are
+ * reported; beyond the second they are refused. */
 static const double tolerance = 0.1, nonsense = 2.0;
 
-/* A number of a test and the range in which the specimen has it. */
+/* A size given for a test, and the range of its value in the specimen. */
 typedef struct size_given {
     const char *key, *unit;
     double given, low, high;
@@ -201,7 +201,8 @@ static double extent(const gn_step_context *ctx, int axis) {
     return ctx->upper[axis] - ctx->lower[axis];
 }
 
-/* The surface of particles that are not packed into a shape is known to a radius. */
+/* Returns a length. The surface of particles that were not packed into a shape is known to within a
+ * radius. */
 static size_given length_along(const gn_step_context *ctx, const gn_dem *dem, const char *key,
                                double given, int axis) {
     size_given s = {key, "m", given, extent(ctx, axis), extent(ctx, axis)};
@@ -220,15 +221,15 @@ static double solid_volume(const gn_step_context *ctx, const gn_dem *dem) {
     return sum;
 }
 
-/* A separate group may cut a notch into any shape. */
+/* Tells whether a group that does not bond may form a notch in any shape. */
 static bool cut_by_groups(const gn_scene *s) {
     bool cut = false;
     for (size_t k = 0; k < s->set_count; k++) cut = cut || s->sets[k].group >= 0;
     return cut;
 }
 
-/* Section across an axis: at most that of the bounding box. For prismatic shapes it is the mean
- * section; for others, which may have a waist, there is no lower limit. */
+/* Returns the section across an axis: at most that of the bounding box. For prismatic shapes it is
+ * the mean section; for others, which may have a waist, there is no lower limit. */
 static size_given section_across(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_solids *solids, int axis) {
     const gn_test *t = &ctx->scene.test;
@@ -258,9 +259,9 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     size_t count = 0;
     const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     const int way = (int)(d->sheared ? t->normal : t->axis);
-    /* An unbonded initial state becomes another specimen when stages have bonded it. */
+    /* An unbonded initial state becomes a different specimen if stages bond it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return 0;
-    /* With particles beside elements either may be the specimen. */
+    /* If there are particles and elements, either may be the specimen. */
     if (!dem->particles.soa.count == !solids->count) return 0;
     if (d->disc) {
         if (t->given.diameter > 0.0)
@@ -272,8 +273,8 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     if (!(d->prism || d->sheared) || ctx->scene.source_count) return 0;
     if (t->given.length > 0.0 && !gn_scene_periodic_along(&ctx->scene, way)) {
         sizes[count] = length_along(ctx, dem, "length", t->given.length, way);
-        /* The length may also be the distance between the ends, of sets to a radius at each
-         * side. */
+        /* The length may also be the distance between the ends; that of sets is known to within a
+         * radius at each side. */
         const double gap = d->sheared ? gn_ends_gap(ctx, dem, boundary, solids) : INFINITY,
                      sides = dem->particles.soa.count ? 2.0 * gn_dem_mean_radius(dem) : 0.0;
         sizes[count].low = fmin(sizes[count].low, fmax(0.0, gap - sides));
@@ -318,7 +319,7 @@ bool gn_geometry_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return any;
 }
 
-/* A bar in bending, a pull-out test and a sheared specimen have lengths and areas of their own:
+/* A beam, a pull-out test and a sheared specimen have lengths and areas of their own;
  * gn_geometry_doubts warns of these. */
 gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, const gn_solids *solids,
@@ -353,16 +354,17 @@ double gn_tested_side(const gn_step_context *ctx, const gn_solids *solids, int a
     return upper[axis] - lower[axis];
 }
 
-/* A bar whose section A(x) varies is shortened by F/E times the integral of 1/A under the force F,
- * so that E = F/d L m with m the mean of 1/A over the length L that is strained. The mean strain of
- * the volume is F/(E V/L), as the integral of A F/(E A) is F L/E. Both hold for slender bars, in
- * which the stress is uniform over every section. */
+/* Under the force F a bar whose section A(x) varies shortens by F/E times the integral of 1/A, so
+ * that E = F/d L m, with m the mean of 1/A over the strained length L and d the shortening. The
+ * mean strain of the volume is F/(E V/L), because the integral of A F/(E A) is F L/E. Both hold for
+ * slender bars, in which the stress is uniform over every section. */
 
 enum { SLABS_LEAST = 4, SLABS_MOST = 64 };
 
-/* Mean of A times mean of 1/A from which a section varies: packings of a prism have up to 1.005. */
+/* Product of the means of A and of 1/A from which a section counts as varying; packings of a prism
+ * have up to 1.005. */
 static const double varying = 1.02;
-/* Narrowest over mean section below which stresses are not those of a bar. */
+/* Ratio of the narrowest to the mean section below which stresses are not those of a bar. */
 static const double pointed = 0.2;
 
 typedef struct slabs {
@@ -371,7 +373,7 @@ typedef struct slabs {
     double volume[SLABS_MOST]; /* m3 */
 } slabs;
 
-/* Volume of a ball (2D: disc) below the height h over its centre. */
+/* Returns the volume of a ball (2D: disc) below the height h over its centre. */
 static double below(int dimension, double r, double h) {
     const double t = fmax(-r, fmin(r, h));
     if (dimension == 2) return t * sqrt(r * r - t * t) + r * r * (asin(t / r) + 0.5 * M_PI);
@@ -411,7 +413,8 @@ static void add_elements(const gn_solids *solids, int axis, slabs *s) {
     }
 }
 
-/* Innermost position, m, of an end that holds a part of the specimen. `sense` +1: the lower end. */
+/* Returns the innermost position, m, of an end that holds a part of the specimen. `sense` +1: the
+ * lower end. */
 static double inner(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_test_end *end, double sense, double surface) {
     const int axis = (int)ctx->scene.test.axis;
@@ -449,7 +452,7 @@ static slabs slabs_of(const gn_step_context *ctx, const gn_dem *dem, const gn_so
     return s;
 }
 
-/* Tells whether a section is less than others before and behind it: the body is not convex. */
+/* Tells whether a section is smaller than others before and after it: the body is not convex. */
 static bool has_waist(const slabs *s) {
     double before = 0.0;
     for (size_t k = 0; k < s->count; k++) {
@@ -461,23 +464,23 @@ static bool has_waist(const slabs *s) {
     return false;
 }
 
-/* --- where the bar is not slender --- */
+/* --- parts of a bar that are not slender --- */
 
-/* Half the width, or the radius of the circle of the same area. */
+/* Returns half of the width, or the radius of a circle of the same area. */
 static double half_width(const slabs *s, size_t k, int dimension, double solid) {
     const double area = s->volume[k] / s->thick / solid;
     return dimension == 2 ? 0.5 * area : sqrt(area / M_PI);
 }
 
 /* Tangent of the angle between the axis and the cone within which stress spreads into a wider part.
- * A plate twice as wide beside a waist of 0.4 of its length is less stiff than a slender bar by
- * 0.11 of finite elements and 0.22 of 1600 discs, a cylinder of spheres with a waist of 0.55 by
- * 0.35. */
+ * A plate that is twice as wide beside a waist of 0.4 of its length is less stiff than by the
+ * formula of a slender bar, by 0.11 if made of finite elements and 0.22 if made of 1600 discs; a
+ * cylinder of spheres with a waist of 0.55 by 0.35. */
 static const double spreads_elements = 0.4, spreads_particles = 0.2;
 
-/* Share by which the integral of 1/A is too small: corners beside the cone carry nothing. Where the
- * section changes more slowly, shear stresses add their energy, E/G c (slope)^2 with E/G of 2.5 and
- * c of 1/3 in the plane and 1/2 around the axis. */
+/* Returns the share by which the integral of 1/A is too small, because corners outside of the cone
+ * carry no stress. Where the section changes more slowly, shear stresses add their energy, E/G c
+ * (slope)^2 with E/G of 2.5, and c of 1/3 in the plane and 1/2 around the axis. */
 static double spread_of(const slabs *s, int dimension, double solid, double spreads) {
     const double shear = 2.5 / (dimension == 2 ? 3.0 : 2.0);
     double slender = 0.0, real = 0.0;
@@ -499,7 +502,8 @@ static double spread_of(const slabs *s, int dimension, double solid, double spre
     return real / slender - 1.0;
 }
 
-/* The section matters to tests that read the modulus of a prism. */
+/* Tells whether the section is needed and known; it matters to tests that read the modulus of a
+ * prism. */
 static bool is_known(const gn_step_context *ctx, const gn_solids *solids) {
     const bool read = gn_scene_tested(&ctx->scene) &&
                       gn_reading_belongs(GN_READING_young_modulus, ctx->scene.test.kind, false);

@@ -1,7 +1,8 @@
-/* Only outer particles have a weight in the average strain, and those are the first to detach as
- * chips and debris: a single one that has moved by the size of the specimen adds a strain of some
- * per cent. Therefore the gauge is rebuilt from the rest, with the positions of the start: it gives
- * the mean displacement gradient of the remaining specimen. */
+/* The gauge after particles have detached. Only outer particles have a weight in the average
+ * strain, and these are the first to detach as chips and debris: a single one that has moved by the
+ * size of the specimen adds a strain of some per cent. The gauge is therefore rebuilt from the
+ * rest, with the positions at the start, and gives the mean displacement gradient of the remaining
+ * specimen. */
 #include "laboratory/strain_gauge.h"
 
 #include "base/ball.h"
@@ -18,11 +19,11 @@
 
 #include <string.h>
 
-/* Steps between checks, as for the membrane. */
+/* Number of steps between checks, as for the membrane. */
 enum { LOOK_INTERVAL = 100 };
 
-/* Values of gauge.belongs: hardly bonded at the start, so that it never counted; in a small
- * separate body; part of the specimen; detached or removed, permanently. */
+/* Roles of particles (gauge.belongs): hardly bonded at the start, so that it never counted; in a
+ * small separate body; part of the specimen; detached or removed, permanently. */
 enum { LOOSE, APART, BELONGS, LEFT };
 
 static gneiss_status no_room(size_t count, gneiss_error *error) {
@@ -49,7 +50,7 @@ gneiss_status gn_gauge_create(const gn_step_context *ctx, gn_dem *dem, gn_gauge 
     return status;
 }
 
-/* Tells whether bonds and contacts alone define the bodies. */
+/* Tells whether bonds and contacts alone determine which particles form a body. */
 static bool tells_bodies(const gn_step_context *ctx, const gn_gauge *gauge) {
     return gauge->count && !ctx->scene.has_couple;
 }
@@ -109,7 +110,7 @@ static bool has_weight_that_left(const gn_dem *dem, const gn_gauge *gauge) {
     return false;
 }
 
-/* Marks the particles that count; tells whether they are at least half of those of the start. */
+/* Marks the particles that count; tells whether they are at least half of those at the start. */
 static bool find_rest(const gn_step_context *ctx, const gn_dem *dem, const gn_gauge *gauge,
                       uint8_t *counts) {
     const gn_particles *q = &dem->particles;

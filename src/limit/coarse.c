@@ -11,7 +11,7 @@ enum { N = 6, GROUP_LEAST = 96, GROUPS_MOST = 64 };
 
 /* Pivots below this fraction of their diagonal are excluded from the coarse level: such a motion
  * has almost no stiffness (a disc that rolls between plates), and the residual load of an iteration
- * would move it far. */
+ * would displace it far. */
 static const double no_pivot = 1e-4;
 
 static size_t group_of(const gn_coarse *coarse, size_t p) {
@@ -53,7 +53,8 @@ void gn_coarse_free(gn_coarse *coarse) {
     *coarse = (gn_coarse){0};
 }
 
-/* Computes e of the six motions of the group of p: along each axis, about each axis. */
+/* Computes the displacement e of a spring for each of the six rigid motions of p's group: along
+ * each axis, then about each axis. */
 static void motions(const gn_coarse *coarse, size_t p, const double by[6][3], double e[6][3]) {
     const double *d = coarse->arm + 3 * p;
     for (int k = 0; k < 3; k++) {
@@ -66,7 +67,7 @@ static void motions(const gn_coarse *coarse, size_t p, const double by[6][3], do
     }
 }
 
-/* Computes the forces that resist these motions. */
+/* Computes the forces with which a spring resists displacements e of these motions. */
 static void pulls(const gn_coarse_spring *spring, const double e[6][3], double q[6][3]) {
     for (int m = 0; m < N; m++) {
         double along = (spring->kn - spring->kt) * gn_dot3(e[m], spring->n);
@@ -113,7 +114,7 @@ void gn_coarse_ground(gn_coarse *coarse, size_t p, const double ground[6]) {
     }
 }
 
-/* Forms four sums at a time, since one would wait for each of its additions. */
+/* Forms four sums at a time, because a single sum would wait for each of its additions. */
 static double dot(const double *x, const double *y, size_t n) {
     double sum[4] = {0.0};
     size_t k = 0;

@@ -8,7 +8,7 @@ static double noise(size_t place) {
     return (double)((int64_t)gn_hash_place(place) >> 11) * 0x1p-52;
 }
 
-/* The operator for one tau. */
+/* Argument of the operator A + 2 tau B for one tau. */
 typedef struct instant {
     const gn_damped *system;
     double viscosity;
@@ -43,7 +43,8 @@ static double quotient(const gn_damped *system, double stiffness, double viscosi
     return gn_eigen_dot_of(&sums, system->metric ? weighed : x, scratch);
 }
 
-/* Does one search at tau from the start x; top->rate is the resulting rate. */
+/* Finds the largest eigenvalue for one tau, starting with the vector x; top->rate is the resulting
+ * rate. */
 static gneiss_status search(const gn_damped *damped, double tau, double tolerance, double *x,
                             double *scratch, gn_damped_top *top, gneiss_error *error) {
     const instant at = {damped, 2.0 * tau};
@@ -62,8 +63,8 @@ static gneiss_status search(const gn_damped *damped, double tau, double toleranc
     return GNEISS_OK;
 }
 
-/* Returns the place in the longer vector, so that the result does not depend on the selection of
- * entries. */
+/* Returns the index in the longer vector, so that the result does not depend on which entries are
+ * selected. */
 static size_t place_of(const gn_damped *system, size_t k) {
     return system->place ? system->place[k] : k;
 }
@@ -74,7 +75,8 @@ static gneiss_status climb(const gn_damped *system, double tolerance, double *x,
     double tau = 0.0;
     for (size_t k = 0; k < n; k++) x[k] = system->moves[k] > 0.0 ? noise(place_of(system, k)) : 0.0;
     GN_TRY(search(system, 0.0, tolerance, x, scratch, top, error));
-    /* The rate increases and its error is squared each time; a dozen rounds are never needed. */
+    /* In each round the rate increases and its error is squared, so that a dozen rounds are never
+     * needed. */
     for (int round = 0;
          system->damped && round < 12 && fabs(top->rate - tau) > 0.1 * tolerance * top->rate;
          round++) {

@@ -1,5 +1,6 @@
-/* The largest rate 1/dt at which a system with stiffness A and damping B, both scaled by M^-1/2,
- * ceases to be stable: the tau with lambda_max(A + 2 tau B) = 4 tau^2 (limit/step_limits.c). */
+/* Largest rate 1/dt at which a damped system ceases to be stable. With stiffness A and damping B,
+ * both scaled by M^-1/2, it is the tau with lambda_max(A + 2 tau B) = 4 tau^2
+ * (limit/step_limits.c). */
 #ifndef GN_LIMIT_DAMPED_H
 #define GN_LIMIT_DAMPED_H
 
@@ -10,23 +11,24 @@
 
 typedef struct gn_damped {
     size_t count;
-    /* out = (stiffness A + viscosity B) x. */
+    /* Computes out = (stiffness A + viscosity B) x. */
     void (*apply)(const void *context, double stiffness, double viscosity, const double *x,
                   double *out);
-    gn_operator *metric; /* metric as in gn_eigen_largest */
+    gn_operator *metric; /* metric, see gn_eigen_largest */
     const void *context;
     const double *moves; /* [count] above 0 for free components; the mode is 0 in the rest */
     bool damped;         /* B is not 0 */
-    const size_t *place; /* place as in gn_eigen_largest; NULL: none */
-    size_t whole;        /* with `place`: length of the longer vector */
+    const size_t *
+        place; /* index in the longer vector, see gn_eigen_largest; NULL: all entries are present */
+    size_t whole; /* with `place`: length of the longer vector */
     int threads;
 } gn_damped;
 
 typedef struct gn_damped_top {
     double rate;      /* 1/s: tau, from Ritz values */
-    double rate_most; /* 1/s: tau including the residual */
+    double rate_most; /* 1/s: upper bound of tau, which includes the residual */
     double frequency; /* rad/s, undamped */
-    int vectors;      /* number of products */
+    int vectors;      /* number of products with the operator */
 } gn_damped_top;
 
 /* Finds the largest rate; `mode` [count] is the fastest mode on return. */

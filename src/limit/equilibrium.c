@@ -25,7 +25,7 @@
 enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000, USES = 8 };
 
 /* Regularisation, relative to the diagonal. A body that is a hundred particles long has eigenvalues
- * of some 1e-4 of it, and Newton's method corrects the effect. With 1e-9, rounding prevented
+ * of some 1e-4 of the diagonal; Newton's method corrects the effect. With 1e-9, rounding prevented
  * convergence in specimens with many loosely held particles. */
 static const double everywhere = 1e-6;
 /* A pivot of a block below this fraction of its diagonal is rounding. */
@@ -39,18 +39,18 @@ typedef struct link {
     int32_t i, j;
 } link;
 
-/* Sums of a chunk of particles: the curvature p.Kp, or r.z and |r|^2 in the metric of the diagonal,
- * in which unresisted components have no more weight than others. */
+/* Sums over a chunk of particles: the curvature p.Kp, or r.z and |r|^2. The metric is that of the
+ * diagonal, in which unresisted components have no more weight than others. */
 typedef struct part {
     double curvature, rz, left;
 } part;
 
 typedef struct cg {
     gn_springs y;
-    size_t n; /* components of all particles */
+    size_t n; /* number of components of all particles */
     int threads;
     link *link;        /* [springs] */
-    double (*pull)[3]; /* [springs] q */
+    double (*pull)[3]; /* [springs] q, see above */
     gn_preconditioner *made;
     uint8_t *free; /* [particles] bit k: component k is free */
     gn_viscosity viscosity;
@@ -145,7 +145,7 @@ static inline double drag_of(const cg *solver, size_t p, int k) {
     return inverse > 0.0 ? solver->viscosity.rate * solver->viscosity.drag / inverse : 0.0;
 }
 
-/* Adds the moments of a spring that resists relative rotation, on one of its ends. */
+/* Adds the moments that a spring exerts on one of its ends by relative rotation. */
 static void add_bending(const link *l, const double *u, double side, double f[N]) {
     const double n[3] = {l->n[0], l->n[1], l->n[2]}, bend = l->bend, twist = l->twist;
     double w[3];
@@ -156,7 +156,7 @@ static void add_bending(const link *l, const double *u, double side, double f[N]
     for (int k = 0; k < 3; k++) f[3 + k] += side * (bend * w[k] + along * n[k]);
 }
 
-/* Computes K u of a particle; returns u . K u. */
+/* Computes the entries of K u of a particle; returns its part of u . K u. */
 static inline double gather(const cg *solver, const double *u, size_t p, double *out) {
     double f[N], sum = 0.0;
     for (size_t k = 0; k < N; k++) f[k] = solver->made->ground[N * p + k] * u[N * p + k];
@@ -187,7 +187,7 @@ typedef struct block_sums {
     double kt, normal[6]; /* k_t; (k_n - k_t) n n^T */
     /* arm^2 k_t + k_b; (arm^2 k_t + k_b - k_w) n n^T */
     double turn, turn_normal[6];
-    double cross[3]; /* side arm k_t n */
+    double cross[3]; /* the sum of side arm k_t n */
 } block_sums;
 
 static void block_of(const cg *solver, size_t p, double k[36]) {
@@ -217,8 +217,8 @@ static void block_of(const cg *solver, size_t p, double k[36]) {
         }
 }
 
-/* Factors a block by Cholesky; components that are fixed, or without resistance once those before
- * them are fixed, are left out. */
+/* Computes the Cholesky factor of a block, without components that are fixed or have no resistance
+ * once the previous ones are fixed. */
 static void factor(double k[36], unsigned free, bool in[N]) {
     double diagonal[N];
     for (int a = 0; a < N; a++) diagonal[a] = k[N * a + a];
@@ -315,7 +315,7 @@ static void make_coarse(cg *solver) {
     gn_coarse_factor(&solver->made->coarse);
 }
 
-/* Computes z of a particle; returns its contribution to r.z. */
+/* Computes the entries of z of a particle; returns its part of r.z. */
 static inline double precondition(const cg *solver, size_t p) {
     const double *r = solver->r + N * p;
     double *z = solver->z + N * p, sum = 0.0;
@@ -348,7 +348,7 @@ static part add_up(const cg *solver) {
     return sum;
 }
 
-/* Computes Kp and returns p.Kp. */
+/* Computes K p and returns p . K p. */
 static double apply(const cg *solver) {
 #pragma omp parallel num_threads(solver->threads) if (solver->y.particles > CHUNK)
     {
@@ -365,7 +365,7 @@ static double apply(const cg *solver) {
     return add_up(solver).curvature;
 }
 
-/* u += step p, r -= step Kp; computes z from r. */
+/* Updates u += step p and r -= step K p, and computes z from r. */
 static part go(const cg *solver, double step, double *u) {
 #pragma omp parallel num_threads(solver->threads) if (solver->y.particles > CHUNK)
     {
@@ -391,14 +391,14 @@ static part go(const cg *solver, double step, double *u) {
     return add_up(solver);
 }
 
-/* p = z + factor p */
+/* Updates p = z + factor p. */
 static void turn(const cg *solver, double factor) {
 #pragma omp parallel for num_threads(solver->threads)                                              \
     schedule(static) if (solver->y.particles > CHUNK)
     for (size_t k = 0; k < solver->n; k++) solver->p[k] = solver->z[k] + factor * solver->p[k];
 }
 
-/* Returns a particle with a load but without contacts. */
+/* Returns a particle that has a load but no contacts; -1: there is none. */
 static int32_t untouched(const cg *solver) {
     for (size_t p = 0; p < solver->y.particles; p++) {
         bool loaded = false;
@@ -409,9 +409,9 @@ static int32_t untouched(const cg *solver) {
     return -1;
 }
 
-/* Returns the number of iterations without progress that are allowed. The effect of a load advances
- * by one particle in each iteration, so that this is some lengths of the specimen in diameters.
- * Motions that only the regularisation resists may never converge because of rounding. */
+/* Returns the allowed number of iterations without progress. Each iteration carries the effect of a
+ * load one particle further, so that this is the length of the specimen in diameters, several
+ * times. Motions that only the regularisation resists may never converge because of rounding. */
 static int patience_of(const cg *solver) {
     const gn_particles *q = solver->y.spectrum->assembly->particles;
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -451,7 +451,7 @@ static void iterate(cg *solver, double tolerance, double *u, gn_equilibrium *fou
 
 /* --- reuse of the preconditioner --- */
 
-/* Tells whether a particle has contacts that the blocks do not include. */
+/* Tells whether a particle has contacts that are missing in the blocks. */
 static bool touches_more(const cg *solver) {
     const double *weight = solver->made->weight;
     for (size_t p = 0; p < solver->y.particles; p++)
@@ -460,7 +460,7 @@ static bool touches_more(const cg *solver) {
     return false;
 }
 
-/* Rebuilds the preconditioner if the system changed or may have changed, because contacts open and
+/* Rebuilds the preconditioner if the system has changed, or may have because contacts open and
  * slide. Drag, which is part of the diagonal, changes with the rate. */
 static gneiss_status make_preconditioner(cg *solver, gneiss_error *error) {
     gn_preconditioner *m = solver->made;

@@ -21,8 +21,8 @@ typedef struct gn_viscosity {
     double rate, drag;
 } gn_viscosity;
 
-/* Data that a solution stores to accelerate later ones of nearly the same system. {0}: nothing yet.
- * To be freed when particles are renumbered. */
+/* Data of a solution that accelerate later solutions of nearly the same system. {0}: none yet. To
+ * be freed when particles are renumbered. */
 typedef struct gn_preconditioner {
     size_t particles;
     float (*inverse)[36]; /* [particles] inverse blocks; zero for fixed components */

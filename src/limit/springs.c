@@ -43,7 +43,8 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     /* most contacts need no square root */
     if (!intact && square > 1.000001 * most * most) return false;
     double distance = sqrt(square);
-    /* Not (distance >= rest), so that a NaN is an active spring and is detected. */
+    /* The condition is not written as distance < rest, so that a NaN gives an active spring and is
+     * detected. */
     if (!intact && distance >= most) return false;
     *out = (gn_spring){.i = i, .j = j};
     double at = intact ? distance : fmin(distance, rest); /* distance at which the contact closes */
@@ -155,7 +156,8 @@ void gn_spring_ends(const gn_spectrum *spectrum, size_t k, int32_t *i, int32_t *
     *j = list->j[k];
 }
 
-/* Converts to places among the members; returns false for a spring between particles outside. */
+/* Converts the ends to indices among the members; returns false for a spring between particles
+ * outside. */
 static bool take_inside(const gn_springs *system, gn_spring *member) {
     if (!system->local) return true;
     int32_t i = system->local[member->i], j = member->j < 0 ? -1 : system->local[member->j];
@@ -166,7 +168,7 @@ static bool take_inside(const gn_springs *system, gn_spring *member) {
     if (leads_out && gn_spectrum_can_move(system->spectrum, out))
         factor =
             system->all_weights ? 1.0 + system->all_weights[out] / system->all_weights[in] : 2.0;
-    if (i < 0) { /* the spring as seen from j */
+    if (i < 0) { /* the spring is reversed, because only its end j is inside */
         member->arm_i = member->arm_j;
         for (int k = 0; k < 3; k++) member->n[k] = -member->n[k];
         i = j;
@@ -231,7 +233,8 @@ static gneiss_status collect_springs(gn_springs *system, gneiss_error *error) {
 static gneiss_status list_incidence(gn_springs *system, gneiss_error *error) {
     GN_TRY(gn_new(&system->first, system->particles + 2, "the contacts of particles", error));
     GN_TRY(gn_new(&system->entry, 2 * system->springs, "the contacts of particles", error));
-    /* Starts are shifted by two, so that the cursors of the second loop end at the starts. */
+    /* Starts are stored two places ahead, so that the second loop, which advances them, leaves each
+     * at its place. */
     for (size_t s = 0; s < system->springs; s++) {
         system->first[system->spring[s].i + 2]++;
         if (system->spring[s].j >= 0) system->first[system->spring[s].j + 2]++;

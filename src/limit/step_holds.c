@@ -36,8 +36,8 @@ static bool may_reach(const gn_spectrum *spectrum, size_t k, const uint8_t *mark
     return marked[i] || marked[j];
 }
 
-/* Keeps the marks of particles that sums over their springs do not prove stable: the largest
- * eigenvalue of a sum is at most the sum of the largest. */
+/* Keeps only the marks of particles that sums over their springs do not prove stable. The largest
+ * eigenvalue of a sum of matrices is at most the sum of their largest eigenvalues. */
 static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sums,
                             uint8_t *marked) {
     size_t contacts = gn_spring_count(spectrum), found = 0;
@@ -56,8 +56,8 @@ static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sum
     return found;
 }
 
-/* Returns an upper bound of the factor by which a particle's block is above the step; 1: it is
- * not. */
+/* Returns an upper bound of the ratio by which a particle's block exceeds what the step allows; 1:
+ * it does not. */
 static double block_over(const gn_springs *system, size_t p, double tau) {
     double s[DOFS_MAX * DOFS_MAX], most = 4.0 * tau * tau;
     gn_block m;
@@ -69,8 +69,8 @@ static double block_over(const gn_springs *system, size_t p, double tau) {
     return fmax(gn_block_upper(m.n, s, trace) / most, 1.0 + 1e-9);
 }
 
-/* Marks [particles of the specimen] the members whose own block is above the step 1/tau, and
- * unmarks the others; returns the number of marked ones. */
+/* Marks [particles of the specimen] the members whose own block exceeds what the step 1/tau allows,
+ * and unmarks the others; returns the number of marked ones. */
 static size_t springs_mark_above(const gn_springs *system, double tau, uint8_t *marked) {
     size_t found = 0;
     for (size_t p = 0; p < system->particles; p++) {
@@ -81,8 +81,8 @@ static size_t springs_mark_above(const gn_springs *system, double tau, uint8_t *
     return found;
 }
 
-/* Marks the neighbours of marked particles [of the specimen] as well, with one more than the
- * highest mark so far. */
+/* Also marks the neighbours [of the specimen] of marked particles, with one more than the highest
+ * mark so far. */
 static void springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked) {
     size_t pairs = gn_spring_pairs(spectrum);
     uint8_t next = (uint8_t)(highest + 1);
@@ -105,9 +105,9 @@ static void look_again(const gn_springs *system, size_t p, uint8_t *next) {
     }
 }
 
-/* Examines all scheduled particles once. A particle that is too far above, or has neighbours
- * outside of the system, has no weights: it is marked in `left` and excluded; without `left` false
- * is returned. */
+/* Adjusts the weights of all scheduled particles once. A particle whose block is too large, or
+ * which has neighbours outside of the system, gets no weight: it is marked in `left` and excluded;
+ * without `left` the function returns false. */
 static bool settle_round(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest,
                          const uint8_t *due, uint8_t *next, uint8_t *left) {
     for (size_t p = 0; p < system->particles; p++) {
@@ -125,13 +125,13 @@ static bool settle_round(gn_springs *system, double tau, const uint8_t *marked, 
     return true;
 }
 
-/* Finds weights, system->weight, with which every block of the system is below the step 1/tau; the
- * caller or gn_springs_free frees them. A particle whose block is above gets more weight, which
- * transfers more of its springs to its neighbours. Initially only those with mark 1 [particles of
- * the specimen] are above; those with the highest mark have neighbours outside. Returns whether
- * weights were found. With `left` [particles, zero] it marks the particles without such weights,
- * and returns false only if memory is lacking: all others are below, for any weights of the marked
- * ones up to theirs. */
+/* Finds weights, system->weight, with which every block of the system stays below what the step
+ * 1/tau allows; the caller or gn_springs_free frees them. A particle whose block exceeds it gets a
+ * larger weight, which transfers more of its springs to its neighbours. At first only particles
+ * with mark 1 [particles of the specimen] exceed it; those with the highest mark have neighbours
+ * outside. Returns whether weights were found. With `left` [particles, zero] the function marks the
+ * particles for which there are none, and returns false only if memory is lacking; all others then
+ * stay below, for any weights of the marked ones up to their present weights. */
 static bool springs_find_weights(gn_springs *system, double tau, const uint8_t *marked,
                                  uint8_t highest, uint8_t *left) {
     enum { ROUNDS = 24 };
@@ -171,15 +171,15 @@ static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, u
     return status;
 }
 
-/* The data of the question, see gn_step_holds. */
+/* Arguments of gn_step_holds. */
 typedef struct inquiry {
     double step, tolerance;
     bool limit;
 } inquiry;
 
-/* Decides by weights or, with a tolerance, by Lanczos. Without a tolerance, if the step is not
- * stable, it finds the largest smaller one in steps of 3 % that is by weights, if that is above the
- * limit of single blocks. */
+/* Decides by weights or, with a tolerance, by Lanczos. If the step is not stable and there is no
+ * tolerance, the function searches for the largest smaller step for which there are weights, in
+ * steps of 3 %, but not below the limit of single blocks. */
 static gneiss_status judge_system(gn_springs *system, const inquiry *question,
                                   const uint8_t *marked, uint8_t highest, gn_step_verdict *verdict,
                                   gneiss_error *error) {
@@ -202,8 +202,7 @@ static gneiss_status step_holds(const gn_spectrum *spectrum, const inquiry *ques
     gn_springs y = {0};
     if (!leave_by_sums(spectrum, 1.0 / question->step, sums, marked)) return GNEISS_OK;
     verdict->holds =
-        question->step <
-        INFINITY; /* otherwise some motion has a resistance, which is the full answer */
+        question->step < INFINITY; /* some motion has a resistance, which answers the question */
     if (!verdict->holds) return GNEISS_OK;
     GN_TRY(judge_by_blocks(spectrum, question->step, marked, verdict, error));
     if (verdict->holds) return GNEISS_OK;
@@ -272,7 +271,7 @@ void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks) {
                 (uint64_t)(lround(4.0 * s.n[0]) + 16 * lround(4.0 * s.n[1]) +
                            256 * lround(4.0 * s.n[2]) + 4096);
         if (a->particles->pressed)
-            z = gn_hash_place(z) + bits; /* the contact is stiffer than at the last check */
+            z = gn_hash_place(z) + bits; /* changes also if the contact becomes stiffer */
         uint32_t mark = (uint32_t)(gn_hash_place(z) >> 32);
         marks[s.i] = (int32_t)((uint32_t)marks[s.i] + mark);
         if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);
@@ -306,12 +305,12 @@ size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_
 }
 
 /* The sharp limit of many particles from the few that can determine it. In a packing of unequal
- * spheres the fastest mode is around a small particle with stiff contacts: nearly all others are
- * slower by their own blocks, whatever the rest does. The remaining ones, with some layers around
- * them, are a system of its own. With weighted springs to the outside it is never slower than the
- * whole; its mode, at rest outside, has a quotient in the whole that is never faster. If both
- * agree, that is the limit of the whole; if not, as in lattices, where all particles are alike,
- * there is no result. */
+ * spheres the fastest mode is around a small particle with stiff contacts; nearly all others are
+ * slower by their own blocks, whatever the rest does. The few, with some layers around them, form a
+ * system of its own. With weighted springs to the outside its largest rate is an upper bound of
+ * that of the whole system; its mode, extended by zeros, has a quotient in the whole system that is
+ * a lower bound. If both agree, they are the limit of the whole; if not, as in lattices, where all
+ * particles are alike, there is no result. */
 
 enum { LOCAL_LAYERS = 3, LAYERS_MORE = 2, LOCAL_ROUNDS = 3, SHARE = 4 };
 
@@ -319,10 +318,10 @@ typedef struct local_search {
     gn_springs *whole;
     gn_spring_operator of_whole;
     double tolerance;
-    double *mode,
-        *image; /* [particles][dofs] of the whole, 0 outside; and the operator's product */
+    double *mode, *image; /* [particles][dofs] mode in the whole system, 0 outside; product of the
+                             operator with it */
     uint8_t *core, *inside;
-    double low, high; /* 1/s: bounds of the rate of the whole */
+    double low, high; /* 1/s: bounds of the rate of the whole system */
 } local_search;
 
 static double quotient(local_search *local, double stiffness, double viscosity) {
@@ -331,7 +330,7 @@ static double quotient(local_search *local, double stiffness, double viscosity) 
     return gn_eigen_dot(count, local->mode, local->image, local->whole->threads);
 }
 
-/* Extends a mode of the members to the whole, with the same norm. */
+/* Extends a mode of the members to the whole system by zeros; the norm stays the same. */
 static void spread_mode(local_search *local, const gn_springs *members, const double *x) {
     const size_t dofs = (size_t)members->dofs;
     memset(local->mode, 0, local->whole->particles * dofs * sizeof *local->mode);
@@ -354,7 +353,7 @@ static gneiss_status solve_members(local_search *local, const gn_springs *member
     return status;
 }
 
-/* Solves for the core and `layers` layers around it. */
+/* Computes the limit of the core with `layers` layers around it. */
 static gneiss_status solve_around(local_search *local, int layers, gn_step_limit *limit,
                                   gneiss_error *error) {
     gn_springs members = {0};
@@ -368,7 +367,7 @@ static gneiss_status solve_around(local_search *local, int layers, gn_step_limit
     return status;
 }
 
-/* Keeps in the core those that no weights bring below `high`. */
+/* Keeps in the core those particles that no weights bring below `high`. */
 static gneiss_status leave_unsettled(local_search *local, size_t *count, gneiss_error *error) {
     gn_springs *y = local->whole;
     const size_t n = y->particles;
@@ -394,9 +393,8 @@ static gneiss_status search(local_search *local, size_t first, gn_step_limit *li
     local->high = local->low * (1.0 + 0.5 * local->tolerance);
     GN_TRY(leave_unsettled(local, &count, error));
     const double others = local->high;
-    *found =
-        count ==
-        0; /* no core remains, as for loose grains in single contacts: no other motion is faster */
+    *found = count == 0; /* if no core remains, as for loose grains in single contacts, no other
+                            motion is faster */
     for (int round = 0; !*found && count <= local->whole->particles / SHARE && round < LOCAL_ROUNDS;
          round++) {
         gn_step_limit around = *limit;
@@ -437,15 +435,15 @@ gneiss_status gn_springs_local_limit(gn_springs *system, size_t first, double to
     return status;
 }
 
-/* Masses at which a given step is stable. */
+/* Masses with which a given step is stable. */
 
 enum { PARTICLE_BLOCK = 256 };
 
-/* Relative difference of blocks whose springs rotate. */
+/* Relative change of a block below which a rotation of its springs is ignored. */
 static const double nearly = 1.0 + 1e-6;
 
-/* Returns the needed mass over a particle's own. A particle that needs no more, or with `more` no
- * more than it has, is not examined further. */
+/* Returns the ratio of the needed mass to a particle's own mass. A particle that needs no more than
+ * its own (with `more`: than its present one) is not examined further. */
 static double needed(const gn_springs *system, size_t p, double tau, bool more) {
     const gn_particles *q = system->spectrum->assembly->particles;
     double s[GN_DOFS_MAX * GN_DOFS_MAX], vector[GN_DOFS_MAX], most = 4.0 * tau * tau;

@@ -3,13 +3,13 @@
  * eigenvector of the amplification problem obeys the scalar recurrence
  *     z^2 - (2 - c dt - k dt^2) z + 1 - c dt = 0
  * of its own Rayleigh quotients k and c, whose roots leave the unit circle at z = -1. A and B need
- * not commute. The tau from the quotients of any vector is a lower bound with an error of second
- * order in that of the vector; this solves both the blocks of single particles and the whole
- * system.
+ * not commute. The quotients of any vector give a tau that is a lower bound, with an error of
+ * second order in the error of the vector; both the blocks of single particles and the whole system
+ * are solved in this way.
  *
- * Neglected are the geometric stiffness of the contact forces (force over length, small against k_n
- * while overlaps are small against radii) and background damping. Sliding contacts count as
- * sticking. */
+ * The geometric stiffness of the contact forces (force over length, small relative to k_n while
+ * overlaps are small relative to radii) and background damping are neglected. Sliding contacts
+ * count as sticking. */
 #include "limit/step_limits.h"
 
 #include "base/eigen.h"
@@ -24,7 +24,8 @@
 enum {
     DOFS_MAX = GN_DOFS_MAX,
     PARTICLE_BLOCK = 1024,
-    LOCAL_FROM = 32768, /* particles; fewer take less than a second by Lanczos */
+    LOCAL_FROM = 32768, /* particles from which local searches are tried; fewer take less than a
+                           second by Lanczos */
 };
 
 /* --- the rigorous bound --- */
@@ -35,7 +36,7 @@ enum {
 typedef struct block_sums {
     double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
     double turn, turn_normal[6]; /* arm^2 k_t + k_b; (arm^2 k_t + k_b - k_w) n n^T */
-    double cross[3];             /* side arm k_t n */
+    double cross[3];             /* sum of side arm k_t n */
     double damp[6];              /* c_n n n^T */
 } block_sums;
 
@@ -57,7 +58,7 @@ static void add_spring(block_sums *totals, const gn_spring *spring, double side,
     for (int k = 0; k < 3; k++) totals->cross[k] += side * arm * kt * n[k];
 }
 
-/* Expands to the full 6 x 6 blocks. */
+/* Expands the sums to full 6 x 6 blocks. */
 static void spread(const block_sums *totals, double *k, double *c) {
     static const int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     const double *n = totals->cross;
@@ -133,7 +134,7 @@ bool gn_block_below(int n, const double *s, double most) {
     return true;
 }
 
-/* Returns the round-off of the sums and of Jacobi. */
+/* Returns a bound of the round-off of the sums and of the Jacobi method. */
 static double round_off(const gn_block *block, double trace) {
     return 4.0 * (block->contacts + 32) * DBL_EPSILON * trace;
 }
@@ -153,9 +154,9 @@ static double quadratic_form(int n, const double *s, const double *x) {
     return sum;
 }
 
-/* Returns the tau with lambda_max(A + 2 tau B) <= 4 tau^2, as small as round-off allows but at
- * least `least`. Quotients converge to it from below; the last steps exceed it until the inequality
- * holds. */
+/* Returns the smallest tau, but at least `least`, with lambda_max(A + 2 tau B) <= 4 tau^2,
+ * round-off included. Quotients converge to it from below; the last iterations increase it until
+ * the inequality holds. */
 static double block_rate(const gn_block *block, double least) {
     double x[DOFS_MAX], tau = least;
     for (int k = 0; k < block->n; k++)
@@ -173,14 +174,14 @@ static double block_rate(const gn_block *block, double least) {
     return NAN;
 }
 
-/* The result of a block of particles; blocks are merged in their order. */
+/* Result for a block of particles; blocks are merged in their order. */
 typedef struct bound_part {
     double rate, kn_over_m; /* largest tau, largest k_n/m */
     size_t particle;        /* the particle that determines the rate */
 } bound_part;
 
 static void merge_part(bound_part *sum, double rate, double kn_over_m, size_t particle) {
-    /* A NaN must not be lost: it takes precedence, and the first one is kept. */
+    /* A NaN must not be lost: it replaces any other rate, and the first one is kept. */
     if (!isnan(sum->rate) && !(rate <= sum->rate)) {
         sum->rate = rate;
         sum->particle = particle;
@@ -197,7 +198,7 @@ static bound_part bound_of_block(const gn_springs *system, size_t begin, size_t 
         gn_block_of(system, p, &m);
         double trace = gn_block_at(&m, part.rate, s);
         double rate = part.rate;
-        double most = 4.0 * rate * rate; /* for many particles the trace alone decides */
+        double most = 4.0 * rate * rate; /* for many particles the trace proves enough */
         bool slower = rate > 0.0 && (trace <= most || gn_block_upper(m.n, s, trace) <= most ||
                                      gn_block_below(m.n, s, most - 2.0 * round_off(&m, trace)));
         if (!slower) rate = block_rate(&m, rate);
@@ -208,7 +209,7 @@ static bound_part bound_of_block(const gn_springs *system, size_t begin, size_t 
     return part;
 }
 
-/* Sets the bound; `first` is the particle that determines it. */
+/* Computes the bound; `first` is the particle that determines it. */
 static gneiss_status set_bound(const gn_springs *system, gn_step_limit *limit, size_t *first,
                                gneiss_error *error) {
     size_t blocks = (system->particles + PARTICLE_BLOCK - 1) / PARTICLE_BLOCK;
@@ -249,7 +250,7 @@ static void free_parts(gn_spring_part *part, int parts) {
     gn_free(part);
 }
 
-/* Finds the parts of the two ends of a spring, each once. */
+/* Finds the parts that contain the ends of a spring, without repetition. */
 static int parts_of(const gn_spring *spring, const int32_t *home, int32_t at[2]) {
     at[0] = home[spring->i];
     if (spring->j < 0 || home[spring->j] == at[0]) return 1;
@@ -346,7 +347,7 @@ static inline __attribute__((always_inline)) void pull(const gn_spring *spring,
     }
 }
 
-/* Adds the moments of one spring in the same way. */
+/* Adds the moments of one spring, as `pull` adds the forces. */
 static inline __attribute__((always_inline)) void bend(const gn_spring *spring,
                                                        const scaled_operator *matrix,
                                                        const gn_spring_part *part, double *sums,
@@ -383,7 +384,7 @@ static inline __attribute__((always_inline)) void apply_in(const scaled_operator
     }
 }
 
-/* The variant is chosen inside of the parallel region, because arguments from outside are no
+/* The variant is chosen inside of the parallel region, because values from outside are not
  * constants there. */
 static void apply_to_part(const scaled_operator *matrix, const gn_spring_part *part, double *out) {
     const gn_springs *y = matrix->system;
@@ -448,8 +449,8 @@ static int32_t fastest_particle(const gn_springs *system, const double *x) {
     return system->spectrum->assembly->particles->id[gn_springs_place(system, best)];
 }
 
-/* Sets the sharp limit. `place` has the indices of the entries among those of all particles
- * (base/eigen.h); NULL: all. */
+/* Computes the sharp limit. `place` has the indices of the entries among those of all particles
+ * (base/eigen.h); NULL: all entries. */
 static gneiss_status set_sharp(const gn_spring_operator *matrix, const size_t *place,
                                double tolerance, double *x, gn_step_limit *limit,
                                gneiss_error *error) {

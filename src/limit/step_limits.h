@@ -14,12 +14,11 @@ typedef struct gn_extra_spring {
 } gn_extra_spring;
 
 /* The linearised system about the present state. Active springs are intact bonds, and other
- * contacts and wall contacts while they touch (gap < 0, with length0 instead of r_i + r_j for
- * broken bonds). Contacts with surfaces are in `extra`. Fixed degrees of freedom (prescribed
- * components) do not move. */
+ * contacts while they touch (gap < 0; the gap of a broken bond is relative to length0 instead of
+ * r_i + r_j). Contacts with surfaces are in `extra`. Prescribed degrees of freedom are fixed. */
 typedef struct gn_spectrum {
     const gn_assembly *assembly;
-    double arm_factor;              /* 0.5: arms r + u_n/2, 0: arms r */
+    double arm_factor;              /* 0.5: arms are r + u_n/2; 0: arms are r */
     const double *wall_point;       /* [walls][4] */
     const gn_touch_side *wall_side; /* [materials][walls] */
     const double *wall_damping;     /* [walls]: damping fraction; NULL: none */
@@ -31,7 +30,7 @@ typedef struct gn_spectrum {
     const uint8_t *slips;
     const uint8_t
         *fixed;       /* [particles] bit k: component k (v xyz, w xyz) is prescribed; NULL: none */
-    double dashpots;  /* factor of dashpot coefficients; 0: 1 */
+    double dashpots;  /* factor by which dashpot coefficients are multiplied; 0: 1 */
     bool bonds_alone; /* only intact bonds are active */
     int threads;
 } gn_spectrum;
@@ -60,42 +59,42 @@ gneiss_status gn_step_limits(const gn_spectrum *spectrum, double tolerance, gn_s
 /* The result of gn_step_holds. */
 typedef struct gn_step_verdict {
     bool holds;   /* the scheme is stable at the given step */
-    double limit; /* s, a stable step, if the given one is not and a limit is requested */
+    double limit; /* s, a stable step, if the given step is not stable and a limit is requested */
 } gn_step_verdict;
 
-/* Tells whether `step` is stable, at a small fraction of the cost of gn_step_limits: sums of
+/* Tells whether `step` is stable, at a small fraction of the cost of gn_step_limits. Sums of
  * stiffness over mass decide for nearly all particles, the blocks of the rigorous bound for most
- * others; the rest is examined with its neighbours, and the shares of springs between two particles
- * are shifted until every block is below. With a `tolerance` Lanczos decides finally, on these
- * particles as a system of its own in which springs to the outside count twice. `changed`
- * [particles]: only these and their neighbours are examined, the others are known to be stable;
- * NULL: all are examined. `limit`: verdict->limit is requested, which without a tolerance costs
- * much more than the decision. A step of INFINITY asks whether no motion has any resistance, and
- * gives no limit. */
+ * others. The remaining ones are examined with their neighbours: the shares of springs between two
+ * particles are shifted until every block is below the limit. With a `tolerance` Lanczos has the
+ * final decision, on these particles as a system of its own in which springs to the outside count
+ * twice. `changed` [particles]: only these and their neighbours are examined, because the others
+ * are known to be stable; NULL: all are examined. `limit`: verdict->limit is requested; without a
+ * tolerance this costs much more than the decision. With a step of INFINITY the question is whether
+ * any motion has a resistance, and there is no limit. */
 gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance, bool limit,
                             const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error);
 
-/* Tells whether the sums of stiffness over mass alone prove the step stable for all particles, in
- * one pass, for any directions of the springs. False is no statement. */
+/* Tells whether the sums of stiffness over mass alone prove that the step is stable for all
+ * particles, whatever the directions of their springs; one pass. False proves nothing. */
 gneiss_status gn_step_holds_by_sums(const gn_spectrum *spectrum, double step, bool *holds,
                                     gneiss_error *error);
 
 /* Computes the factor, at least 1, by which each particle's own mass [particles] has to be
- * multiplied for `step` to be stable, by blocks as in the rigorous bound: with such masses, and
- * moments of inertia likewise, the bound is the step, except for dashpots that grow with the
- * masses. `changed` [particles]: only for these and their neighbours, and 1 for all others and for
- * those with sufficient mass; NULL: for all. */
+ * multiplied for `step` to be stable by the blocks of the rigorous bound. With such masses, and
+ * moments of inertia multiplied likewise, the bound equals the step, except for dashpots that grow
+ * with the masses. `changed` [particles]: only these and their neighbours are computed, and all
+ * others get the factor 1; NULL: all are computed. */
 gneiss_status gn_step_masses(const gn_spectrum *spectrum, double step, const uint8_t *changed,
                              double *factor, gneiss_error *error);
 
-/* Computes hashes of the active springs of each particle, without intact bonds, in any order: a
- * changed hash means changed springs. */
+/* Computes a hash of the active springs of each particle, except intact bonds, independent of their
+ * order: if the hash has changed, the springs have. */
 void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks);
 
 /* Marks the ends of the active contacts between particles whose normals have rotated by more than
- * `most` rad since they were last marked, or first seen, here; returns the number of these
- * contacts. The limit of springs that rotate relative to each other changes although they stay the
- * same. */
+ * `most` rad since this function last marked or first saw them; returns the number of these
+ * contacts. If springs rotate relative to each other, the limit changes although the springs stay
+ * the same. */
 size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_t *turned);
 
 #endif

@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* Computes the vector from the centre of particle i to that of j, to the nearest image in a
+/* Computes the vector from the centre of particle i to that of j, or to its nearest image in a
  * periodic box; z = 0 in 2D. Returns its length. */
 static inline double gn_assembly_branch(const gn_assembly *assembly, size_t i, size_t j,
                                         double l[3]) {

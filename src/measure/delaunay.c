@@ -17,13 +17,13 @@
  * points themselves. */
 static char delaunay_command[] = "qhull d Qt Qbb Qc Qz Q12";
 static char hull_command[] = "qhull FA";
-/* Qc keeps the points that lie on a facet, within the tolerance of U. */
+/* Qc keeps the points that lie on a facet, within the tolerance of option U. */
 static char faces_command[] = "qhull FA Qc U1e-9";
-/* A command for any triangles of the hull. */
+/* The command for any triangles that cover the hull. */
 static char triangles_command[] = "qhull FA Qt";
 static const double clear_of_faces = 1e-9;
 
-/* Below this ratio of height to extent the points count as lying on a plane: Qhull's own limit is
+/* Ratio of height to extent below which points count as lying on a plane; Qhull's own limit is
  * round-off. */
 static const double flat_tolerance = 1e-9;
 
@@ -70,8 +70,7 @@ static gneiss_status qhull_run_command(qhull_run *run, char *command, const doub
 
 /* --- points without volume --- */
 
-/* Removes the components along the `rank` unit directions from `x`; returns the norm of the
- * rest. */
+/* Removes from `x` the components along `rank` unit directions; returns the norm of the rest. */
 static double remainder_of(double x[3], int dimension, double direction[][3], int rank) {
     for (int k = 0; k < rank; k++) {
         double along = 0;
@@ -83,7 +82,8 @@ static double remainder_of(double x[3], int dimension, double direction[][3], in
     return sqrt(square);
 }
 
-/* Applies Gram-Schmidt to the point farthest from the plane found so far. */
+/* Tells whether points are flat: Gram-Schmidt is applied to the point farthest from the plane found
+ * so far. */
 static bool is_flat(const double *points, size_t count, int dimension) {
     if (count < (size_t)dimension + 1) return true;
     double direction[3][3], extent = 0;
@@ -102,8 +102,8 @@ static bool is_flat(const double *points, size_t count, int dimension) {
     return false;
 }
 
-/* Copies the points with their first one as origin, in units of their extent: lifting squares them.
- */
+/* Copies the points in units of their extent, with the first one as origin, because lifting squares
+ * coordinates. */
 static gneiss_status normalised(const double *points, size_t count, int dimension, double **copy,
                                 double *unit, gneiss_error *error) {
     double extent = 0;
@@ -179,7 +179,7 @@ void gn_triangulation_free(gn_triangulation *triangulation) {
 
 /* --- hulls --- */
 
-/* Tells whether a neighbour of a facet is clearly outside of its plane. */
+/* Tells whether a facet's neighbour is clearly outside of the facet's plane. */
 static bool falls_off(qhT *qh, facetT *facet, const facetT *neighbor) {
     vertexT *vertex, **vertexp;
     realT above = -1.0;
@@ -191,7 +191,7 @@ static bool falls_off(qhT *qh, facetT *facet, const facetT *neighbor) {
     return true;
 }
 
-/* Tells whether a facet is a simplex with no other point on it, and its neighbours are not in its
+/* Tells whether a facet is a simplex, no other point lies on it, and its neighbours are not in its
  * plane. */
 static bool is_clear(qhT *qh, facetT *facet, int dimension) {
     facetT *neighbor = NULL, **neighborp;
@@ -221,8 +221,8 @@ static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulati
     return GNEISS_OK;
 }
 
-/* Computes the volume or area of the hull, m2 or m3, and of its surface, m or m2 (may be NULL), 0
- * for points on a line or plane; its faces too if they are requested. */
+/* Computes the volume or area of the hull, m3 or m2, and that of its surface, m2 or m (may be
+ * NULL), 0 for points on a plane or line; its faces too if they are requested. */
 static gneiss_status hull_of(const double *points, size_t count, int dimension, char *command,
                              gn_triangulation *faces, double *volume, double *surface,
                              gneiss_error *error) {

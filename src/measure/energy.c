@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Sums over the terms of one kind, selected by the kind's name in the manifest. */
+/* Sum over the terms of one kind, which the kind's name in the manifest selects. */
 #define PICK_STORED_STORED(value) +(value)
 #define PICK_STORED_INPUT(value)
 #define PICK_STORED_LOST(value)

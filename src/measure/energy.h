@@ -41,9 +41,10 @@ typedef struct gn_energy {
         passed; /* J, maximum of gn_energy_throughput so far, and at least the effect of rounding */
 } gn_energy;
 
-/* Works are trapezoidal: between two instants one half is booked with the forces of the first and
- * the other with those of the second. At an instant the half of the interval before it comes first,
- * then that of the interval after it; a reading is between them. */
+/* Works are trapezoidal: one half of the work in an interval is booked with the forces at its
+ * beginning, the other half with those at its end. At an instant the second half of the last
+ * interval is booked first, then the first half of the coming one; a reading is taken between them.
+ */
 typedef enum gn_half { GN_HALF_BEFORE, GN_HALF_AFTER } gn_half;
 
 /* Entries of a ledger for output: its terms, the stored energy at the start and the residual. */
@@ -63,12 +64,12 @@ void gn_energy_figures(const gn_energy *energy, gn_energy_figure figures[GN_ENER
 double gn_energy_stored(const gn_energy *energy);
 
 /* Returns the energy that has passed through the system up to this instant: the largest of inputs,
- * initial stored energy, stored energy and dissipation, each as a sum of absolute values. */
+ * initial stored energy, stored energy and dissipation, each a sum of absolute values. */
 double gn_energy_throughput(const gn_energy *energy);
 
-/* Returns the maximum of the energy that has been supplied so far, to which the residual is
- * compared: if inputs are recovered (a ball that is thrown up and falls, a wall that moves back and
- * forth), no term is large at the end, although the work was done. */
+/* Returns the largest energy supplied so far, with which the residual is compared: if inputs are
+ * recovered (a ball that is thrown up and falls, a wall that moves back and forth), no term is
+ * large at the end, although the work was done. */
 double gn_energy_scale(const gn_energy *energy);
 
 /* Returns (stored - stored_at_start - input + lost)/scale; 0 if the scale is 0. */

@@ -25,8 +25,8 @@ static void packing_extent(const gn_particles *particles, double lower[3], doubl
 
 /* --- exclusion of inner particles --- */
 
-/* Qhull takes seconds for the points of 1e5 spheres, nearly all of which are well inside:
- * half-spaces n.x <= offset whose intersection lies within the hull exclude these beforehand. */
+/* Qhull takes seconds for the points of 1e5 spheres, nearly all of which are well inside the hull.
+ * Half-spaces n.x <= offset whose intersection lies in the hull exclude these beforehand. */
 enum { LOOKS = 96, FACES_MOST = 2 * LOOKS, BLOCK = 256 };
 
 typedef struct half_spaces {
@@ -34,8 +34,8 @@ typedef struct half_spaces {
     double normal[FACES_MOST][3], offset[FACES_MOST];
 } half_spaces;
 
-/* Evenly distributed directions: a spiral over the sphere (Gonzalez 2010, lattice of Fibonacci), or
- * equal angles. */
+/* Computes direction k of an evenly distributed set: a spiral over the sphere (Gonzalez 2010,
+ * lattice of Fibonacci), or equal angles. */
 static void look(int dimension, int k, double direction[3]) {
     const double golden = M_PI * (3 - sqrt(5));
     double turn = dimension == 3 ? golden * k : 2 * M_PI * k / LOOKS;
@@ -45,7 +45,7 @@ static void look(int dimension, int k, double direction[3]) {
     direction[2] = z;
 }
 
-/* Returns the particle that is farthest in a direction. */
+/* Returns the particle that is farthest out in a direction. */
 static size_t farthest(const gn_particles *particles, const double n[3]) {
     size_t found = 0;
     double most = -INFINITY;
@@ -57,8 +57,8 @@ static size_t farthest(const gn_particles *particles, const double n[3]) {
     return found;
 }
 
-/* Computes centres of outer particles, each moved towards the middle by another small amount, so
- * that no four of them lie in a plane, as those of a lattice do. */
+/* Computes the centres of outer particles, each moved towards the middle by a different small
+ * amount, so that no four of them lie in a plane, as they do in a lattice. */
 static void outer_points(const gn_particles *particles, int dimension, const double middle[3],
                          double *points) {
     const double most = 1e-2, golden = 0.6180339887498949;
@@ -71,8 +71,8 @@ static void outer_points(const gn_particles *particles, int dimension, const dou
     }
 }
 
-/* Computes the half-space of the face through these corners, away from the middle; returns false if
- * it has no area. */
+/* Computes the half-space of the face through these corners, which contains the middle; returns
+ * false if the face has no area. */
 static bool half_space_of(const double *points, const int32_t *corner, int dimension,
                           const double middle[3], half_spaces *spaces) {
     const double *x = points + corner[0] * dimension, *y = points + corner[1] * dimension;
@@ -96,8 +96,8 @@ static bool half_space_of(const double *points, const int32_t *corner, int dimen
     return true;
 }
 
-/* Computes a body inside the hull; none if the number of particles is too small for it to matter,
- * or if no body is found. */
+/* Computes a body inside the hull; none if there are too few particles for it to matter, or if no
+ * body is found. */
 static void inner_body(const gn_particles *particles, int dimension, const double lower[3],
                        const double upper[3], half_spaces *spaces) {
     const size_t few = 1000;
@@ -116,7 +116,7 @@ static void inner_body(const gn_particles *particles, int dimension, const doubl
     gn_triangulation_free(&faces);
 }
 
-/* Finds which of up to BLOCK particles lie inside with all of their surface. NaN does not. */
+/* Finds which of up to BLOCK particles lie entirely inside the body; a NaN does not. */
 static void find_inside(const double *pos, size_t count, const half_spaces *spaces, double margin,
                         int32_t inside[BLOCK]) {
     double x[4][BLOCK];
@@ -198,7 +198,7 @@ static gneiss_status make_core(const gn_particles *particles, const int32_t *out
     return GNEISS_OK;
 }
 
-/* Computes h'(n), and h'(-n) if requested. */
+/* Computes h'(n), and h'(-n) if it is requested. */
 static double reach_of(const core *inner, const double n[3], double *back) {
     double most = -INFINITY, behind = -INFINITY;
     for (size_t k = 0; k < inner->count; k++) {
@@ -213,7 +213,7 @@ static double reach_of(const core *inner, const double n[3], double *back) {
 enum { AXES = 2048 };
 
 /* Returns the integral of h' over all directions, which is exact for centrally symmetric bodies and
- * for a shift. */
+ * for translations. */
 static double curvature_of(const core *inner) {
     const double golden = M_PI * (3 - sqrt(5));
     double sum = 0;
@@ -226,7 +226,7 @@ static double curvature_of(const core *inner) {
     return 4 * M_PI * sum / (2 * AXES);
 }
 
-/* --- its hull --- */
+/* --- hull of the core --- */
 
 typedef struct cloud {
     double *x; /* [room][dimension] */
@@ -248,7 +248,7 @@ static gneiss_status add_point(cloud *points, const double x[3], int dimension,
     return GNEISS_OK;
 }
 
-/* Adds the point of the core that is farthest in a direction. */
+/* Adds the point of the core that is farthest out in a direction. */
 static gneiss_status add_farthest(const core *inner, const double n[3], int dimension,
                                   cloud *points, gneiss_error *error) {
     const double reach = reach_of(inner, n, NULL);
@@ -283,8 +283,8 @@ static double face_of(const double *points, const int32_t *corner, int dimension
     return dimension == 3 ? 0.5 * size : size;
 }
 
-/* Adds the farthest points over faces beyond which the core extends by more than `gap`; *missing:
- * sum of areas times these distances. */
+/* Adds the farthest points beyond faces that the core exceeds by more than `gap`; *missing: sum of
+ * areas times these distances. */
 static gneiss_status refine(const core *inner, int dimension, double gap,
                             const gn_triangulation *faces, cloud *points, bool *more,
                             double *missing, gneiss_error *error) {
@@ -308,8 +308,8 @@ static gneiss_status refine(const core *inner, int dimension, double gap,
     return GNEISS_OK;
 }
 
-/* Measures a flat core, which has two sides. Its normal is the direction in which it extends
- * least. */
+/* Measures a flat core, which has two sides. Its normal is the direction in which its extent is
+ * smallest. */
 static gneiss_status measure_flat(const core *inner, int dimension, double *surface,
                                   gneiss_error *error) {
     double matrix[9] = {0}, mean[3] = {0}, values[3], axes[9], area = 0;
@@ -334,14 +334,14 @@ static gneiss_status measure_flat(const core *inner, int dimension, double *surf
     return status;
 }
 
-/* Relative to the volume: tolerance of the sum of faces times the distance by which the core
- * extends beyond them, for balls and for a polytope. Between faces and a ball there is 3/4 of that
- * for equilateral triangles and 2/3 on a cylinder (and in 2D), which is added. */
+/* Tolerances relative to the volume, for balls and for a polytope, of the sum of faces times the
+ * distance by which the core exceeds them. The volume between faces and a ball is 3/4 of that for
+ * equilateral triangles and 2/3 on a cylinder (and in 2D); it is added. */
 static const double of_balls = 5e-4, of_polytope = 1e-7, between = 2.0 / 3.0;
 enum { ROUNDS = 12, POINTS_MOST = 200000 };
 
-/* Computes the hull of points of the core, which grows until the core extends beyond no face by
- * more than the tolerance of the volume over the whole surface. */
+/* Computes the hull of points of the core. It grows until the core exceeds no face by more than the
+ * distance that the tolerance of the volume allows over the whole surface. */
 static gneiss_status measure_core(const core *inner, int dimension, cloud *points, double *volume,
                                   double *surface, gneiss_error *error) {
     const double r = inner->radius;

@@ -14,7 +14,7 @@ static void voigt_pair(int dimension, int row, int *i, int *j) {
     *j = pair[row][1];
 }
 
-/* Multiplies a unit tensor of a row by a vector; shear components are `part`. */
+/* Multiplies the unit tensor of a row by a vector; shear components are `part`. */
 static void times(int dimension, int row, double part, const double x[3], double y[3]) {
     int i, j;
     voigt_pair(dimension, row, &i, &j);
@@ -93,7 +93,7 @@ static bool invert(int n, double *a) {
     return true;
 }
 
-/* Computes b = A l of all bonds' tensor A = ((1/V) sum l l)^-1, as its matrix [d][d]. */
+/* Computes b = A l for all bonds' tensor A = ((1/V) sum l l)^-1, as its matrix [d][d]. */
 static bool branch_inverse(int dimension, const gn_stiff_bond *bond, size_t count, double volume,
                            double *inverse) {
     const int d = dimension;
@@ -130,7 +130,8 @@ bool gn_stiffness_by_stress(int dimension, const gn_stiff_bond *bond, size_t cou
     return true;
 }
 
-/* Returns the factor of a pair of rows in sums over all four indices: shear rows count twice. */
+/* Returns the factor of a pair of rows in sums over all four indices, because shear rows stand for
+ * two index pairs. */
 static double weight(int dimension, int row) {
     return row < dimension ? 1.0 : 2.0;
 }

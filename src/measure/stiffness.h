@@ -19,8 +19,8 @@ typedef struct gn_elastic {
     double c[GN_VOIGT_MOST * GN_VOIGT_MOST]; /* Pa, [n][n] */
 } gn_elastic;
 
-/* The isotropic tensor that is nearest to one (in the norm |C|^2 = C_ijkl C_ijkl), and the relative
- * distance of both. In 2D it is one of plane strain; NaN without stiffness. */
+/* The isotropic tensor nearest to a given one (in the norm |C|^2 = C_ijkl C_ijkl), and the relative
+ * distance between them. In 2D it is one of plane strain; NaN without stiffness. */
 typedef struct gn_isotropic {
     double young, poisson; /* Pa, 1 */
     double anisotropy;     /* |C - C_iso|/|C| */
@@ -45,16 +45,17 @@ void gn_voigt_stretch(int dimension, int row, const double l[3], double e[3]);
 gn_bond_fabric gn_bond_fabric_of(int dimension, const gn_stiff_bond *bond, size_t count,
                                  double volume);
 
-/* Stiffness if all particles follow a uniform strain and do not rotate: (1/V) sum l_i k_jk l_l,
- * symmetrised in (ij) and (kl), which leaves out the strain of bonds by rigid rotation (Liao et al.
- * 1997, Int. J. Solids Struct. 34, 4087-4100). It is an upper bound. `volume` m3, 2D: m2 x 1 m. */
+/* Returns the stiffness if all particles follow a uniform strain and do not rotate: (1/V) sum l_i
+ * k_jk l_l, symmetrised in (ij) and (kl), which excludes the strain of bonds by rigid rotation
+ * (Liao et al. 1997, Int. J. Solids Struct. 34, 4087-4100). It is an upper bound. `volume` m3 (2D:
+ * m2 x 1 m). */
 gn_elastic gn_stiffness_by_strain(int dimension, const gn_stiff_bond *bond, size_t count,
                                   double volume);
 
-/* Stiffness if the force of every bond is f_i = s_ij A_jk l_k with A^-1 = (1/V) sum l l (Liao et
- * al. 1997): a lower bound where these forces balance on all particles, as in lattices of equal
- * particles, and an estimate elsewhere. Returns false, and zeros, if it has no stiffness: a bond
- * without one of its stiffnesses, or bonds that do not span the space. */
+/* Computes the stiffness if the force of every bond is f_i = s_ij A_jk l_k, with A^-1 = (1/V) sum l
+ * l (Liao et al. 1997): it is a lower bound where these forces balance on all particles, as in
+ * lattices of equal particles, and otherwise an estimate. Returns false, and zeros, if there is no
+ * such stiffness: a bond lacks one of its stiffnesses, or the bonds do not span the space. */
 bool gn_stiffness_by_stress(int dimension, const gn_stiff_bond *bond, size_t count, double volume,
                             gn_elastic *found);
 

@@ -19,12 +19,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Relative tolerance of the simplices' volume against that of the hull: far above round-off, far
- * below what would affect a strain. */
+/* Relative tolerance between the volume of the simplices and that of the hull: far above round-off,
+ * and far below what would affect a strain. */
 static const double tiling_tolerance = 1e-9;
 
 typedef struct face {
-    int32_t corner[3]; /* ascending; 2D: the third is 0 */
+    int32_t corner[3]; /* ascending; in 2D the third is 0 */
     int32_t sign;      /* +1: ascending corners are oriented outward, -1: inward */
 } face;
 
@@ -44,9 +44,9 @@ static int compare_faces(const void *a, const void *b) {
     return (x->sign > y->sign) - (x->sign < y->sign);
 }
 
-/* Tells whether a particle is held firmly. With two bonds it swings like a pendulum: its motion is
- * no strain of the body, but on the surface it would count like its neighbours. Without those on
- * three bonds as well, Poisson's ratio of like specimens scatters by 1 % instead of 10 %
+/* Tells whether a particle is held firmly. On two bonds it swings like a pendulum: its motion is no
+ * strain of the body, but on the surface it would count like its neighbours. If particles on three
+ * bonds are also excluded, Poisson's ratio of similar specimens scatters by 1 % instead of 10 %
  * (docs/evidence/packing.md). */
 static bool is_held(const gn_particles *particles, size_t p, int dimension) {
     return !particles->bonds0 || particles->bonds0[p] > dimension;
@@ -62,9 +62,9 @@ void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_
     if (2 * held < count) memset(counts, 1, count); /* the body has almost no bonds */
 }
 
-/* Collects the initial centres in the order of the ids, relative to the first one: the
- * triangulation of a lattice depends on the order of its points, and the order of the particles on
- * the history of the run. */
+/* Collects the initial centres in the order of the ids, relative to the first one, because the
+ * triangulation of a lattice depends on the order of its points, and the order of particles on the
+ * history of the run. */
 static gneiss_status reference_points(const gn_particles *particles, const uint8_t *counts,
                                       int dimension, double **points, numbered **order,
                                       size_t *used, gneiss_error *error) {
@@ -98,8 +98,9 @@ static double simplex_volume(const double *points, const int32_t *corner, int di
            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
 }
 
-/* Computes the area vector of a face seen from the side on which its corners are counter-clockwise;
- * 2D: the edge rotated by -90 degrees, outward for a counter-clockwise outline. */
+/* Computes the area vector of a face, towards the side from which its corners are
+ * counter-clockwise; 2D: the edge rotated by -90 degrees, outward for a counter-clockwise outline.
+ */
 static void area_vector(const double *points, const int32_t *corner, int dimension,
                         double area[3]) {
     const double *p = points + (size_t)corner[0] * dimension;
@@ -132,15 +133,15 @@ static face sorted_face(const int32_t *corner, int dimension, int32_t sign) {
     return f;
 }
 
-/* Computes where the faces with each lowest corner begin after sorting, [points + 1]. */
+/* Computes where the faces with each lowest corner start after sorting, [points + 1]. */
 static void count_faces(const face *list, size_t all, size_t points, size_t *start) {
     memset(start, 0, (points + 1) * sizeof *start);
     for (size_t f = 0; f < all; f++) start[list[f].corner[0] + 1]++;
     for (size_t p = 0; p < points; p++) start[p + 1] += start[p];
 }
 
-/* Sorts into `sorted`: by the lowest corner with counters, then the few of each corner by
- * insertion. */
+/* Sorts faces into `sorted`: by their lowest corner with counters, then the few faces of each
+ * corner by insertion. */
 static void sort_faces(const face *list, size_t all, size_t points, size_t *start, face *sorted) {
     count_faces(list, all, points, start);
     for (size_t f = 0; f < all; f++) sorted[start[list[f].corner[0]]++] = list[f];
@@ -177,7 +178,7 @@ static void list_faces(const gn_triangulation *triangulation, int32_t turn, face
         }
 }
 
-/* Computes the faces of simplices over `points` points, sorted, without pairs of opposite sign;
+/* Lists the faces of simplices over `points` points, sorted, without pairs of opposite sign;
  * `count` of them remain. */
 static gneiss_status outer_faces(const gn_triangulation *triangulation, size_t points, int32_t turn,
                                  face **faces, size_t *count, gneiss_error *error) {
@@ -219,7 +220,7 @@ static double add_faces(const face *faces, size_t count, const double *points, i
     return volume;
 }
 
-/* Checks that the simplices fill the hull once, without holes and overlaps. */
+/* Checks that the simplices fill the hull exactly once, without holes and overlaps. */
 static gneiss_status check_tiling(const gn_triangulation *triangulation, const double *points,
                                   size_t count, double enclosed, gneiss_error *error) {
     double hull, filled = 0;
@@ -255,7 +256,7 @@ static gneiss_status take_weights(const double *weight, size_t count, const numb
     return GNEISS_OK;
 }
 
-/* Returns +1 or -1, the sign of the summed volume, which is common to all simplices. */
+/* Returns the sign of the summed volume, +1 or -1, which is common to all simplices. */
 static int32_t common_turn(const gn_triangulation *triangulation, const double *points) {
     double sum = 0;
     for (size_t s = 0; s < triangulation->count; s++)
@@ -288,7 +289,7 @@ static gneiss_status gauge_fill(const gn_triangulation *triangulation, const dou
 
 /* --- by the hull --- */
 
-/* Returns the orientation seen from outside; `inside` is a point of the hull. */
+/* Returns the orientation of a face as seen from outside; `inside` is a point of the hull. */
 static int32_t outward(const double *points, const int32_t *corner, int dimension,
                        const double inside[3]) {
     double area[3], along = 0.0;
@@ -298,8 +299,8 @@ static int32_t outward(const double *points, const int32_t *corner, int dimensio
     return along < 0.0 ? -1 : 1;
 }
 
-/* Computes weights of the faces of the hull of `shown`, with the original positions of the points,
- * in the order of those of a triangulation. */
+/* Computes the weights of the faces of the hull of `shown`, with the original positions of the
+ * points, in the same order as those of a triangulation. */
 static gneiss_status weigh_hull(const gn_triangulation *hull, const double *shown,
                                 const double *points, size_t count, double *weight, double *volume,
                                 gneiss_error *error) {
@@ -319,8 +320,9 @@ static gneiss_status weigh_hull(const gn_triangulation *hull, const double *show
     return GNEISS_OK;
 }
 
-/* If the outside of the triangulation is certainly the hull, its faces give the same weights in a
- * small fraction of the time. *found tells whether they do; otherwise a triangulation is needed. */
+/* Makes the gauge by the hull. If the outside of the triangulation is certainly the hull, its faces
+ * give the same weights in a small fraction of the time. *found tells whether it is; otherwise a
+ * triangulation is needed. */
 static gneiss_status gauge_by_hull(const double *points, size_t count, int dimension,
                                    const numbered *order, gn_strain_gauge *gauge, bool *found,
                                    gneiss_error *error) {
@@ -341,9 +343,9 @@ static gneiss_status gauge_by_hull(const double *points, size_t count, int dimen
     return status;
 }
 
-/* Points of flat faces move inward by this fraction of their squared distance from the middle over
- * the extent: faces are then vaulted like a paraboloid, whose hull has all points of a face as
- * corners, in the triangles of a Delaunay triangulation of the face. A further random fraction
+/* Points on flat faces are moved inward by this fraction of their squared distance from the middle
+ * over the extent. Such a face is then vaulted like a paraboloid: all of its points are corners of
+ * the hull, in the triangles of a Delaunay triangulation of the face. A further random fraction
  * resolves the ambiguity of lattices. */
 static const double vault = 0.01, vault_random = 1e-6;
 
@@ -367,7 +369,7 @@ static double *vaulted(const double *points, size_t count, int dimension, const 
     return shown;
 }
 
-/* Tells whether a surface is closed: the areas of its faces then add up to zero. */
+/* Tells whether a surface is closed: the areas of its faces add up to zero. */
 static bool is_closed(const double *weight, size_t count) {
     double sum[3] = {0}, size = 0.0;
     for (size_t k = 0; k < 3 * count; k++) {
@@ -377,9 +379,9 @@ static bool is_closed(const double *weight, size_t count) {
     return fabs(sum[0]) + fabs(sum[1]) + fabs(sum[2]) <= tiling_tolerance * size;
 }
 
-/* Makes a gauge also for lattices, in a tenth of the time of their triangulation, by the hull of
- * the points with flat faces vaulted; any closed surface with particles as corners serves. *found
- * tells whether there is one. */
+/* Makes a gauge by the hull of the points with flat faces vaulted, which also works for lattices
+ * and takes a tenth of the time of a triangulation; any closed surface with particles as corners
+ * serves. *found tells whether there is one. */
 static gneiss_status gauge_by_vault(const double *points, size_t count, int dimension,
                                     const numbered *order, gn_strain_gauge *gauge, bool *found,
                                     gneiss_error *error) {
@@ -402,7 +404,7 @@ static gneiss_status gauge_by_vault(const double *points, size_t count, int dime
     return status;
 }
 
-/* Lattices with more particles are not triangulated. */
+/* Largest number of particles of a lattice that is triangulated. */
 static const size_t triangulated_most = 50000;
 
 static gneiss_status gauge_of(const gn_particles *particles, const uint8_t *counts, int dimension,

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* A contact: force on the first particle, unit normal to the second and the branch vector. */
+/* A contact: force on the first particle, unit normal towards the second, and branch vector. */
 typedef struct contact {
     size_t i, j;
     double f[3], n[3], l[3], length;
@@ -23,8 +23,8 @@ static contact contact_at(const gn_assembly *assembly, const gn_contacts *list, 
     return x;
 }
 
-/* Computes the force on the particle and the vector from its centre to the wall. The overlap is not
- * part of the arm: walls are stiff and their distance is not part of an assembly. */
+/* Computes the force on the particle and the vector from its centre to the wall. The arm does not
+ * include the overlap: walls are stiff, and their distance is not part of an assembly. */
 static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], double l[3]) {
     const gn_wall_contacts *list = assembly->wall_contacts;
     const double *x = assembly->particles->pos + 4 * (size_t)list->i[c];
@@ -50,7 +50,7 @@ static void add_symmetric(double sigma[6], const double f[3], const double n[3],
     sigma[5] += 0.5 * arm * (f[0] * n[2] + f[2] * n[0]);
 }
 
-/* Adds the contributions of a contact. Its point is half the gap outside of each particle. Force
+/* Adds the contributions of a contact. Its point is half of the gap outside of each particle. Force
  * and normal both change sign from the first particle to the second. */
 static void add_pair(const gn_assembly *assembly, const contact *one, double *sigma) {
     const double *pos = assembly->particles->pos;
@@ -82,7 +82,7 @@ void gn_stress_particles(const gn_assembly *assembly, double porosity, double *s
     }
 }
 
-/* Packing figures and damage of particles. */
+/* --- figures of a packing, and damage of particles --- */
 
 /* --- packing figures --- */
 
@@ -142,7 +142,7 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
 
 /* --- damage --- */
 
-/* Rojek et al. (2012), eq. 60. A bond that left with its other particle is no damage to this
+/* Rojek et al. (2012), eq. 60. A bond that was removed with its other particle is no damage to this
  * one. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage) {
     memset(damage, 0, particles->soa.count * sizeof *damage);

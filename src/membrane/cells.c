@@ -28,7 +28,7 @@ void gn_start_grid_free(gn_start_grid *g) {
     gn_free(g->item);
 }
 
-/* Particles were within w->lower and w->upper at the start. */
+/* At the start all particles were between w->lower and w->upper. */
 gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                  const bool *of, gn_start_grid *g, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
@@ -56,10 +56,10 @@ gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, 
     return GNEISS_OK;
 }
 
-/* Factor of squared distances across the direction `along`. */
+/* Factor on squared distances across the direction `along`. */
 static const double across = 4.0;
 
-/* The result is at least the length of d. */
+/* Returns a distance that is at least the length of d. */
 static double far_away(const double d[3], const double *along) {
     double square = gn_dot3(d, d), size = along ? gn_dot3(along, along) : 0.0;
     if (!(size > 0.0)) return sqrt(square);
@@ -67,7 +67,7 @@ static double far_away(const double d[3], const double *along) {
     return sqrt(straight + across * across * fmax(square - straight, 0.0));
 }
 
-/* Finds the particle of a cell whose surface is nearest to x, if nearer than *least. */
+/* Searches a cell for the particle whose surface is nearest to x, nearer than *least. */
 static void look_in(const gn_start_grid *g, int64_t cell, const double x[3], const double *along,
                     double *least, int32_t *found) {
     const gn_particles *q = g->particles;
@@ -83,7 +83,7 @@ static void look_in(const gn_start_grid *g, int64_t cell, const double x[3], con
     }
 }
 
-/* Visits shells of cells until no particle farther out can be nearer. */
+/* Visits shells of cells until no particle in an outer one can be nearer. */
 int32_t gn_start_grid_nearest(const gn_start_grid *g, const double x[3], const double *along) {
     int64_t at[3], far = 0;
     double least = INFINITY;
@@ -147,7 +147,7 @@ static double way_to(const gn_particles *q, size_t p, const double x[3]) {
     return sqrt(gn_dot3(d, d));
 }
 
-/* Tells whether a position in the cell may be nearer to the other particle. */
+/* Tells whether a point of the cell may be nearer to the other particle. */
 static bool is_near(const gn_cell *cell, size_t particle, size_t other) {
     const gn_particles *q = cell->all->particles;
     const double reach = q->pos[4 * particle + 3] + 2.0 * cell->around;
@@ -175,12 +175,13 @@ static void see(void *context, int32_t other) {
 /* --- voxels --- */
 
 typedef struct cube {
-    double width;    /* m, of a voxel */
+    double width;    /* m, side of a voxel */
     double first[3]; /* m, middle of the first voxel */
     size_t n[3];
 } cube;
 
-/* The origin of the voxels is random, so that the errors for a lattice do not all have one sign. */
+/* Places the voxels about a particle. Their origin is random, so that the errors in a lattice do
+ * not all have the same sign. */
 static cube cube_about(const gn_cell *cell, int dimension, size_t particle) {
     const gn_particles *q = cell->all->particles;
     const double radius = q->pos[4 * particle + 3], side = 2.0 * (radius + cell->around);
@@ -200,7 +201,7 @@ static void middle(const cube *c, size_t i, size_t j, size_t k, double x[3]) {
     for (int a = 0; a < 3; a++) x[a] = c->first[a] + c->width * (double)at[a];
 }
 
-/* Returns the owner of a voxel; of two equally near particles the one with the smaller id. */
+/* Returns the owner of a voxel; of two particles at equal distance, that with the smaller id. */
 static int32_t owner_of(const gn_cell *cell, size_t particle, const double x[3], size_t planes,
                         const double (*plane)[4]) {
     const gn_particles *q = cell->all->particles;
@@ -220,8 +221,8 @@ static int32_t owner_of(const gn_cell *cell, size_t particle, const double x[3],
     return found;
 }
 
-/* Tests the face between a voxel and the next along an axis, one of which may belong to the cell.
- * */
+/* Adds the face between a voxel and the next one along an axis if exactly one of them belongs to
+ * the cell. */
 static void add_between(gn_cell *cell, int32_t one, int32_t next, int axis, double area,
                         const double x[3]) {
     const bool out = one == GN_CELL_OWN;

@@ -1,7 +1,7 @@
 /* Transfers the surface of detached particles to those beneath. The faces of the cell of a detached
- * particle towards those that remain become surface: their vector sum is the area that it carried,
- * so that the surface stays closed, encloses what remains, and follows it. All positions are those
- * at the start. */
+ * particle towards the remaining particles become surface. Their vector sum is the area that the
+ * particle carried, so that the surface remains closed, encloses the remaining particles, and
+ * follows them. All positions are those at the start. */
 #include "base/new.h"
 #include "membrane/membrane.h"
 
@@ -18,12 +18,14 @@
 #include <math.h>
 #include <string.h>
 
-/* In mean radii: cell size of grids, reach of a cell beyond its particle, and voxel size. */
+/* Sizes in mean radii: cells of grids, largest distance of a point of a cell from its particle,
+ * voxels. */
 static const double cell_size = 2.5, around = 1.0, voxel = 0.25;
 
-/* Markers in the size column of q->skin for detached particles. An inner particle that was loose
- * while others covered it keeps its position for the membrane, which does not reach into closed
- * cavities: its share of the surface passes to particles beneath. */
+/* Markers in the size column of q->skin for detached particles: inside the body, without surface,
+ * and to be detached now. An inner particle that was loose while others covered it counts as at its
+ * place, because the membrane does not reach into closed cavities; its share of the surface passes
+ * to particles beneath. */
 static const double inside = -1.0, bare = -2.0, going = -3.0;
 
 enum { NONE = -1, PLANES = 8 };
@@ -34,16 +36,16 @@ typedef struct transfer {
     gn_dem *dem;
     gn_membrane *membrane;
     gn_start_grid left, all;
-    bool *of; /* [particles] true for particles that remain */
+    bool *of; /* [particles] true: remains */
     gn_cell cell;
     gn_patch *patch;
-    int32_t *next, *head; /* [capacity], [particles] */
+    int32_t *next, *head; /* [capacity] next patch of the particle, [particles] its first patch */
     size_t count, capacity;
 } transfer;
 
-/* Tells whether a particle is farther than its radius from its position on the moving skin: a
- * particle that was never supported is detached then, and a gap of the packing does not detach one.
- * */
+/* Tells whether a particle is farther than its radius from its position on the moving skin. By this
+ * condition a particle that was never supported is detached, and a gap of the packing does not
+ * detach one. */
 static bool has_left(const gn_dem *dem, const double mean[3], size_t p) {
     const gn_particles *q = &dem->particles;
     double way[3];
@@ -87,7 +89,7 @@ static bool mark_detached(const gn_step_context *ctx, gn_dem *dem) {
     return found;
 }
 
-/* --- hands --- */
+/* --- transfer of patches --- */
 
 static void free_transfer(transfer *h) {
     gn_start_grid_free(&h->left);
@@ -124,7 +126,7 @@ static void put_in(transfer *h, int32_t p, size_t k) {
     h->head[p] = (int32_t)k;
 }
 
-/* A particle that receives a patch belongs to the skin. */
+/* Adds a patch to particle p, which then belongs to the skin. */
 static gneiss_status add_patch(transfer *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
     double *size = &h->dem->particles.skin[4 * (size_t)p + 3];
     if (*size == 0.0) *size = length(patch->area);
@@ -171,7 +173,7 @@ static gneiss_status store_patches(const transfer *h, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- new bearers --- */
+/* --- particles that receive patches --- */
 
 static gneiss_status give(transfer *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
     if (h->dem->particles.skin[4 * (size_t)p + 3] == inside)
@@ -179,7 +181,7 @@ static gneiss_status give(transfer *h, int32_t p, const gn_patch *patch, gneiss_
     return p < 0 ? GNEISS_OK : add_patch(h, p, patch, error);
 }
 
-/* Finds the planes of the surface at a particle from its original patches. */
+/* Finds the planes of the surface at a particle, from its original patches. */
 static size_t planes_at(const transfer *h, size_t p, double (*plane)[4]) {
     size_t count = 0;
     for (int32_t k = h->head[p]; k != NONE && count < PLANES; k = h->next[k]) {
@@ -200,8 +202,8 @@ static void add_sums(const gn_patch *patch, double sign, double area[3], double 
         arms[k] += sign * (patch->area[k / 3] * patch->point[k % 3] + patch->rest[k]);
 }
 
-/* Gives the faces to the neighbours, except to those whose own cell is exposed; `area` and `arms`
- * are reduced by them. */
+/* Transfers the faces to the neighbours, except to those whose own cell is exposed; `area` and
+ * `arms` are reduced by the transferred ones. */
 static gneiss_status give_faces(transfer *h, double area[3], double arms[9], gneiss_error *error) {
     const double *skin = h->dem->particles.skin;
     for (size_t f = 0; f < h->cell.count; f++) {
@@ -219,9 +221,9 @@ static gneiss_status give_faces(transfer *h, double area[3], double arms[9], gne
     return GNEISS_OK;
 }
 
-/* The faces of a cell are closed, so that the area that its particle carried equals the sum and
- * moment of the faces that become surface. The difference that voxels and a non-planar surface
- * leave is spread over the whole skin. */
+/* Distributes the remaining area and moment over the skin. The faces of a cell are closed, so that
+ * the area of its particle equals the sum and the moment of the faces that become surface, except
+ * for differences due to voxels and a non-planar surface. */
 static void keep_sums(gn_membrane_state *m, const double area[3], const double arms[9]) {
     for (int a = 0; a < 3; a++) m->missing[a] += area[a];
     for (int k = 0; k < 9; k++) m->rest[k] += 0.5 * (arms[k] - arms[k % 3 * 3 + k / 3]);
@@ -240,8 +242,8 @@ static gneiss_status expose_faces(transfer *h, size_t p, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Visits detached particles in the order of their indices, and repeats while one of them received a
- * patch. */
+/* Transfers the patches of detached particles in the order of their indices, repeatedly while one
+ * of them has received a patch. */
 static gneiss_status transfer_patches(transfer *h, gneiss_error *error) {
     gn_dem *d = h->dem;
     double *skin = d->particles.skin;

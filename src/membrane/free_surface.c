@@ -1,9 +1,9 @@
-/* The skin of particles without a given shape: the surface over which a ball of the mean radius
- * rolls (rolling_ball.h), and of the surfaces parallel to it the one that bounds a body loaded by
- * the pressure everywhere. The mean stress of the specimen then refers to the enclosed volume.
+/* The skin of particles without a given shape. A ball of the mean radius rolls over the particles
+ * (rolling_ball.h); the skin is that surface parallel to the rolled one which bounds a body loaded
+ * by the pressure everywhere. The mean stress of the specimen then refers to the enclosed volume.
  * Bodies between which the ball passes have separate surfaces. The pressure on a single particle
- * has no resultant; so it is for particles in a row or (in space) in one layer, whose shape does
- * not determine a rotation and a strain. */
+ * has no resultant. Neither has that on particles in a row or (in space) in one layer, whose
+ * positions determine neither a rotation nor a strain. */
 #include "membrane/membrane.h"
 
 #include "base/ball.h"
@@ -23,11 +23,12 @@
 #include <string.h>
 
 typedef struct view {
-    int32_t *body;    /* [particles] representative of the body, which the ball does not divide */
-    int32_t *members; /* [particles] number of particles of the body of a representative */
+    int32_t *body; /* [particles] representative of the body; the ball cannot pass through a body */
+    int32_t *members; /* [particles] number of particles of the body, for representatives */
     size_t bodies;
     gn_rolled rolled;
-    double *borne; /* [particles] m3: sum over load-bearing contacts of section times half length */
+    double *
+        borne; /* [particles] m3: section times half length, summed over contacts that carry load */
 } view;
 
 static int32_t standing_for(int32_t *body, int32_t p) {
@@ -45,7 +46,7 @@ static void count_bodies(view *v, size_t n) {
     for (size_t p = 0; p < n; p++) v->bodies += v->members[p] > 0;
 }
 
-/* Contacts that are or may become bonds, or touch. */
+/* Adds a contact that is a bond, may become one, or touches. */
 static void add_borne(const gn_step_context *ctx, const gn_dem *dem, view *v, size_t i, size_t j) {
     const double *x = dem->particles.pos + 4 * i, *y = dem->particles.pos + 4 * j;
     const double way[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
@@ -109,7 +110,7 @@ static gneiss_status look(const gn_step_context *ctx, const gn_dem *dem, view *v
     return status;
 }
 
-/* Removes the rounding where the ball is held by more than three particles. */
+/* Removes the rounding error of the surface where more than three particles hold the ball. */
 static void close_surface(gn_particles *q, gn_skin_body body) {
     double left[3] = {0}, size = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -122,7 +123,7 @@ static void close_surface(gn_particles *q, gn_skin_body body) {
             q->skin[4 * p + a] -= q->skin[4 * p + 3] / size * left[a];
 }
 
-/* Computes the weights of the layers in the surface at a distance from the centre of the ball, in
+/* Computes the weights of the layers for the surface at a distance from the centre of the ball, in
  * radii of the ball. */
 static void weigh_layers(double at, double weight[GN_ROLLED_LAYERS]) {
     for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
@@ -133,8 +134,8 @@ static void weigh_layers(double at, double weight[GN_ROLLED_LAYERS]) {
     }
 }
 
-/* m3, of each layer of a body: sum of areas times positions of their particles, and enclosed
- * volume. */
+/* Sums over the particles of a body, for each layer: areas times positions, and the enclosed
+ * volume, m3. */
 typedef struct volumes {
     double at_centres[GN_ROLLED_LAYERS], enclosed[GN_ROLLED_LAYERS];
 } volumes;
@@ -165,8 +166,8 @@ static double sum_at(const double sums[GN_ROLLED_LAYERS], double at) {
     return sum;
 }
 
-/* Returns the distance at which a sum, which decreases with it, is `wanted`; at most half a radius
- * of the ball from the touched surface. */
+/* Returns the distance at which a sum, which decreases with the distance, is `wanted`; it is at
+ * most half a radius of the ball from the touched surface. */
 static double layer_at(const double sums[GN_ROLLED_LAYERS], double wanted) {
     double low = 0.5, high = 1.5;
     for (int k = 0; k < 50; k++) {
@@ -176,8 +177,7 @@ static double layer_at(const double sums[GN_ROLLED_LAYERS], double wanted) {
     return 0.5 * (low + high);
 }
 
-/* m3, volumes of a body from the cells of its inner particles; 0: it has too few inner particles.
- * */
+/* Volumes of a body from the cells of its inner particles, m3; 0: it has too few of them. */
 typedef struct body_space {
     double bearing; /* volume in which the contacts transmit a uniform pressure */
     double filled;  /* volume filled by its particles */
@@ -201,10 +201,11 @@ static body_space space_of(const gn_step_context *ctx, const gn_dem *dem, const 
     return (body_space){borne[0] / borne[1] * space, solid[0] / solid[1] * space};
 }
 
-/* Returns the position of a body's surface, in radii of the ball from its centre. The ball sinks in
- * between particles of a lattice, and rests on single particles that protrude from a cut and have
- * few contacts: the touched surface is not the boundary of the load-bearing body. A given area
- * determines the position by itself. */
+/* Returns the position of a body's surface, as a distance from the centre of the ball in radii of
+ * the ball. The touched surface is not the boundary of the body that carries load: the ball sinks
+ * in between particles of a lattice, and it rests on single particles that protrude from a cut and
+ * have few contacts. If the test determines the volume (`given`), the position follows from it
+ * alone. */
 static double surface_at(const gn_step_context *ctx, const gn_dem *dem, const view *v,
                          gn_skin_body body, double given, double bearing) {
     const volumes sums = volumes_of(ctx, dem, v, body);
@@ -227,8 +228,8 @@ static void set_surface(gn_dem *dem, const view *v, gn_skin_body body, double at
     }
 }
 
-/* Sets the surface of a body, in balance with its particles at their centres. Arms end where the
- * surface encloses the volume of the body. */
+/* Computes the surface of a body and balances it with the particles at their centres. Arms end
+ * where the surface encloses the volume of the body. */
 static void finish(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                    const gn_boundary *boundary, const gn_solids *solids, const view *v,
                    gn_skin_body body, double *arms) {
@@ -254,7 +255,7 @@ static void finish(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membran
     membrane->state->enclosed += volume;
 }
 
-/* Tells whether a body is more than a row (2D) or a layer (3D). */
+/* Tells whether a body is more than a row of particles (2D) or a layer (3D). */
 static bool spans(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body) {
     const gn_particles *q = &dem->particles;
     const int d = (int)ctx->scene.dimension;

@@ -14,7 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Steps between searches for detached particles and updates of the local motion of the skin. */
+/* Number of steps between searches for detached particles, which are also updates of the local
+ * motion of the skin. */
 enum { LOOK_INTERVAL = 100, ALL = -1 };
 
 double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_membrane *membrane) {
@@ -134,13 +135,13 @@ bool gn_gradient_of(const gn_gradient_fit *f, double gradient[9]) {
     gn_cofactor3(spread, cofactor);
     double det = gn_dot3(spread, cofactor);
     if (!(det > 1e-9 * size * size * size)) return false;
-    gn_product3(moved, cofactor, gradient); /* symmetric, as spread is */
+    gn_product3(moved, cofactor, gradient); /* symmetric, because `spread` is */
     for (int k = 0; k < 9; k++) gradient[k] /= det;
     return true;
 }
 
-/* Fits the deformation of a body, or of all, relative to one particle of the skin, so that a
- * distant origin costs no digits. */
+/* Fits the deformation of a body, or of all bodies, relative to one particle of the skin, so that
+ * no digits are lost if the origin is distant. */
 static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, const gn_membrane *membrane,
                      int32_t body, double gradient[9]) {
     const gn_particles *q = &dem->particles;
@@ -159,7 +160,7 @@ static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, const gn_mem
     gn_gradient_of(&fit, gradient);
 }
 
-/* Finds the body of each particle: bodies are stored with the patches, whose order does not change.
+/* Finds the body of each particle. Bodies are stored with the patches, whose order does not change.
  */
 static gneiss_status list_bodies(gn_dem *dem, gn_membrane *membrane, size_t bodies,
                                  gneiss_error *error) {
@@ -211,7 +212,7 @@ gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_memb
     const bool look = ctx->step % LOOK_INTERVAL == 0;
     bool dropped = false;
     if (look) GN_TRY(gn_membrane_detach(ctx, dem, membrane, &dropped, error));
-    /* Several bodies have no common deformation. */
+    /* Several bodies have no common deformation, so that they are updated separately. */
     if (m->follow && (look || membrane->state->bodies == 1))
         fit_skin(ctx, dem, membrane, ALL, membrane->state->gradient);
     if (look) GN_TRY(gn_membrane_update_areas(ctx, dem, membrane, dropped, error));
@@ -221,7 +222,7 @@ gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_memb
         gn_cofactor3(gn_membrane_gradient_at(ctx, membrane, p), turn);
         for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
-    /* Needed between updates as well, or a motion that differs from the mean one would exert a
+    /* Also needed between updates, because a motion that differs from the mean one would exert a
      * moment on the skin. */
     if (m->follow && membrane->state->bodies == 1)
         gn_membrane_rebalance(ctx, dem, membrane, q->applied);

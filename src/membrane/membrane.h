@@ -15,70 +15,72 @@
 /* State of a membrane, as checkpoints store it. Areas act at their present positions; tensors are
  * sums of areas times positions or arms, m3. */
 typedef struct gn_membrane_state {
-    double pressure;    /* Pa, in the last step */
-    double gradient[9]; /* mean displacement gradient of the skin in the last step; of several
-                           bodies at the last update */
+    double pressure;    /* Pa, pressure of the last step */
+    double gradient[9]; /* mean displacement gradient of the skin in the last step; if it has
+                           several bodies, at the last update */
     double missing[3];  /* m2, area of the surface minus that of the patches */
-    double rest[9];     /* moment of the surface minus that of the patches */
-    double arms[9];     /* arms from the centres of the bearers, rotated back by the gradient */
-    double enclosed; /* m3, enclosed at the start by the surface of particles without a given shape;
-                        0: a shape is given */
+    double rest[9];     /* m3, moment of the surface minus that of the patches */
+    double arms[9];     /* m3, areas times arms from the centres of the bearers, rotated back by the
+                           gradient */
+    double enclosed; /* m3, volume enclosed at the start by the surface of particles without a given
+                        shape; 0: a shape is given */
     double from;     /* Pa, pressure at the start of a ramp */
     double since;    /* s, start of the ramp */
-    double unlike;  /* largest share of the skin at any update that followed the mean motion because
-                       its surroundings would have stretched it excessively */
-    int64_t bodies; /* number of bodies of the skin at the last update; those with an open surface
-                       count as one */
+    double unlike;   /* largest share of the skin, over all updates, that followed the mean motion
+                        because its surroundings would have stretched it excessively */
+    int64_t bodies;  /* number of bodies of the skin at the last update; all bodies with an open
+                        surface count as one */
 } gn_membrane_state;
 
-/* A part of the surface that one particle carries, at the start: its share of a side of the body,
- * or an exposed face of its cell. */
+/* A part of the surface at the start that one particle carries: its share of a side of the body, or
+ * an exposed face of its cell. */
 typedef struct gn_patch {
-    double point[3]; /* m, its middle */
+    double point[3]; /* m, middle of the patch */
     double area[3];  /* m2, outward */
     double rest[9];  /* m3, sum of areas times arms from the middle */
-    double size;     /* m2; 0: a face, whose size is the magnitude of its area */
+    double size;     /* m2; 0: the patch is a face, whose size is the magnitude of its area */
     int32_t owner;   /* id of the particle that carries it; -1: no particle is left */
-    int32_t body;    /* body of the particle among those of the skin at the last update */
+    int32_t body;    /* number, among the bodies of the skin at the last update, of the body of the
+                        particle */
 } gn_patch;
 
 struct gn_membrane {
     gn_membrane_state *state;   /* NULL: there is no membrane */
-    double (*skin_gradient)[9]; /* [bodies] gradient of each in the last step */
-    int32_t *skin_body; /* [particles] index of the body of the skin, if there are several */
+    double (*skin_gradient)[9]; /* [bodies] displacement gradient of each body in the last step */
+    int32_t *skin_body; /* [particles] number of the body of the skin; only if there are several */
     gn_patch *patches;  /* [patch_count] */
     size_t patch_count;
 };
 
 void gn_membrane_free(gn_membrane *membrane);
 
-/* Cuts the surface into patches, one for each particle of the skin (skin.c). Call with
- * masses and sets applied. Does nothing without a membrane. */
+/* Divides the surface into patches, one for each particle of the skin (skin.c). Masses and sets
+ * must be applied. Does nothing without a membrane. */
 gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                  const gn_boundary *boundary, const gn_solids *solids,
                                  gneiss_error *error);
 
-/* Distributes the surface again among the particles that the present contacts support (skin.c), if
- * they differ; after a particle was detached the distribution stays. Must be called after bonds are
+/* Distributes the surface again if the present contacts support other particles than before
+ * (skin.c); after a particle was detached the distribution stays. Must be called after bonds are
  * formed. */
 gneiss_status gn_membrane_update_bearers(const gn_step_context *ctx, gn_dem *dem,
                                          gn_membrane *membrane, const gn_boundary *boundary,
                                          const gn_solids *solids, gneiss_error *error);
 
-/* Marks [particles] those that contacts support against a push in any direction, detached ones
- * excepted. Without bonds, or if no particle is supported, marks all but the detached ones. */
+/* Marks [particles] those that contacts support against a push in any direction, except detached
+ * ones. Without bonds, or if no particle is supported, marks all but the detached ones. */
 gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_dem *dem, bool *held,
                                          gneiss_error *error);
 
-/* Makes the skin of particles without a given shape, over which a ball of the radius `ball` rolls
- * (free_surface.c). Areas go to q->skin; `arms` [particles] are the traces of areas times arms from
- * the centres, m3, and must be 0 initially. */
+/* Makes the skin of particles without a given shape, over which a ball of radius `ball` rolls
+ * (free_surface.c). Areas are written to q->skin, the traces of areas times arms from the centres,
+ * m3, to `arms` [particles], which must be 0 initially. */
 gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     double ball, double *arms, gneiss_error *error);
 
-/* Transfers the surface of detached particles to those beneath (detachment.c). *dropped: some were
- * detached. */
+/* Transfers the surface of detached particles to the particles beneath (detachment.c). *dropped:
+ * some particles were detached. */
 gneiss_status gn_membrane_detach(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                  bool *dropped, gneiss_error *error);
 
@@ -89,13 +91,13 @@ bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]);
 int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 
 /* Updates the areas of the skin from its patches, each deformed with its surroundings, and balances
- * them to the moment of the closed surface (patches.c). Called at the start and at every update,
- * where areas change only by a fraction of the difference, unless `anew`. */
+ * them to the moment of the closed surface (patches.c). Called at the start and at every update.
+ * Areas change only by a fraction of the difference, unless `anew`. */
 gneiss_status gn_membrane_update_areas(const gn_step_context *ctx, gn_dem *dem,
                                        gn_membrane *membrane, bool anew, gneiss_error *error);
 
-/* Finds the mean motion of each of several bodies of the skin; gn_membrane_gradient_at returns that
- * of the body of a particle. */
+/* gn_membrane_fit_bodies finds the mean motion of each of several bodies of the skin;
+ * gn_membrane_gradient_at returns the gradient of the body of a particle. */
 gneiss_status gn_membrane_fit_bodies(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                      gneiss_error *error);
 const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_membrane *membrane,
@@ -107,27 +109,29 @@ typedef struct gn_skin_body {
     int32_t is;
 } gn_skin_body;
 
-/* Makes the least change of the areas (rows of 4, as q->skin) of a body that gives them the moment
- * `moment`, m3, about 0, with particles at `place` (rows of 4). */
+/* Changes the areas (rows of 4, as q->skin) of a body as little as possible, so that their moment
+ * about 0, with particles at `place` (rows of 4), becomes `moment`, m3. */
 void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body,
                          const double *place, const double moment[3], double *area);
-/* Balances the areas of all particles at present positions to the moment of the surface, which
- * follows the skin as a whole. */
+/* Balances the areas of all particles at their present positions to the moment of the surface,
+ * which follows the skin as a whole. */
 void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_membrane *membrane, double *area);
 
-/* Pa, present value: ramps from the pressure when it was prescribed to the prescribed one. */
+/* Returns the present pressure, Pa, which ramps from the pressure when a new one was prescribed to
+ * the prescribed one. */
 double gn_membrane_pressure_now(const gn_step_context *ctx, const gn_membrane *membrane);
-/* Takes over the scene of the stage that begins; `pressure`: the one prescribed before. */
+/* Takes over the scene of the stage that begins; `pressure`: the pressure prescribed until then. */
 void gn_membrane_enter(const gn_step_context *ctx, gn_membrane *membrane, size_t stage,
                        double pressure);
 
-/* Sets the applied forces of the instant, before the forces of a step. */
+/* Sets the forces that the membrane applies at the instant, before the forces of a step are
+ * computed. */
 gneiss_status gn_membrane_apply(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                 gneiss_error *error);
 
-/* Returns the volume to which the mean stress of the specimen refers, m3; without a given shape
- * that enclosed by the membrane at the start. */
+/* Returns the volume to which the mean stress of the specimen refers, m3; without a given shape it
+ * is the volume that the membrane enclosed at the start. */
 double gn_membrane_volume(const gn_step_context *ctx, const gn_membrane *membrane);
 
 /* gn_membrane_pressure returns the pressure of the last step, Pa; gn_membrane_stress adds the
@@ -136,8 +140,8 @@ double gn_membrane_pressure(const gn_membrane *membrane);
 void gn_membrane_stress(const gn_step_context *ctx, const gn_membrane *membrane, double volume,
                         double stress[9]);
 
-/* Return the area that the membrane covers at the last update, m2; gn_membrane_area_of: that of one
- * body. */
+/* Return the area that the membrane covered at the last update, m2, of all bodies and
+ * (gn_membrane_area_of) of one body. */
 double gn_membrane_area(const gn_dem *dem);
 double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body);
 
@@ -163,15 +167,16 @@ typedef struct gn_gradient_fit {
     double moved[9], spread[9];
 } gn_gradient_fit;
 void gn_gradient_add(gn_gradient_fit *fit, double weight, const double from[3], const double to[3]);
-/* Returns the weighted sum of squared distances from the mean, m2, along the axis where it is
- * least. */
+/* Returns the weighted sum of squared distances from the mean, m2, along the axis on which it is
+ * smallest. */
 double gn_gradient_spread(const gn_gradient_fit *fit);
-/* Returns false, and the identity, if the positions do not span the space. */
+/* Computes the gradient; returns false, and the identity, if the positions do not span the space.
+ */
 bool gn_gradient_of(const gn_gradient_fit *fit, double gradient[9]);
 
-/* c = adj(a)^T: maps area vectors if `a` maps lengths (Nanson: J F^-T dA). */
+/* Computes c = adj(a)^T, which maps area vectors if `a` maps lengths (Nanson: J F^-T dA). */
 void gn_cofactor3(const double a[9], double c[9]);
-/* r = a b, r = a b^T, r = a^T b. */
+/* Compute r = a b, r = a b^T and r = a^T b. */
 void gn_product3(const double a[9], const double b[9], double r[9]);
 void gn_product3_bt(const double a[9], const double b[9], double r[9]);
 void gn_product3_at(const double a[9], const double b[9], double r[9]);

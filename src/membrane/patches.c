@@ -1,7 +1,7 @@
-/* Update of the skin at a fixed interval of steps. The surface consists of the patches of the
- * start, each carried by a particle beneath it, and of the faces that detached particles exposed,
- * so that together they bound the remaining body. In a deforming body every patch rotates and
- * stretches with the particles around its bearer. */
+/* Update of the skin at a fixed interval of steps. The surface consists of its patches at the
+ * start, each carried by a particle beneath it, and of the faces that detached particles exposed;
+ * together they bound the remaining body. In a deforming body every patch rotates and stretches
+ * with the particles around its bearer. */
 #include "base/new.h"
 #include "membrane/membrane.h"
 
@@ -17,14 +17,15 @@
 #include <math.h>
 #include <string.h>
 
-/* In mean radii: radius of the surroundings of a particle; cell size of the grid. */
+/* Sizes in mean radii: radius of the surroundings of a particle; cells of the grid. */
 static const double around = 5.0, cell_size = 2.5;
 
-/* Fraction of the difference to the present areas that an update applies: areas that followed waves
- * of some hundred steps would lag behind and excite them. */
+/* Fraction of the difference to the present areas by which an update changes the areas. Larger
+ * changes would follow waves of some hundred steps with a delay and excite them. */
 static const double pace = 1.0 / 8.0;
 
-/* Number and factor of enlargements of surroundings with too few particles. */
+/* Body number of open surfaces; number and factor of enlargements of surroundings with too few
+ * particles. */
 enum { OPEN = -1, WIDENED = 3 };
 static const double wider = 1.5;
 
@@ -35,7 +36,7 @@ static const double stretch_most = 3.0;
 
 typedef struct view {
     const gn_particles *particles;
-    const int32_t *group; /* bodies; NULL: there is one */
+    const int32_t *group; /* [particles] body; NULL: there is only one */
     size_t middle;
     double reach;
     gn_gradient_fit fit;
@@ -54,8 +55,8 @@ static void see(void *context, int32_t particle) {
     gn_gradient_add(&v->fit, weight, from, to);
 }
 
-/* Tells whether the surroundings determine a deformation along all axes: if their extent along one
- * is small, a single displaced particle would rotate and stretch the patches beside it. */
+/* Tells whether the surroundings determine a deformation along all axes. If their extent along one
+ * of them is small, a single displaced particle would rotate and stretch the patches beside it. */
 static bool determines_gradient(const view *v, double radius, double gradient[9]) {
     const double enough = 1.5;
     double cofactor[9];
@@ -69,17 +70,19 @@ static bool determines_gradient(const view *v, double radius, double gradient[9]
  * deformation of the skin of each body. */
 typedef struct look {
     const int32_t *group;        /* NULL: all particles are one body */
-    const gn_start_grid *around; /* NULL: the deformation is that of the start */
+    const gn_start_grid *around; /* particles that determine the deformation; NULL: the deformation
+                                    is that of the start */
     double radius;
-    double (*whole)[9]; /* [particles] by the leading particle of a body, with several bodies */
+    double (*whole)[9]; /* [particles] deformation of the skin, at the leading particle of a body;
+                           only with several bodies */
 } look;
 
 static const double *whole_of(const gn_membrane *membrane, const look *l, size_t p) {
     return l->whole ? l->whole[l->group[p]] : membrane->state->gradient;
 }
 
-/* Widens the surroundings if few particles remain or the body is thin; falls back to the gradient
- * of the whole skin. */
+/* Finds the gradient of the surroundings, which are widened if few particles remain or the body is
+ * thin; the last resort is the gradient of the whole skin. */
 static void gradient_around(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_membrane *membrane, const look *l, size_t p,
                             double gradient[9]) {
@@ -126,8 +129,9 @@ static double size_of(const gn_patch *patch) {
     return patch->size > 0.0 ? patch->size : sqrt(gn_dot3(patch->area, patch->area));
 }
 
-/* Adds a patch to the area of its bearer, and its arm to `arms`; an exposed face also to `bared`,
- * whose resultant determines its size, and an original patch to the size. */
+/* Adds a patch to the area of its bearer, and its arm to `arms`. An exposed face is also added to
+ * `bared`, whose resultant determines its size, an original patch to the size of the bearer's area.
+ */
 static void add_patch(gn_dem *dem, const gn_patch *patch, size_t p, const double gradient[9],
                       double bared[3], double arms[9]) {
     gn_particles *q = &dem->particles;
@@ -147,8 +151,8 @@ static void add_patch(gn_dem *dem, const gn_patch *patch, size_t p, const double
     q->skin[4 * p + 3] += patch->size * (size > 0.0 ? sqrt(gn_dot3(area, area) / size) : 1.0);
 }
 
-/* Returns the size of a patch deformed with its surroundings over that deformed with the whole
- * skin. */
+/* Returns the ratio of the sizes of a patch deformed with its surroundings and with the whole skin.
+ */
 static double stretch_of(const gn_patch *patch, const double turn[9], const double whole[9]) {
     double here = 0.0, all = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -160,9 +164,9 @@ static double stretch_of(const gn_patch *patch, const double turn[9], const doub
     return all > 0.0 ? sqrt(here / all) : 1.0;
 }
 
-/* Surroundings that would stretch a patch much more or less than the skin of its body are ignored:
- * the patch then moves with that skin. Returns the size of such patches from the k-th on, otherwise
- * 0. */
+/* Replaces the deformation of a patch by that of the skin of its body if the surroundings would
+ * stretch it much more or less than that skin. Returns the size of such patches, counted from patch
+ * k, else 0. */
 static double limit_stretch(const double as_whole[9], const gn_membrane *membrane, size_t k,
                             double gradient[9]) {
     const int32_t owner = membrane->patches[k].owner;
@@ -180,8 +184,8 @@ static double limit_stretch(const double as_whole[9], const gn_membrane *membran
     return size;
 }
 
-/* Adds all patches, which are sorted by their particles, deformed with their surroundings or as at
- * the start. */
+/* Adds all patches, which are sorted by their particles, either deformed with their surroundings or
+ * as at the start. */
 static void add_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                         const look *l, double arms[9]) {
     gn_particles *q = &dem->particles;
@@ -205,8 +209,9 @@ static void add_patches(const gn_step_context *ctx, gn_dem *dem, gn_membrane *me
         membrane->state->unlike = fmax(membrane->state->unlike, unlike / gn_membrane_area(dem));
 }
 
-/* Sums over the patches of a body, deformed with the whole skin: area, and area times position
- * relative to a particle `base`. For a closed surface they are 0 and its volume. */
+/* Sums up the patches of a body, deformed with the whole skin: area, and area times position
+ * relative to a particle `base`. For a closed surface the first is 0 and the second is the volume.
+ */
 static void surface_sums(const gn_dem *dem, const gn_membrane *membrane, gn_skin_body body,
                          size_t base, double area[3], double tensor[9]) {
     const gn_dem *d = dem;
@@ -253,8 +258,8 @@ void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem,
     gn_membrane_balance(ctx, dem, all, q->pos, moment, area);
 }
 
-/* Distributes the difference to the force of the surface over all areas by size; then restores the
- * moment. Both vanish for a closed surface. */
+/* Distributes the difference between the sum of areas and that of the surface over all areas by
+ * their size, and then restores the moment. Both differences vanish for a closed surface. */
 static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                gn_skin_body body, const double *place) {
     gn_particles *q = &dem->particles;
@@ -297,7 +302,7 @@ static void find_open(const gn_dem *dem, const gn_membrane *membrane, int32_t *g
     }
 }
 
-/* Numbers closed bodies from 0 on, and all others with the last number. Returns the count. `number`
+/* Numbers closed bodies from 0 on; all others get the last number. Returns the count. `number`
  * [particles] is scratch. */
 static int64_t number_bodies(gn_dem *dem, gn_membrane *membrane, const int32_t *group,
                              int32_t *number) {
@@ -315,8 +320,8 @@ static int64_t number_bodies(gn_dem *dem, gn_membrane *membrane, const int32_t *
     return (int64_t)count + open;
 }
 
-/* Balances every body with a closed surface separately, because separate bodies would otherwise
- * push and rotate each other; bodies with open surfaces, as on two sides of a crack, are balanced
+/* Balances every body with a closed surface separately; otherwise separate bodies would push and
+ * rotate each other. Bodies with open surfaces, as on the two sides of a crack, are balanced
  * together. */
 static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                     int32_t *group, const double *place, gneiss_error *error) {
@@ -338,7 +343,7 @@ static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, gn_
     return GNEISS_OK;
 }
 
-/* J^-1 F^T: maps deformed area vectors back. */
+/* Computes J^-1 F^T, which maps deformed area vectors back. */
 static void back_of(const double gradient[9], double back[9]) {
     double cofactor[9];
     gn_cofactor3(gradient, cofactor);
@@ -346,7 +351,7 @@ static void back_of(const double gradient[9], double back[9]) {
     for (int k = 0; k < 9; k++) back[k] = gradient[k % 3 * 3 + k / 3] / det;
 }
 
-/* Reduces areas to the undeformed state of their body, and arms to that of the skin: steps deform
+/* Converts areas to the undeformed state of their body, and arms to that of the skin; steps deform
  * them again. */
 static gneiss_status reference_areas(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                      double arms[9], gneiss_error *error) {
@@ -387,7 +392,7 @@ static void advance_areas(const gn_step_context *ctx, const gn_dem *dem,
     }
 }
 
-/* Moves areas and arms by a fraction of the difference to the present ones. */
+/* Moves areas and arms from the former to the present ones by a fraction of the difference. */
 static void blend(gn_dem *dem, const double *was, const double had[9], double arms[9]) {
     gn_particles *q = &dem->particles;
     for (size_t p = 0; p < q->soa.count; p++)
@@ -396,7 +401,8 @@ static void blend(gn_dem *dem, const double *was, const double had[9], double ar
     for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
 }
 
-/* Grains that roll independently do not show how a body moves. */
+/* Makes a grid of the particles that bonds hold, because grains that roll independently do not show
+ * how a body moves. */
 static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem, double cell,
                                   gn_start_grid *grid, gneiss_error *error) {
     bool *held = NULL;
@@ -407,7 +413,7 @@ static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem,
     return status;
 }
 
-/* Adds patches deformed with the surroundings of their bearers. */
+/* Adds the patches, deformed with the surroundings of their bearers. */
 static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                                const int32_t *group, double arms[9], gneiss_error *error) {
     gn_start_grid grid = {0};
@@ -422,8 +428,8 @@ static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, gn_membr
     return status;
 }
 
-/* Sets areas from patches, starting from `was` (scratch with the areas before), or at once if it is
- * NULL. */
+/* Computes the areas from patches and moves towards them from `was` (the areas before, used as
+ * scratch), or sets them at once if it is NULL. */
 static gneiss_status lay(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                          int32_t *group, double *was, gneiss_error *error) {
     const gn_membrane_state *m = membrane->state;

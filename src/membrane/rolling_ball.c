@@ -11,9 +11,9 @@
 
 static const double turn = 2.0 * M_PI;
 
-/* The possible centres of a ball that touches a particle form a sphere (2D: a circle); those of
- * neighbours hide parts of it. Relative tolerances below which features are ignored: tangent
- * spheres, and gaps (rad) that rounding leaves between hidden parts. */
+/* The possible centres of a ball that touches a particle form a sphere (2D: a circle), of which the
+ * spheres of neighbours hide parts. Features smaller than these relative tolerances are ignored:
+ * tangency of spheres, and gaps (rad) that rounding leaves between hidden parts. */
 static const double contact = 1e-9, gap = 1e-9;
 
 /* Hidden angles of a circle, starting at `begin` in [0, 2 pi). */
@@ -23,12 +23,12 @@ typedef struct hidden {
 
 typedef struct roll {
     const gn_rolled *rolled;
-    size_t *start; /* [particles + 1] into neighbour */
+    size_t *start; /* [particles + 1] first index in `neighbour` */
     int32_t *neighbour;
     hidden *hidden; /* hidden arcs of the present circle */
     size_t hidden_count;
     bool *bounded; /* [particles] neighbours hide parts of its sphere */
-    bool *touched; /* [particles] true if the ball touches the particle */
+    bool *touched; /* [particles] true: the ball touches the particle */
     double
         *direction; /* [particles] sr, solid angle of directions from which the ball can touch it */
 } roll;
@@ -52,7 +52,7 @@ static void way_between(const roll *v, size_t from, size_t to, double way[3]) {
 
 /* --- hidden angles --- */
 
-/* Hides the angles at which cos(angle - at) > limit. */
+/* Hides the angles for which cos(angle - at) > limit. */
 static void hide(roll *v, double at, double limit) {
     if (limit >= 1.0) return;
     const double half = limit <= -1.0 ? M_PI : acos(limit);
@@ -66,7 +66,7 @@ static int by_begin(const void *a, const void *b) {
     return (one->begin > two->begin) - (one->begin < two->begin);
 }
 
-/* A free arc from `from` to `to` > from. */
+/* A free arc, from `from` to `to` > from. */
 typedef struct arc {
     double from, to;
     bool whole; /* the arc is the whole circle */
@@ -86,7 +86,7 @@ static bool next_arc(const roll *v, size_t *k, double *end, arc *free) {
     return false;
 }
 
-/* Calls a function for every free arc of the present circle. */
+/* Calls `see` for every free arc of the present circle. */
 static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc *free),
                      const void *circle) {
     const size_t n = v->hidden_count;
@@ -98,7 +98,7 @@ static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc
     qsort(v->hidden, n, sizeof *v->hidden, by_begin);
     size_t k = 0;
     double end = v->hidden[0].begin + v->hidden[0].width;
-    for (size_t i = 0; i < n; i++) /* arcs that reach over 2 pi */
+    for (size_t i = 0; i < n; i++) /* arcs that extend beyond 2 pi */
         end = fmax(end, v->hidden[i].begin + v->hidden[i].width - turn);
     while (next_arc(v, &k, &end, &free)) see(v, circle, &free);
 }
@@ -109,7 +109,7 @@ static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc
 typedef struct circle {
     size_t member[2];
     double axis[3], e1[3], e2[3], radius;
-    double height[2]; /* m, from each towards the other */
+    double height[2]; /* m, from each particle towards the other */
     double angle[2];  /* rad, between the direction from each particle to the ball and the plane of
                          the circle */
 } circle;
@@ -176,7 +176,7 @@ static void radial(const circle *c, double angle, double e[3]) {
     for (int a = 0; a < 3; a++) e[a] = cos(angle) * c->e1[a] + sin(angle) * c->e2[a];
 }
 
-/* Unit vector from one of the two to the ball at an angle. */
+/* Computes the unit vector from one of the two particles to the ball at an angle of the circle. */
 static void to_ball(const circle *c, int side, double angle, double n[3]) {
     double e[3];
     radial(c, angle, e);
@@ -184,8 +184,8 @@ static void to_ball(const circle *c, int side, double angle, double n[3]) {
         n[a] = sin(c->angle[side]) * (side ? -c->axis[a] : c->axis[a]) + cos(c->angle[side]) * e[a];
 }
 
-/* Solid angle of a triangle of unit vectors, positive as seen anticlockwise (van Oosterom &
- * Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125-126). */
+/* Returns the solid angle of a triangle of unit vectors, positive if they are anticlockwise seen
+ * from outside (van Oosterom & Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125-126). */
 static double triangle(const double a[3], const double b[3], const double c[3]) {
     double across[3];
     gn_cross3(b, c, across);
@@ -235,9 +235,10 @@ static void add_sector(const double a[3], const double b[3], double area[3]) {
     for (int k = 0; k < 3; k++) area[k] += 0.5 * (sine > 1e-12 ? angle / sine : 1.0) * across[k];
 }
 
-/* Adds the part of the cap at an end of an arc between its middle and the arc, to the nearer of
- * both particles. Its area vector is that of the sectors between its edge and the ball's centre;
- * those from its middle to the touched particles cancel with the next arc's. */
+/* Adds a part of the cap at an end of an arc, between the cap's middle and the arc, to the nearer
+ * one of the two particles. Its area vector is that of the sectors between its edge and the ball's
+ * centre; the sectors from its middle to the touched particles cancel with those of the next arc.
+ */
 static void add_cap(roll *v, const circle *c, double angle, bool begins) {
     double n[2][3], middle[3], between[3], size = 0.0;
     for (int side = 0; side < 2; side++) to_ball(c, side, angle, n[side]);
@@ -246,13 +247,13 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
         between[a] = n[0][a] + n[1][a];
         size += between[a] * between[a];
     }
-    if (!(size > 0.0))
-        return; /* the ball passes between two particles whose gap equals its diameter */
+    if (!(size > 0.0)) return; /* the ball just passes between the two particles */
     for (int a = 0; a < 3; a++) between[a] /= sqrt(size);
     for (int side = 0; side < 2; side++) {
         const size_t p = c->member[side];
-        const double sign =
-            (side == 0) != begins ? 1.0 : -1.0; /* sense in which the arc's edge is traversed */
+        const double sign = (side == 0) != begins
+                                ? 1.0
+                                : -1.0; /* sense in which the edge of the arc is traversed */
         const double solid = triangle(middle, between, n[side]);
         double area[3] = {0};
         add_sector(middle, between, area);
@@ -265,8 +266,8 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
     }
 }
 
-/* Integrals over the meridian of a ring up to an angle: of areas along the radius and along the
- * axis, and of areas times arms from the centre. */
+/* Computes integrals over the meridian of a ring up to an angle: of areas along the radius and
+ * along the axis, and of areas times arms from the centre. */
 static void meridian(const circle *c, int side, double t, double angle, double sign,
                      double sum[3]) {
     const double r = c->radius, h = c->height[side], x = cos(angle), y = sin(angle);
@@ -325,7 +326,7 @@ static void roll_in_space(roll *v, size_t i) {
     }
 }
 
-/* Tells whether a larger neighbour encloses the sphere of a particle. */
+/* Tells whether the sphere of a larger neighbour encloses that of a particle. */
 static bool is_enclosed(const roll *v, size_t p) {
     for (size_t n = v->start[p]; n < v->start[p + 1]; n++) {
         const size_t k = (size_t)v->neighbour[n];
@@ -336,7 +337,7 @@ static bool is_enclosed(const roll *v, size_t p) {
     return false;
 }
 
-/* Edges determine the free part of a sphere unless it is free as a whole. */
+/* Adds the touched part of a sphere, which its edges determine unless the whole sphere is free. */
 static void add_touched(roll *v, size_t p) {
     const double sphere = 2.0 * turn;
     double sum = v->bounded[p] || is_enclosed(v, p) ? v->direction[p] : sphere;
@@ -348,9 +349,9 @@ static void add_touched(roll *v, size_t p) {
 
 /* --- in the plane --- */
 
-/* Computes the unit vector from the middle of the ball's arc between its two points of contact to
- * the ball, which is held at an end (`angle`) of the touched part of i. Adds the share of i in that
- * arc to its arms. */
+/* Computes the unit vector to the ball from the middle of its arc between two points of contact;
+ * the ball is at an end (`angle`) of the touched part of i. Adds the share of i in that arc to its
+ * arms. */
 static void middle_of_arc(roll *v, size_t i, double angle, double middle[3]) {
     const double n[3] = {cos(angle), sin(angle), 0.0};
     middle_of_cap(v, i, n, middle);
@@ -395,11 +396,12 @@ static void roll_in_plane(roll *v, size_t i) {
 
 /* --- cells --- */
 
-/* Number of directions in which a cell is measured; largest number of cells; sufficient number of
- * deep ones. */
+/* Number of directions in which a cell is measured; largest number of cells; number of deep cells
+ * that is enough. */
 enum { DIRECTIONS = 256, CELLS = 20000, FEW = 8 };
 
-/* Directions are evenly distributed over the sphere (Fibonacci's spiral) or the circle. */
+/* Returns direction k of a set that is evenly distributed over the sphere (Fibonacci's spiral) or
+ * the circle. */
 static void direction_of(int k, int dimension, double u[3]) {
     const double golden = M_PI * (3.0 - sqrt(5.0));
     const double z = dimension == 3 ? 1.0 - (2.0 * k + 1.0) / DIRECTIONS : 0.0;
@@ -409,8 +411,9 @@ static void direction_of(int k, int dimension, double u[3]) {
     u[2] = z;
 }
 
-/* Returns the reach of a cell: the distance at which the surface of a neighbour is as near as its
- * own. Another particle would have room farther than `ball` from all of them. */
+/* Returns the extent of a cell in a direction: the distance at which the surface of a neighbour is
+ * as near as its own, and at most the particle's reach, because another particle would have room
+ * farther out. */
 static double extent(const roll *v, size_t i, const double u[3]) {
     double least = reach_of(v, i);
     for (size_t n = v->start[i]; n < v->start[i + 1]; n++) {
@@ -425,8 +428,8 @@ static double extent(const roll *v, size_t i, const double u[3]) {
     return fmax(least, 0.0);
 }
 
-/* Tells whether neither a particle nor its neighbours are touched: the cells of those beneath the
- * skin reach up to the ball. */
+/* Tells whether the ball touches neither a particle nor its neighbours; cells of particles just
+ * beneath the skin extend up to the ball. */
 static bool is_deep(const roll *v, size_t p) {
     const double next = 1.05;
     bool deep = !v->touched[p];
@@ -459,7 +462,7 @@ static void measure_cells(const roll *v) {
     }
 }
 
-/* --- all --- */
+/* --- all parts --- */
 
 static void list_neighbours(roll *v) {
     const gn_pair_list *pairs = v->rolled->pairs;

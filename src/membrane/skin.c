@@ -1,4 +1,4 @@
-/* The skin of a packed specimen: its surface is cut into pieces, and every piece goes to the
+/* The skin of a packed specimen. Its surface is cut into pieces, and every piece is assigned to the
  * particle whose surface is nearest (a Voronoi share), so that the areas add up to the surface. */
 #include "base/eigen.h"
 #include "base/error.h"
@@ -28,14 +28,14 @@
  * load; their part of the surface passes to the nearest supported particle. */
 /* Sums over the contacts of a particle with supported ones, for a normal stiffness of 1. */
 typedef struct footing {
-    double normal[3];   /* n */
-    double straight[9]; /* n n^T */
+    double normal[3];   /* sum of the normals n */
+    double straight[9]; /* sum of n n^T */
     double count;
 } footing;
 
-/* Tangential over normal stiffness; least stiffness of a supported particle over that of one
- * contact. One contact has stiffness 0 across it, two in 3D across their plane; the corner of a
- * hexagonal lattice has 0.50, of a face-centred one 0.54, of a square 1.0, of a cubic one 1.2.
+/* Ratio of tangential to normal stiffness; least stiffness of a supported particle over that of one
+ * contact. One contact has no stiffness across it, two in 3D none across their plane. The corner of
+ * a hexagonal lattice has 0.50, of a face-centred one 0.54, of a square 1.0, of a cubic one 1.2.
  * Narrow tripods have less. */
 static const double slant = 0.4, least = 0.45;
 
@@ -61,9 +61,9 @@ static void add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_con
     }
 }
 
-/* Resistance to rotation over the square of the radius: t (count I - n n^T). Resistance to a push
- * with free rotation: straight + t across - t^2 N^T turn^-1 N, with N the cross product with the
- * sum of the normals. */
+/* Computes the resistance to a push of a particle that is free to rotate. The resistance to
+ * rotation over the square of the radius is turn = t (count I - n n^T); that to the push is
+ * straight + t across - t^2 N^T turn^-1 N, with N the cross product with the sum of the normals. */
 static void push_of(const footing *f, int dimension, double t, double push[9]) {
     double turn[9], inverse[9], half[9], cross[9] = {0};
     for (int k = 0; k < 9; k++) {
@@ -79,8 +79,8 @@ static void push_of(const footing *f, int dimension, double t, double push[9]) {
     if (dimension == 2) {
         for (int k = 0; k < 9; k++) inverse[k] = k == 8 ? 1.0 / f->count : 0.0;
     } else {
-        /* Removes rounding of a pivot about the axis through all contacts, which has no stiffness.
-         * */
+        /* Avoids a singular matrix if all contacts are on one axis: rotation about it has no
+         * stiffness. */
         for (int a = 0; a < 3; a++) turn[4 * a] += 1e-9 * f->count;
         gn_cofactor3(turn, inverse);
         const double det = gn_dot3(turn, inverse);
@@ -108,7 +108,7 @@ static bool can_pivot(const gn_dem *dem, size_t p) {
     return dem->particles.group[p] != 0;
 }
 
-/* Removes unsupported particles repeatedly, because each removal takes support from others. The
+/* Removes unsupported particles repeatedly, because each removal may leave others unsupported. The
  * result does not depend on the order. */
 static void remove_unsupported(const gn_step_context *ctx, const gn_dem *dem, footing *all,
                                bool *held) {
@@ -142,15 +142,15 @@ gneiss_status gn_membrane_find_supported(const gn_step_context *ctx, const gn_de
     return GNEISS_OK;
 }
 
-/* Size of pieces of the surface in mean radii: about fifty pieces per particle. */
+/* Size of the pieces of the surface in mean radii; a particle gets about fifty pieces. */
 static const double piece_size = 0.25;
 
-/* Patches that a particle may have: three in the corner of a box. */
+/* Largest number of patches of a particle: three in the corner of a box. */
 enum { SIDES = 3 };
 
 /* --- shares --- */
 
-/* Sides face across the axis more than along it. */
+/* A side is covered if its area faces across the axis more than along it. */
 bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]) {
     const gn_membrane_def *m = &ctx->scene.membrane;
     if (m->faces == GN_FACES_ALL) return true;
@@ -158,7 +158,7 @@ bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]) {
     return along * along < 0.5 * size;
 }
 
-/* Returns the patch of a particle that a piece joins: that of the same side of the body. */
+/* Returns the patch of a particle to which a piece belongs: that on the same side of the body. */
 static gn_patch *side_of(gn_patch *patches, const double area[3], double size) {
     const double same = 0.7;
     for (int k = 0; k < SIDES - 1; k++) {
@@ -169,7 +169,8 @@ static gn_patch *side_of(gn_patch *patches, const double area[3], double size) {
     return &patches[SIDES - 1];
 }
 
-/* Adds a piece of the surface to the patch of a particle. Arms are from its centre here. */
+/* Adds a piece of the surface to the patch of a particle. Arms are relative to the particle's
+ * centre here. */
 static void distribute(const gn_step_context *ctx, const gn_dem *dem,
                        const gn_boundary_pieces *pieces, const gn_start_grid *g,
                        gn_patch *patches) {
@@ -202,9 +203,9 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
     }
 }
 
-/* Areas act at centres, not at the positions of the pieces: together they would exert a moment on
- * the specimen. The least change that restores the moment of the surface, A_i b x (x_i - mean),
- * changes no force. */
+/* Areas act at the centres of particles and not at the positions of the pieces, so that together
+ * they would exert a moment on the specimen. The smallest change that restores the moment of the
+ * surface, A_i b x (x_i - mean), changes no resultant. */
 void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body,
                          const double *place, const double moment[3], double *area) {
     const gn_particles *q = &dem->particles;
@@ -255,8 +256,8 @@ static gneiss_status keep_patches(gn_dem *dem, gn_membrane *membrane, const gn_p
     return GNEISS_OK;
 }
 
-/* Sets the middle of a patch to an arm from the particle's centre, and `rest` to the remainder of
- * the sum of areas times arms. */
+/* Sets the middle of a patch by an arm from the particle's centre, and `rest` to the remaining sum
+ * of areas times arms. */
 static void set_middle(gn_patch *patch, const double centre[3], const double way[3]) {
     for (int k = 0; k < 9; k++) patch->rest[k] -= patch->area[k / 3] * way[k % 3];
     for (int a = 0; a < 3; a++) patch->point[a] = centre[a] + way[a];
@@ -283,8 +284,8 @@ static gneiss_status skin_of_shape(const gn_step_context *ctx, gn_dem *dem, doub
     return status;
 }
 
-/* The middle of a patch is in the direction of its area, at most at the surface of the particle;
- * the remaining product of area and distance is the same along all axes. */
+/* Makes a patch. Its middle is in the direction of its area from the centre, at most at the surface
+ * of the particle; the remaining product of area and distance is the same along all axes. */
 static void set_patch(gn_patch *patch, const double area[3], double size, const double *at,
                       double radius, int dimension, double arms) {
     const double along = size > 0.0 ? fmin(fmax(arms / size, 0.0), radius) : 0.0;
@@ -299,8 +300,9 @@ static void set_patch(gn_patch *patch, const double area[3], double size, const 
     set_middle(patch, at, way);
 }
 
-/* Skin of particles without a given shape. As for any closed surface the areas times positions sum
- * to the enclosed volume times the identity and exert no moment, however it deforms. */
+/* Makes the skin of particles without a given shape. As for any closed surface, the sum of areas
+ * times positions is the enclosed volume times the identity and exerts no moment, however the
+ * surface deforms. */
 static void skin_of_particles(const gn_step_context *ctx, gn_dem *dem, gn_membrane *membrane,
                               const double *arms, gn_patch *all) {
     const gn_particles *q = &dem->particles;
@@ -368,8 +370,8 @@ gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem, gn_mem
 
 /* --- bearers --- */
 
-/* Without a given shape: moves the patches of unsupported particles to the nearest supported
- * particle of their body, if it has any. `body` [particles]: representative of each body. */
+/* Moves the patches of unsupported particles to the nearest supported particle of their body, if it
+ * has any; without a given shape. `body` [particles]: representative of each body. */
 static gneiss_status reassign_patches(const gn_step_context *ctx, gn_dem *dem,
                                       gn_membrane *membrane, const bool *held, const int32_t *body,
                                       gneiss_error *error) {
@@ -416,8 +418,8 @@ static gneiss_status redistribute(const gn_step_context *ctx, gn_dem *dem, gn_me
     return GNEISS_OK;
 }
 
-/* Tells whether all bearers are supported, or a particle has been detached, so that patches are no
- * longer those of the start. */
+/* Tells whether the patches can stay: all bearers are supported, or a particle has been detached,
+ * so that patches are no longer those of the start. */
 static bool is_unchanged(const gn_dem *dem, const gn_membrane *membrane, const bool *held) {
     const gn_dem *d = dem;
     bool all = true;

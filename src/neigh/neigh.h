@@ -17,14 +17,14 @@ typedef struct gn_pair_query {
     int threads;
 } gn_pair_query;
 
-/* Pairs (i, j) with i < j, sorted. */
+/* Pairs (i, j) with i < j, sorted by i, then j. */
 typedef struct gn_pair_list {
     size_t count;
     int32_t (*pair)[2]; /* [count]; gn_alloc'ed */
 } gn_pair_list;
 
 /* Finds all pairs of a query. Particles of similar size (within a factor of two) share a grid whose
- * cells are as wide as their largest interaction, and each particle searches its own grid and the
+ * cells are as wide as their largest interaction. Each particle searches its own grid and the
  * coarser ones (Ogarko & Luding 2012), so that the work is linear for any size ratio. The list is
  * the same for any number of threads. GNEISS_ERROR_INPUT if a periodic box is narrower than twice
  * the largest interaction. */

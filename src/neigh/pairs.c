@@ -16,7 +16,7 @@ typedef struct grid {
     int64_t cells[3];  /* along each axis */
     size_t count;      /* particles */
     int32_t *start;    /* [cells + 1] */
-    int32_t *particle; /* [count] by cell, ascending within a cell */
+    int32_t *particle; /* [count] sorted by cell, ascending within a cell */
     /* [count] x, y, z and r of these particles, so that a cell is tested in vectors */
     double *column[4];
 } grid;
@@ -40,7 +40,7 @@ static bool removed(const gn_particles *particles, size_t k) {
     return !gn_particle_is_active(particles, k);
 }
 
-/* Tells whether the box has two sides across axis a, which are the same plane. */
+/* Tells whether the box is periodic along axis a, so that its two sides there are one plane. */
 static bool has_sides(const gn_pair_query *query, int a) {
     return query->periodic && a < query->dimension && query->period[a] > 0.0;
 }
@@ -88,7 +88,7 @@ static gneiss_status size_grid(search *state, grid *cells, double radius, gneiss
                 2.0 * reach, "xyz"[a], q -> period[a]);
         total *= fmax(1.0, floor(state->extent[a] / reach));
     }
-    /* A few large cells are harmless, but more cells than particles waste memory. */
+    /* A few large cells do no harm, but more cells than particles would waste memory. */
     double limit = 2.0 * (double)cells->count + 64.0;
     double widen = total > limit ? pow(total / limit, 1.0 / q->dimension) : 1.0;
     for (int a = 0; a < q->dimension; a++) {
@@ -178,8 +178,8 @@ static inline double wrapped(double d, double period) {
     return d < -0.5 * period ? d + period : d;
 }
 
-/* Computes the squared distance minus the squared reach from x for places [begin, begin + count). A
- * pair is near where that is not positive. */
+/* Computes, for places [begin, begin + count), the squared distance from x minus the squared reach.
+ * A pair is near if that is not positive. */
 static void test_batch(const gn_pair_query *query, const grid *cells, const double *restrict x,
                        int32_t begin, int32_t count, double *restrict excess) {
     const double *restrict cx = cells->column[0] + begin, *restrict cy = cells->column[1] + begin;
@@ -237,9 +237,9 @@ static bool search_places(const search *state, size_t k, const grid *cells, int3
     return true;
 }
 
-/* Finds the partners of particle k in one grid: in its own level those after it, in coarser levels
- * all. Consecutive cells along x are one range of places, unless the box wraps round between
- * them. */
+/* Finds the partners of particle k in one grid: in the grid of its own level the particles after
+ * it, in coarser grids all. Consecutive cells along x are one range of places, unless the box wraps
+ * around between them. */
 static bool search_level(const search *state, size_t k, int level, bucket *out) {
     const grid *g = &state->grids[level];
     const double *x = state->query->particles->pos + 4 * k;

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Items with two to four particles each; a width of 8 occurs only with two. */
+/* Items with two to four particles each. A row width of 8 occurs only with two. */
 typedef struct partial_items {
     const char *name; /* name for messages */
     size_t count;
@@ -43,7 +43,7 @@ number_members(const partial_items *items, size_t members, size_t block, int32_t
     numbers->count[block] = count;
 }
 
-/* Contact lists are rebuilt often, so that contacts have a specialised loop. */
+/* Contact lists are rebuilt often, so that contacts have a loop of their own. */
 static void number_block(const partial_items *items, size_t block, int32_t *seen,
                          const numbering *numbers, gn_partials *partials) {
     if (items->members == 2)
@@ -95,15 +95,16 @@ static bool make_touched(size_t particle_blocks, gn_partials *partials) {
     return true;
 }
 
-/* Extends the range of contact blocks of a particle's block; contact blocks come in ascending
- * order. */
+/* Extends the range of contact blocks that touch a particle's block; contact blocks arrive in
+ * ascending order. */
 static void touch(gn_partials *partials, int32_t particle, size_t contact_block) {
     size_t p = (size_t)particle / GN_PARTICLE_BLOCK;
     if (partials->touched[1][p] < 0) partials->touched[0][p] = (int32_t)contact_block;
     partials->touched[1][p] = (int32_t)contact_block;
 }
 
-/* Sorts shares by particle (counting sort, stable: rows of a particle stay in block order). */
+/* Sorts shares by particle (counting sort, which is stable, so that rows of a particle stay in
+ * block order). */
 static bool sort_shares(size_t particles, gn_partials *partials) {
     const int32_t rows = partials->first[partials->blocks];
     size_t particle_blocks = (particles + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
@@ -128,8 +129,8 @@ static bool sort_shares(size_t particles, gn_partials *partials) {
     return held;
 }
 
-/* Long blocks have fewer rows in total, but short lists need several blocks to distribute over
- * threads. */
+/* Returns the length of blocks. Long blocks have fewer rows in total, but short lists need several
+ * blocks that threads can share. */
 static size_t block_length(size_t count) {
     enum { BLOCKS_WANTED = 48 };
     size_t length = GN_CONTACT_BLOCK_LEAST;

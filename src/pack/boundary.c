@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Output of the cutting functions; *held becomes false without memory. */
+/* Output of the functions that cut; *held becomes false without memory. */
 typedef struct cutter {
     gn_boundary_pieces *pieces;
     double size;
@@ -40,7 +40,7 @@ static double length3(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
 
-/* Adds a parallelogram with the sides u and v, u x v outward. */
+/* Adds a parallelogram with the sides u and v; u x v points outward. */
 static void add_face(cutter *output, const double corner[3], const double u[3], const double v[3]) {
     const int64_t n = parts(output, length3(u)), m = parts(output, length3(v));
     double area[3], point[3];
@@ -54,7 +54,7 @@ static void add_face(cutter *output, const double corner[3], const double u[3], 
         }
 }
 
-/* Adds an edge from one point to another with the body on its left. */
+/* Adds an edge from one point to another, with the body on its left. */
 static void add_edge(cutter *output, const double from[2], const double to[2]) {
     double u[2] = {to[0] - from[0], to[1] - from[1]};
     const int64_t n = parts(output, hypot(u[0], u[1]));
@@ -65,7 +65,7 @@ static void add_edge(cutter *output, const double from[2], const double to[2]) {
     }
 }
 
-/* Adds a triangle, counter-clockwise about the outward normal, cut into m^2 equal ones. */
+/* Adds a triangle, counter-clockwise about the outward normal, divided into m^2 equal ones. */
 static void add_triangle(cutter *output, const double *x[3]) {
     double u[3], v[3], area[3], point[3];
     for (int a = 0; a < 3; a++) {
@@ -121,8 +121,8 @@ static void cut_polygon(cutter *output, const gn_pack_def *def) {
     }
 }
 
-/* Cuts a circle's rim at a height, with an extent along z; the areas of its pieces add up to those
- * of arcs. */
+/* Cuts the rim of a circle at a height, with an extent along z; the areas of its pieces add up to
+ * those of arcs. */
 static void cut_round(cutter *output, const double centre[3], double radius, double height,
                       double rise, int64_t m) {
     const int64_t n = parts(output, 2.0 * M_PI * radius);

@@ -15,7 +15,7 @@ typedef struct gn_boundary_pieces {
 } gn_boundary_pieces;
 
 /* Cuts the boundary of scene->specimen.pack into pieces of about `size` m. Their areas add up to
- * that of the boundary: exactly where it is flat or a circle, and of a file as its facets are. */
+ * that of the boundary: exactly if it is flat or a circle, and for a file to that of its facets. */
 gneiss_status gn_boundary_pieces_make(const gn_scene *scene, double size,
                                       gn_boundary_pieces *pieces, gneiss_error *error);
 void gn_boundary_pieces_free(gn_boundary_pieces *pieces);

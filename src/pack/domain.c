@@ -13,7 +13,7 @@ struct gn_domain {
     domain_kind kind;
     int dimension;
     double lower[3], upper[3]; /* bounds; z is 0 in 2D */
-    double centre[2], radius;  /* round */
+    double centre[2], radius;  /* for round bodies */
     double volume;
     gn_facets *facets;
 };
@@ -168,8 +168,8 @@ void gn_domain_bounds(const gn_domain *domain, double lower[3], double upper[3])
     }
 }
 
-/* Returns the first axis of flat sides; they are across axes first .. dimension - 1, two each, none
- * for a disc. */
+/* Returns the first axis across which the sides are flat; the sides across later axes are flat,
+ * too. A disc has none. */
 static int first_flat_axis(const gn_domain *domain) {
     return domain->kind == DOMAIN_ROUND ? 2 : 0;
 }
@@ -183,8 +183,8 @@ static double off_axis(const gn_domain *domain, const double x[3], double away[2
     return r;
 }
 
-/* Computes the vector from the nearest point of the closed body to x, 0 inside, and returns its
- * length. */
+/* Computes the vector from the nearest point of the closed body to x, which is 0 inside, and
+ * returns its length. */
 static double excess(const gn_domain *domain, const double x[3], double step[3]) {
     step[0] = step[1] = step[2] = 0;
     for (int k = first_flat_axis(domain); k < domain->dimension; k++)
@@ -197,7 +197,7 @@ static double excess(const gn_domain *domain, const double x[3], double step[3])
     return hypot(hypot(step[0], step[1]), step[2]);
 }
 
-/* Returns the depth below the nearest flat or round side, for x inside. */
+/* Returns the depth below the nearest flat or round side; x must be inside. */
 static double least_depth(const gn_domain *domain, const double x[3]) {
     double away[2], depth = INFINITY;
     if (domain->kind == DOMAIN_ROUND) depth = domain->radius - off_axis(domain, x, away);
@@ -212,7 +212,7 @@ double gn_domain_depth(const gn_domain *domain, const double x[3]) {
     return outside > 0 ? -outside : least_depth(domain, x);
 }
 
-/* Inserts by depth; planes of equal depth keep their order. */
+/* Inserts a plane in the order of depth; planes of equal depth keep their order. */
 static int insert(gn_domain_plane *planes, int count, gn_domain_plane plane) {
     int at = count;
     for (; at > 0 && planes[at - 1].depth > plane.depth; at--) planes[at] = planes[at - 1];

@@ -8,13 +8,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Flags of a facet; those with _0 are shifted by the edge or corner (0 to 2). A re-entrant edge or
- * corner is flagged in one of its facets only. */
+/* Flags of a facet; for edge or corner k (0 to 2) flags with _0 are shifted by k. A re-entrant edge
+ * or corner is flagged in only one of its facets. */
 enum {
-    GN_FACET_CREASE_0 = 1, /* re-entrant edge, which can be nearer than its facets */
-    GN_FACET_TIP_0 = 8,    /* corner with a re-entrant edge, which can be nearer than its facets */
-    GN_FACET_PINCHED_0 = 64, /* two sheets of the boundary meet in this corner only */
-    GN_FACET_NEEDLE = 512    /* almost no area: edges replace the facet */
+    GN_FACET_CREASE_0 = 1, /* re-entrant edge, which can be nearer to a point than its facets */
+    GN_FACET_TIP_0 =
+        8, /* corner with a re-entrant edge, which can be nearer to a point than its facets */
+    GN_FACET_PINCHED_0 =
+        64,               /* corner that is the only common point of two sheets of the boundary */
+    GN_FACET_NEEDLE = 512 /* facet with almost no area, which its edges replace */
 };
 
 /* A facet. Edge k runs from corner k to corner k + 1. A segment has corners 0 and 1 and no
@@ -23,7 +25,7 @@ typedef struct gn_facet {
     double corner[3][3];
     double normal[3]; /* unit, out of the body */
     int32_t node[3];
-    int32_t neighbour[3]; /* across edge k: 4 * facet + its edge */
+    int32_t neighbour[3]; /* across edge k: 4 * facet + edge of that facet */
     int32_t id;           /* number in the caller's order, base 0 */
     uint32_t flags;
 } gn_facet;
@@ -37,15 +39,15 @@ typedef struct gn_tree_node {
 } gn_tree_node;
 
 typedef struct gn_facets {
-    int corners; /* per facet: 2 or 3, also the dimension of the body */
+    int corners; /* corners per facet: 2 or 3, which is also the dimension of the body */
     size_t count, node_count, tree_count;
-    gn_facet *facet; /* facets in the order of the tree */
+    gn_facet *facet; /* [facet_count] in the order of the tree */
     gn_tree_node *tree;
-    double *node_normal; /* [node_count][3], weighted by angle, not unit */
-    int32_t *star_first; /* [node_count + 1]: facets around a node ... */
-    int32_t *star;       /* ... as 4 * facet + corner */
+    double *node_normal; /* [node_count][3], sums of normals weighted by angle, not unit vectors */
+    int32_t *star_first; /* [node_count + 1] first entry in `star` of a node */
+    int32_t *star;       /* facets around the nodes, as 4 * facet + corner */
     double lower[3], upper[3];
-    double size; /* longest side of the bounding box */
+    double size; /* m, longest side of the bounding box */
     double volume;
     /* Depths at the centres of a grid of cubes, for fast answers far from the boundary. */
     float *known;
@@ -62,8 +64,8 @@ typedef struct gn_foot {
     int feature;
 } gn_foot;
 
-/* Makes facets from element [count][corners]: nodes base 0, normals outward (2D: the body on the
- * left). `name` is the prefix of messages. */
+/* Makes facets from element [count][corners]: node indices from 0, normals outward (2D: the body on
+ * the left). `name` is the prefix of messages. */
 gneiss_status gn_facets_create(const double *node, size_t node_count, const int32_t *element,
                                size_t count, int corners, const char *name, gn_facets **facets,
                                gneiss_error *error);
@@ -72,12 +74,12 @@ double gn_facets_depth(const gn_facets *facets, const double x[3]);
 int gn_facets_planes(const gn_facets *facets, const double point[3], double reach,
                      gn_domain_plane planes[GN_DOMAIN_PLANES]);
 
-/* domain_tree.c: sorts the facets into the tree. */
+/* Sorts the facets into the tree (domain_tree.c). */
 gneiss_status gn_tree_build(gn_facets *facets, gneiss_error *error);
 /* Finds the nearest point of the boundary within `limit`; facet -1 if there is none. */
 gn_foot gn_tree_nearest(const gn_facets *facets, const double x[3], double limit);
-/* Calls visit for runs of facets that include all whose boxes are within `reach` of the given box,
- * until visit returns true, which is then the result. */
+/* Calls `visit` for runs of facets that include all whose boxes are within `reach` of the given
+ * box, until `visit` returns true; this is then the result. */
 typedef bool gn_tree_visit(const gn_facets *facets, int32_t first, int32_t count, void *context);
 bool gn_tree_within(const gn_facets *facets, const double lower[3], const double upper[3],
                     double reach, gn_tree_visit *visit, void *context);
@@ -106,7 +108,7 @@ static inline int gn_next(int k) {
     return k == 2 ? 0 : k + 1;
 }
 
-/* Tells whether the projection of x on the facet's plane is in the facet, enlarged by `slack`. */
+/* Tells whether the projection of x onto the facet's plane is in the facet, enlarged by `slack`. */
 static inline bool gn_facet_faces(const gn_facet *facet, int corners, const double x[3],
                                   double slack) {
     double edge[3], inward[3], v[3];

@@ -20,7 +20,7 @@ static double edge_distance2(const gn_facet *facet, int k, const double p[3]) {
     return gn_dot(v, v);
 }
 
-/* Finds the facet with area on the other side of an edge at p, past needles. */
+/* Finds the facet on the other side of an edge at p, skipping needles, which have no area. */
 static const gn_facet *facet_across(const gn_facets *surface, int32_t half, const double p[3]) {
     for (int hops = 0; hops < 16 && (surface->facet[half >> 2].flags & GN_FACET_NEEDLE); hops++) {
         const gn_facet *needle = &surface->facet[half >> 2];
@@ -31,8 +31,8 @@ static const gn_facet *facet_across(const gn_facets *surface, int32_t half, cons
     return &surface->facet[half >> 2];
 }
 
-/* Tells whether x is inside by the solid angle of all facets (Van Oosterom & Strackee 1983, eq. 8)
- * or the angle of all segments. This is slow, but needs no topology. */
+/* Tells whether x is inside, by the solid angle of all facets (Van Oosterom & Strackee 1983, eq. 8)
+ * or the angle of all segments. This is slow, but requires no topology. */
 static bool winds_round(const gn_facets *surface, const double x[3]) {
     double sum = 0;
     for (size_t i = 0; i < surface->count; i++) {
@@ -60,7 +60,7 @@ static double facets_signed(const gn_facets *surface, const double x[3], const g
     double v[3], side, distance = sqrt(foot->distance2);
     gn_minus(x, foot->at, v);
     if (foot->feature == 0) {
-        /* The foot is a projection: its offset is round-off if x is close to the facet. */
+        /* The foot is a projection: if x is close to the facet, its offset from x is round-off. */
         gn_minus(x, f->corner[0], v);
         side = gn_dot(v, f->normal);
     } else if (foot->feature < 4) {
@@ -75,8 +75,8 @@ static double facets_signed(const gn_facets *surface, const double x[3], const g
     return side > 0 ? -distance : distance;
 }
 
-/* Looks up the depth at the centre of the cell of x and the distance to that centre; returns false
- * outside the grid. */
+/* Looks up the depth at the centre of the cell that contains x, and the distance to that centre;
+ * returns false outside of the grid. */
 static bool facets_known(const gn_facets *surface, const double x[3], double *depth,
                          double *offset) {
     if (!surface->known) return false;
@@ -91,7 +91,7 @@ static bool facets_known(const gn_facets *surface, const double x[3], double *de
         sum += off * off;
     }
     *depth = (double)surface->known[index];
-    /* The addition covers the rounding of the stored depth. */
+    /* The added term covers the rounding of the stored depth. */
     *offset = sqrt(sum) + 1e-6 * surface->size;
     return true;
 }
@@ -120,8 +120,8 @@ gneiss_status gn_facets_know(gn_facets *surface, gneiss_error *error) {
         double x[3];
         for (int k = 0; k < 3; k++) x[k] = surface->origin[k] + ((double)place[k] + 0.5) * cell;
         if (dimension == 2) x[2] = 0;
-        /* The previous centre is one cell away, so that the boundary is at most that much
-         * farther. */
+        /* The previous centre is one cell away, so that the boundary is farther by at most that
+         * distance. */
         double limit = place[0] ? fabs(last) + 1.001 * cell : INFINITY;
         gn_foot foot = gn_tree_nearest(surface, x, limit);
         last = facets_signed(surface, x, &foot);
@@ -134,12 +134,12 @@ gneiss_status gn_facets_know(gn_facets *surface, gneiss_error *error) {
 
 /* ---- detection of intersecting facets, which do not define an inside ---- */
 
-/* Relative to the extent. Edges of a polygon may not touch; triangles may, up to the tolerance of
- * welding. */
+/* Tolerances relative to the extent. Edges of a polygon may not touch; triangles may, up to the
+ * tolerance of welding. */
 static const double touch_tolerance = 1e-12, cut_tolerance = 1e-6;
 
 typedef struct cut_search {
-    int32_t facet, other; /* the result is the other's index */
+    int32_t facet, other; /* index of the other facet, the result */
     double tolerance, at[3];
 } cut_search;
 
@@ -150,7 +150,7 @@ static int shared_nodes(const gn_facet *a, const gn_facet *b, int corners) {
     return shared;
 }
 
-/* Tells whether p is within `tolerance` of the segment, and then copies it to `at`. */
+/* Tells whether p is within `tolerance` of the segment; if so, copies it to `at`. */
 static bool on_segment(const gn_facet *facet, const double p[3], double tolerance, double at[3]) {
     double edge[3], v[3];
     gn_minus(facet->corner[1], facet->corner[0], edge);
@@ -164,7 +164,8 @@ static bool on_segment(const gn_facet *facet, const double p[3], double toleranc
     return gn_dot(v, v) <= tolerance * tolerance;
 }
 
-/* Returns z of (b - a) x (p - a), whose sign is the side of the segment on which p is. */
+/* Returns the z component of (b - a) x (p - a), whose sign tells on which side of the segment p is.
+ */
 static double side_of(const gn_facet *facet, const double p[3]) {
     const double *a = facet->corner[0], *b = facet->corner[1];
     return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
@@ -187,8 +188,9 @@ static bool segments_meet(const gn_facet *a, const gn_facet *b, double tolerance
     return true;
 }
 
-/* Tells whether the axis separates the triangles, or shows them in touch within the tolerance. A
- * short axis (the product of parallel edges; `scale` is that of its factors) proves nothing. */
+/* Tells whether the axis separates the triangles, or shows that they only touch within the
+ * tolerance. A short axis (a product of nearly parallel edges; `scale` is the product of their
+ * lengths) proves nothing. */
 static bool apart(const double axis[3], double scale, const gn_facet *a, const gn_facet *b,
                   double tolerance) {
     double length = sqrt(gn_dot(axis, axis)), low[2], high[2];
@@ -202,7 +204,8 @@ static bool apart(const double axis[3], double scale, const gn_facet *a, const g
             high[t] = fmax(high[t], gn_dot(axis, v));
         }
     }
-    /* The displacement that separates both; a triangle has no width along its normal. */
+    /* The displacement along the axis that separates both triangles; a triangle has no width along
+     * its normal. */
     return fmin(high[0] - low[1], high[1] - low[0]) <= tolerance * length;
 }
 
@@ -215,8 +218,9 @@ static bool coplanar(const gn_facet *a, const gn_facet *b, double tolerance) {
     return true;
 }
 
-/* Separating axes (Gottschalk, Lin & Manocha 1996): convex bodies are separate if one of the
- * normals or products of edges separates them; in a common plane, one of the normals of edges. */
+/* Tells whether triangles intersect, by separating axes (Gottschalk, Lin & Manocha 1996): convex
+ * bodies are separate if one of the normals or one of the products of edges separates them; in a
+ * common plane, one of the normals of edges. */
 static bool triangles_cut(const gn_facet *a, const gn_facet *b, double tolerance) {
     double edge[2][3][3], axis[3];
     bool flat = coplanar(a, b, tolerance) || coplanar(b, a, tolerance);
@@ -239,8 +243,8 @@ static bool triangles_cut(const gn_facet *a, const gn_facet *b, double tolerance
     return true;
 }
 
-/* Finds a point of the intersection: where an edge of one triangle passes through the other, else
- * the centre of the boxes' common part (in a common plane). */
+/* Finds a point of the intersection: where an edge of one triangle passes through the other, or, in
+ * a common plane, the centre of the common part of both boxes. */
 static void cut_point(const gn_facet *a, const gn_facet *b, double tolerance, double at[3]) {
     for (int i = 0; i < 6; i++) {
         const gn_facet *f = i < 3 ? a : b, *g = i < 3 ? b : a;
@@ -275,7 +279,7 @@ static bool visit(const gn_facets *facets, int32_t first, int32_t count, void *c
         if (facets->corners == 2) {
             found = segments_meet(a, b, search->tolerance, search->at);
         } else {
-            /* A needle has no interior; its neighbours are tested in its place. */
+            /* A needle has no interior; its neighbours are tested instead. */
             found = !((a->flags | b->flags) & GN_FACET_NEEDLE) && !shared_nodes(a, b, 3) &&
                     triangles_cut(a, b, search->tolerance);
             if (found) cut_point(a, b, search->tolerance, search->at);
@@ -329,8 +333,8 @@ gneiss_status gn_facets_check_cuts(const gn_facets *facets, const char *name, gn
     return GNEISS_OK;
 }
 
-/* Relative to the extent. Feet that round-off places beside their facet still count; planes that
- * differ less in depth (and less than 1e-3 in direction) are one. */
+/* Tolerances relative to the extent. A foot that round-off places beside its facet still counts;
+ * planes that differ by less in depth (and by less than 1e-3 in direction) count as one. */
 static const double foot_slack = 1e-10, same_depth = 1e-6, same_direction = 5e-7;
 
 typedef struct gathering {
@@ -364,7 +368,8 @@ static bool visit_sight(const gn_facets *facets, int32_t first, int32_t count, v
 }
 
 /* Tells whether another part of the boundary lies between x and the foot (a slot, a second lobe).
- * The last crossing before a foot that is approached from inside enters the body. */
+ * Just before a foot that is visible from inside, the line must be in the body; an entry into the
+ * body on the way means that it left it before. */
 static bool hidden(const gn_facets *facets, const double x[3], const double foot[3]) {
     sight line = {x, foot, foot_slack * facets->size};
     double lower[3], upper[3];
@@ -381,7 +386,7 @@ static bool same_plane(const gn_facets *facets, const gn_domain_plane *a,
            gn_dot(a->normal, b->normal) > 1 - same_direction;
 }
 
-/* Keeps the nearest planes in order; of two equal ones, the nearer or the earlier. */
+/* Keeps the nearest planes in order; of two equal planes the nearer or the earlier one stays. */
 static void take(const gn_facets *facets, gathering *gathered, gn_domain_plane plane) {
     int at = 0;
     for (int i = 0; i < gathered->count; i++) {
@@ -404,7 +409,7 @@ static void take(const gn_facets *facets, gathering *gathered, gn_domain_plane p
 }
 
 /* Adds the point `foot` of a re-entrant edge or corner. If x is on it, the adjacent facets replace
- * it, since the direction from the foot would be round-off. */
+ * it, because the direction from the foot would be round-off. */
 static void take_point(const gn_facets *facets, gathering *gathered, const double away[3]) {
     double distance = sqrt(gn_dot(away, away));
     if (distance > gathered->reach || distance <= foot_slack * facets->size) return;
@@ -413,7 +418,7 @@ static void take_point(const gn_facets *facets, gathering *gathered, const doubl
     take(facets, gathered, plane);
 }
 
-/* Adds an edge if the distance to neither of its facets decreases away from it. */
+/* Adds an edge if neither of its facets comes nearer to x away from the edge. */
 static void try_crease(const gn_facets *facets, gathering *gathered, const gn_facet *facet,
                        int edge) {
     const gn_facet *sides[2] = {facet, &facets->facet[facet->neighbour[edge] >> 2]};
@@ -433,7 +438,7 @@ static void try_crease(const gn_facets *facets, gathering *gathered, const gn_fa
     take_point(facets, gathered, away);
 }
 
-/* Adds a node if the distance along no edge from it decreases; then that along no facet does. */
+/* Adds a node if no edge from it comes nearer to x; then no facet does either. */
 static void try_tip(const gn_facets *facets, gathering *gathered, const gn_facet *facet,
                     int corner) {
     const double *tip = facet->corner[corner];
@@ -510,7 +515,7 @@ int gn_facets_planes(const gn_facets *facets, const double point[3], double reac
         return 1;
     }
     gathering g = {.x = x, .reach = reach, .nearest = depth, .planes = planes};
-    /* A foot exactly at the reach must not be lost by the rounding of its box's distance. */
+    /* A foot exactly at `reach` must not be lost by the rounding of its box's distance. */
     gn_tree_within(facets, x, x, reach + foot_slack * facets->size, visit_gather, &g);
     /* If round-off lost the foot between facets, the nearest point is still known. */
     if (!g.count) planes[g.count++] = nearest_plane(facets, x, &foot, depth);

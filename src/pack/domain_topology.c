@@ -1,4 +1,4 @@
-/* From corners to a closed boundary: adjacency of facets, orientation, re-entrant edges and
+/* From corners to a closed boundary: which facets are adjacent, orientation, re-entrant edges and
  * corners. */
 #include "base/new.h"
 #include "pack/domain_facets.h"
@@ -7,10 +7,10 @@
 #include <stdlib.h>
 
 /* Ratio of height to extent up to which a triangle is a needle: its normal would be round-off of
- * the single precision in which surfaces are often stored. */
+ * single precision, in which surfaces are often stored. */
 static const double needle_height = 1e-7;
-/* Sine of the bend from which an edge counts as re-entrant; for flatter edges, the tolerance of
- * feet on the adjacent facets suffices. */
+/* Sine of the bend from which an edge counts as re-entrant; on flatter edges the tolerance of feet
+ * on the adjacent facets is enough. */
 static const double crease_bend = 1e-10;
 
 typedef struct half_edge {
@@ -104,9 +104,9 @@ static bool has_normal(const gn_facet *facet) {
     return gn_dot(facet->normal, facet->normal) > 0;
 }
 
-/* Gives degenerate facets (needles) the normal of a neighbour that has one: the one along the
- * longest edge or, with `any`, the first. Returns whether a normal was set; *left: there is still a
- * needle without one. */
+/* Gives degenerate facets (needles) the normal of a neighbour that has one: of the neighbour along
+ * the longest edge or, with `any`, of the first one. Returns whether a normal was set; *left: a
+ * needle that still has none. */
 static bool lend_normals(gn_facets *facets, bool any, const gn_facet **left) {
     bool progress = false;
     *left = NULL;
@@ -132,7 +132,7 @@ static gneiss_status set_needle_normals(gn_facets *facets, const char *name, gne
     const gn_facet *left;
     do {
         bool progress = lend_normals(facets, false, &left);
-        /* Two needles with a common longest edge depend on each other. */
+        /* Two needles that share their longest edge depend on each other. */
         if (left && !progress && !lend_normals(facets, true, &left))
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: triangle %d at (%g, %g, %g) and those along it have no area", name,
@@ -190,7 +190,7 @@ static void set_stars(gn_facets *facets) {
     for (size_t i = facets->count; i-- > 0;) {
         for (int c = 0; c < facets->corners; c++) {
             int32_t n = facets->facet[i].node[c];
-            /* Lists are filled from the end: star_first[n + 1] decreases to the start of n's
+            /* Lists are filled from their ends: star_first[n + 1] decreases to the start of n's
              * list. */
             facets->star[--facets->star_first[n + 1]] = 4 * (int32_t)i + c;
         }
@@ -229,7 +229,7 @@ static gneiss_status link_facets(gn_facets *facets, const char *name, gneiss_err
                                 : pair_edges(facets, halves, name, error);
 }
 
-/* Computes angle-weighted pseudonormals (Baerentzen & Aanaes 2005, eq. 5). */
+/* Computes pseudonormals, which are weighted by angle (Baerentzen & Aanaes 2005, eq. 5). */
 static void set_node_normals(gn_facets *facets) {
     for (size_t i = 0; i < facets->count; i++) {
         const gn_facet *f = &facets->facet[i];
@@ -248,11 +248,11 @@ static void set_node_normals(gn_facets *facets) {
     }
 }
 
-/* Returns the number of facets around a node across edges, starting from its first one. */
+/* Counts the facets around a node by crossing edges, starting from its first facet. */
 static int32_t fan_size(const gn_facets *facets, int32_t start) {
     int32_t at = start, size = 0;
     do {
-        /* The neighbour has the shared edge reversed, so that the node is its end there. */
+        /* In the neighbour the shared edge is reversed, so that the node is its end there. */
         int32_t half = facets->facet[at >> 2].neighbour[at & 3];
         at = (half & ~3) | gn_next(half & 3);
         size++;

@@ -4,10 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Facets in a leaf; halving keeps the depth of the tree below log2(2^31 / 2) + 1. */
+/* Number of facets in a leaf. Halving keeps the depth of the tree below log2(2^31 / 2) + 1. */
 enum { LEAF = 4, STACK = 64 };
 
-/* Twice the centre of a facet's box, and the facet. */
+/* Twice the centre of a facet's box, and the index of the facet. */
 typedef struct tree_item {
     double middle[3];
     int32_t facet;
@@ -28,8 +28,8 @@ static bool item_before(const tree_item *a, const tree_item *b, int axis) {
     return a->facet < b->facet;
 }
 
-/* Hoare's selection: the items up to `nth` come before the others along the axis. The order is
- * total, so that the result depends on the items alone. */
+/* Selects by Hoare's method: along the axis the items before `nth` are at most that one, and the
+ * others at least. The order is total, so that the result depends on the items alone. */
 static void select_nth(tree_item *items, int32_t count, int32_t nth, int axis) {
     int32_t low = 0, high = count - 1;
     while (low < high) {
@@ -82,7 +82,8 @@ static int32_t lay_out(gn_facets *facets, tree_item *items, int32_t first, int32
     return index;
 }
 
-/* Sets all boxes in one sweep from the end, as children have higher indices than their parents. */
+/* Sets all boxes in a single pass from the end, because children have higher indices than their
+ * parents. */
 static void set_boxes(gn_facets *facets) {
     for (size_t i = facets->tree_count; i-- > 0;) {
         gn_tree_node *node = &facets->tree[i];
@@ -141,7 +142,7 @@ static void foot_between(const double a[3], const double b[3], double t, double 
     for (int k = 0; k < 3; k++) at[k] = a[k] + t * (b[k] - a[k]);
 }
 
-/* Finds the foot on a segment and returns its feature. */
+/* Finds the foot of x on a segment and returns its feature. */
 static int segment_foot(const gn_facet *facet, const double x[3], double at[3]) {
     double edge[3], v[3];
     gn_minus(facet->corner[1], facet->corner[0], edge);
@@ -178,7 +179,7 @@ static int triangle_foot(const gn_facet *facet, const double x[3], double at[3])
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return foot_between(a, c, d2 / (d2 - d6), at), 3;
     double va = d3 * d6 - d5 * d4, p = d4 - d3, q = d5 - d6;
     if (va <= 0 && p >= 0 && q >= 0) return foot_between(b, c, p / (p + q), at), 2;
-    /* Projection along the unit normal is more accurate than the barycentric sum on slivers. */
+    /* On slivers the projection along the unit normal is more accurate than the barycentric sum. */
     double height = gn_dot(facet->normal, v);
     for (int k = 0; k < 3; k++) at[k] = x[k] - height * facet->normal[k];
     return 0;

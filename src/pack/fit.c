@@ -15,7 +15,7 @@
 /* ---- lists ---- */
 
 static gneiss_status grow(gn_fit *fit, size_t entries, size_t terms, gneiss_error *error) {
-    /* A packing may have no pairs: its lists are empty but allocated. */
+    /* A packing may have no pairs; its lists are then empty, but allocated. */
     if (!fit->neighbour || !fit->held || entries > fit->capacity) {
         gn_free(fit->neighbour);
         gn_free(fit->held);
@@ -38,8 +38,8 @@ static bool pair_before(const int32_t a[2], const int32_t b[2]) {
     return a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]);
 }
 
-/* Fills the rows in the order of the sorted pairs: the partners below i come first, both
- * ascending. */
+/* Fills the rows in the order of the sorted pairs: first the partners below i, then those above,
+ * both ascending. */
 static void fill(gn_fit *fit, const gn_pair_list *pairs, size_t *next) {
     size_t h = 0;
     memcpy(next, fit->first, fit->count * sizeof *next);
@@ -86,12 +86,12 @@ gneiss_status gn_fit_lists(gn_fit *fit, double reach, gneiss_error *error) {
 
 /* ---- residuals ---- */
 
-/* r^(d-2) */
+/* Returns r^(d-2). */
 static inline double size_weight(int dimension, double length) {
     return dimension == 3 ? length : 1.0;
 }
 
-/* Sums of one particle or block. */
+/* Sums over one particle or one block. */
 typedef struct sums {
     double energy, scale, squares, pairs, overlap;
 } sums;
@@ -139,14 +139,14 @@ static void pair_terms(const gn_fit *fit, const gn_fit_law *law, const gn_d4 *x,
         gn_d4 n = {u[0] * inverse, u[1] * inverse, u[2] * inverse, -shrink};
         add_term(out, weight + stiff, weight / (weight + stiff) * gap, n, j);
         if (stiff == 0.0) continue;
-        /* The second residual uses the row of the first: its slope along the radii differs a
-         * little, which the gradient includes and the matrix neglects. */
+        /* The second residual uses the row of the first. Its slope along the radii differs a
+         * little; the gradient includes the difference and the matrix neglects it. */
         n[3] = -(1.0 - law->most);
         out->gradient += stiff * excess * n;
     }
 }
 
-/* Planes count four times: one of them represents the mirror image of the particle, at twice the
+/* Planes count four times, because a plane represents the mirror image of the particle at twice the
  * distance. */
 static void plane_terms(const gn_fit *fit, const gn_fit_law *law, gn_d4 x, bool terms, fit_row *out,
                         sums *total) {
@@ -223,8 +223,8 @@ void gn_fit_assemble(gn_fit *fit, const gn_fit_law *law, const gn_d4 *x, bool te
 }
 
 /* ---- the linear system of one iteration: matrix-free normal equations, block Jacobi
- * preconditioner, conjugate gradients in one parallel region. Every particle forms its own rows
- * from its own terms, so that there is no scatter ---- */
+ * preconditioner, and conjugate gradients in one parallel region. Every particle forms its own rows
+ * from its own terms, so that nothing is scattered ---- */
 
 static const gn_d4 mirror = {-1.0, -1.0, -1.0, 1.0};
 
@@ -232,8 +232,8 @@ static inline gn_d4 widen(gn_f4 a) {
     return __builtin_convertvector(a, gn_d4);
 }
 
-/* Inverts a symmetric positive definite 4 x 4 matrix by Gauss-Jordan; the result is symmetric also
- * in single precision, as conjugate gradients need it. */
+/* Inverts a symmetric positive definite 4 x 4 matrix by Gauss-Jordan; the result is symmetric in
+ * single precision too, which conjugate gradients require. */
 static void invert(double a[16], float out[16]) {
     for (int c = 0; c < 4; c++) {
         double pivot = 1.0 / a[5 * c];
@@ -281,7 +281,7 @@ static inline gn_d4 apply_inverse(const gn_fit *fit, size_t i, gn_d4 r) {
            (r[2] * widen(row[2]) + r[3] * widen(row[3]));
 }
 
-/* Returns p . (A p) over one block; A p is stored in ap. */
+/* Returns p . (A p) over one block and stores A p in ap. */
 static double multiply(gn_fit *fit, size_t block, const gn_d4 free_part) {
     double sum = 0.0;
     for (size_t i = block * GN_FIT_BLOCK; i < gn_fit_block_end(fit, block); i++) {
@@ -331,7 +331,7 @@ static double total(const gn_fit *fit, int slot) {
 }
 
 /* Every thread forms the same sums, so that all take the same path through the loop. Sums of one
- * kind keep their slot until the next barrier but one. */
+ * kind stay in their slot until the next barrier but one. */
 int gn_fit_solve(gn_fit *fit, const gn_fit_law *law, int products, double tolerance) {
     const gn_d4 free_part = law->fixed_radii ? (gn_d4){1, 1, 1, 0} : (gn_d4){1, 1, 1, 1};
     int done = 0;
@@ -452,7 +452,7 @@ void gn_fit_release(gn_fit *fit) {
 
 /* ---- iterations ---- */
 
-/* Computes x + step with the step of each particle limited to a fifth of its radius, and radii
+/* Computes x + step; the step of each particle is limited to a fifth of its radius, and radii stay
  * within their bounds. */
 static void make_trial(gn_fit *fit, const gn_fit_law *law) {
     const double longest = 0.2;
@@ -469,10 +469,11 @@ static void make_trial(gn_fit *fit, const gn_fit_law *law) {
     }
 }
 
-static const int products_worth = 5; /* cost of an iteration without its products, in products */
+static const int products_worth =
+    5; /* cost of an iteration without its products, in units of a product */
 static const double damping_first = 1e-2, damping_least = 1e-6, damping_most = 1e4;
 
-/* Does one step of Levenberg-Marquardt and adapts the damping to its success. */
+/* Performs one step of Levenberg-Marquardt and adapts the damping to its success. */
 static bool iterate(gn_fit *fit, const gn_fit_law *law, const gn_fit_goal *goal) {
     double begin = gn_now();
     fit->threads = gn_pace_threads(&fit->pace);

@@ -25,32 +25,32 @@
 typedef struct gn_fit_law {
     double overlap;   /* wanted overlap over r_i + r_j */
     double gap;       /* relative gap up to which pairs are pulled together; 0: only held ones */
-    double pull;      /* weight of a gap over that of an overlap */
+    double pull;      /* ratio of the weight of a gap to that of an overlap */
     double stiffness; /* relative stiffness of the springs on the radii */
-    /* overlap over r_i + r_j beyond which further overlap has 20 times the weight; 0: none */
+    /* overlap over r_i + r_j from which further overlap has 20 times the weight; 0: none */
     double most;
     bool fixed_radii;
 } gn_fit_law;
 
 /* Limits and tolerances of a stage. */
 typedef struct gn_fit_goal {
-    int iterations; /* most iterations of Levenberg-Marquardt */
-    int products;   /* most products of conjugate gradients per iteration */
-    double solve;   /* relative residual (preconditioned) that ends conjugate gradients */
-    /* relative decrease of the sum of squares in five iterations below which the stage ends */
+    int iterations; /* largest number of iterations of Levenberg-Marquardt */
+    int products;   /* largest number of products of conjugate gradients per iteration */
+    double solve;   /* relative residual (preconditioned) at which conjugate gradients stop */
+    /* relative decrease of the sum of squares over five iterations below which the stage ends */
     double decrease;
     double reach; /* relative gap up to which neighbours are listed */
     int renew;    /* iterations between two neighbour searches */
 } gn_fit_goal;
 
 typedef struct gn_fit_state {
-    int iteration; /* number over all stages */
-    /* the sum of squares over that of a packing in which every sphere overlaps by its size;
+    int iteration; /* number of the iteration, counted through all stages */
+    /* ratio of the sum of squares to that of a packing in which every sphere overlaps by its size;
      * dimensionless */
     double energy;
     double gap_rms; /* root mean square gap of active pairs over r_i + r_j */
     double overlap_max;
-    size_t pairs; /* active pairs */
+    size_t pairs; /* number of active pairs */
 } gn_fit_state;
 
 /* Called after every iteration; returning false stops the fit. */
@@ -59,15 +59,15 @@ typedef bool gn_fit_watch(void *context, const gn_fit_state *state);
 typedef struct gn_fit gn_fit;
 
 /* Creates a fit. `row` [count][4] x y z r is copied. `wanted`, `least`, `most` [count] are the rest
- * lengths of the springs on the radii, and their bounds; borrowed, and may be changed between
- * stages. `domain` is borrowed. */
+ * lengths of the springs on the radii and the bounds of the radii; they are borrowed and may be
+ * changed between stages. `domain` is borrowed. */
 gneiss_status gn_fit_create(const gn_domain *domain, size_t count, const double *row,
                             const double *wanted, const double *least, const double *most,
                             int threads, gn_fit **out, gneiss_error *error);
 void gn_fit_free(gn_fit *fit);
 
-/* Runs one stage; *go_on is false if the watch ended it. The result has the same bits for any
- * number of threads. */
+/* Runs one stage; *go_on is false if `watch` ended it. The result has the same bits for any number
+ * of threads. */
 gneiss_status gn_fit_run(gn_fit *fit, const gn_fit_law *law, const gn_fit_goal *goal,
                          gn_fit_watch *watch, void *context, bool *go_on, gneiss_error *error);
 

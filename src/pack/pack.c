@@ -20,22 +20,22 @@ const char *gn_pack_stage_name(gn_pack_stage stage) {
 
 /* ---- the schedule ---- */
 
-/* Parameters of the stages: volume of the particles over that of the body at the start, and that at
- * which the springs would be free of force (both measured: docs/packing.md). */
+/* Parameters of the stages: volume of the particles over that of the body at the start, and the
+ * volume ratio at which the springs would be free of force (both measured: docs/packing.md). */
 typedef struct schedule {
     double loose, wanted;
     double stiffness; /* stiffness of the springs while compressing */
-    double release;   /* factor of the stiffness per decompression */
+    double release;   /* factor on the stiffness per decompression step */
     int releases;
-    double last;                     /* factor of the stiffness for the last stages */
+    double last;                     /* factor on the stiffness for the last stages */
     bool hold;                       /* all contacts of the compressed state are held */
     double overlap, gap, pull, most; /* gn_fit_law of the last stages */
 } schedule;
 
-/* In 2D a compressed packing is already a triangulation, and all of its contacts can be kept
+/* In 2D a compressed packing is a triangulation already, and all of its contacts can be kept
  * (Koebe: every planar triangulation has a packing of touching discs). In space a maximum of the
- * volume has 8 contacts per particle: the pressure is released first, then small gaps are
- * closed. */
+ * volume has 8 contacts per particle; the pressure is therefore released first, and small gaps are
+ * then closed. */
 static schedule schedule_of(const gn_pack_def *def, int dimension) {
     schedule s = {.loose = 0.5,
                   .wanted = 2.0,
@@ -93,7 +93,7 @@ typedef struct job {
     gn_fit *fit;
     schedule plan;
     gn_pack_stage stage;
-    int planned, started; /* limit of iterations in total; iterations before this stage */
+    int planned, started; /* limit of all iterations; iterations before this stage */
     size_t trace_capacity;
     double begin;
     bool out_of_time, enough, given_up, no_memory;
@@ -117,7 +117,7 @@ static bool push_trace(job *run, const gn_fit_state *state) {
     return true;
 }
 
-/* The user's limits end the search, but not the removal of overlaps after it. */
+/* The limits that the user sets end the search, but not the removal of overlaps after it. */
 static bool watch_fit(void *context, const gn_fit_state *state) {
     job *j = context;
     if (!push_trace(j, state)) j->no_memory = true;
@@ -146,12 +146,12 @@ static gneiss_status run_stage(job *run, gn_pack_stage stage, const gn_fit_law *
     return GNEISS_OK;
 }
 
-/* Largest relative change of a radius of a requested distribution, and the further change by
- * removal of the last overlaps. */
+/* Largest relative change of a radius of a requested distribution, and largest further change by
+ * the removal of the last overlaps. */
 static const double kept = 0.1, last_of_it = 2e-3;
 
-/* Computes the factor of every radius that would remove the remaining overlaps, by its own worst
- * overlap. */
+/* Computes for every radius the factor that would remove the remaining overlaps, from the largest
+ * overlap of the particle. */
 static gneiss_status find_factors(const job *run, const double *sphere, double *factor,
                                   gneiss_error *error) {
     const size_t n = run->seeds.count;
@@ -187,8 +187,8 @@ static gneiss_status is_crowded(const job *run, double *factor, bool *crowded,
     return GNEISS_OK;
 }
 
-/* Only the ratios of requested sizes are prescribed: if some particle has no room, all shrink a
- * little and are separated again. */
+/* Only the ratios of requested sizes are prescribed: if there is no room for some particle, all of
+ * them shrink a little and are separated again. */
 static gneiss_status make_room(job *run, const gn_fit_law *law, gneiss_error *error) {
     enum { TIMES = 40 };
     const double smaller = 0.99;
@@ -262,7 +262,7 @@ static gneiss_status prepare(job *run, gneiss_error *error) {
                          run->threads, &run->fit, error);
 }
 
-/* Removes the remaining overlaps by shrinking. */
+/* Removes the remaining overlaps by shrinking particles. */
 static gneiss_status shrink(job *run, gneiss_error *error) {
     gn_packing *p = &run->result->packing;
     double *factor = run->least; /* reused; `least` is no longer needed */
@@ -330,7 +330,7 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
     return status;
 }
 
-/* Puts the specimen's name before an error message. */
+/* Writes the specimen's name before an error message. */
 static gneiss_status name_specimen(const gn_scene *scene, gneiss_status status,
                                    gneiss_error *error) {
     if (status == GNEISS_OK || status == GNEISS_INTERRUPTED) return status;

@@ -10,7 +10,7 @@
 typedef enum gn_pack_stage {
     GN_PACK_SPREAD,     /* random points move apart, radii fixed and small */
     GN_PACK_COMPRESS,   /* radii grow until all neighbours are in contact */
-    GN_PACK_DECOMPRESS, /* the pressure falls in steps; each comes to equilibrium */
+    GN_PACK_DECOMPRESS, /* the pressure decreases in steps, each of which comes to equilibrium */
     GN_PACK_CLOSE,      /* pairs with small gaps are drawn together */
     GN_PACK_SEPARATE,   /* remaining overlaps are removed */
     GN_PACK_STAGES
@@ -26,7 +26,7 @@ typedef struct gn_pack_trace {
 
 typedef struct gn_pack_progress {
     gn_pack_stage stage;
-    double fraction; /* fraction of the largest number of iterations, [0, 1] */
+    double fraction; /* fraction of the largest number of iterations, 0 to 1 */
     gn_fit_state state;
     size_t particles;
 } gn_pack_progress;
@@ -37,7 +37,7 @@ typedef bool gn_pack_watch(void *context, const gn_pack_progress *progress);
 typedef struct gn_pack_result {
     gn_packing packing; /* particles in Morton order */
     gn_domain *domain;  /* the body, for measurements; NULL if the packing came from the cache */
-    double volume;      /* volume of the body, m3; 2D: m2 */
+    double volume;      /* m3 (2D: m2), volume of the body */
     double seconds;
     /* false: the time limit ended the fit, so that the result depends on the machine */
     bool in_time;
@@ -52,9 +52,9 @@ gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *co
                            gn_pack_result *result, gneiss_error *error);
 void gn_pack_result_free(gn_pack_result *result);
 
-/* Tells whether radii [m] of a requested distribution came out narrower than the change of a tenth
- * that each may have explains: there are too few particles for all sizes. `text` then has the
- * requested and the actual range, else it is "". */
+/* Tells whether the range of a distribution's radii, m, is narrower than requested by more than the
+ * change of a tenth that each radius may have: there are too few particles for all sizes. `text`
+ * then gives the requested and the actual range, else it is "". */
 bool gn_pack_is_narrow(const gn_scene *scene, double least, double most, size_t particles,
                        char *text, size_t size);
 

@@ -20,7 +20,7 @@ static double lens(int dimension, double a, double b, double d) {
     }
     double p = (d * d + a * a - b * b) / (2.0 * d * a), q = (d * d + b * b - a * a) / (2.0 * d * b);
     double kite = (-d + a + b) * (d + a - b) * (d - a + b) * (d + a + b);
-    /* p and q can exceed 1 by rounding if one touches the other from inside. */
+    /* By rounding, p and q can exceed 1 if one ball touches the other from inside. */
     double turn_a = acos(fmax(fmin(p, 1.0), -1.0)), turn_b = acos(fmax(fmin(q, 1.0), -1.0));
     return a * a * turn_a + b * b * turn_b - 0.5 * sqrt(fmax(kite, 0.0));
 }
@@ -88,8 +88,8 @@ static gneiss_status measure_radii(const gn_packing *packing, int dimension, dou
 typedef struct tally {
     double lenses, overlap_sum, distance_sum;
     size_t at_01, at_1, at_5, overlaps;
-    double *overlap;   /* [pairs] overlaps of the pairs that overlap, in order */
-    int32_t *contacts; /* [particles] at 1 % */
+    double *overlap;   /* [pairs] of the pairs that overlap, in their order */
+    int32_t *contacts; /* [particles] number of contacts at 1 % */
 } tally;
 
 static void count_direction(const double n[3], gn_pack_quality *quality) {

@@ -49,8 +49,9 @@ typedef struct gn_pack_quality {
     double fabric[9];                            /* fabric of contacts at 1 % */
     double radius_edge[GN_PACK_RADIUS_BINS + 1]; /* m */
     int64_t radius_count[GN_PACK_RADIUS_BINS];
-    /* Directions of contacts at 1 %, in both senses: angle in the xy plane, and in space also |cos|
-     * of the angle with z in equal steps, in which an isotropic packing has equal numbers. */
+    /* Directions of contacts at 1 %, counted in both senses: angles in the xy plane, and in space
+     * also |cos| of the angle with z in equal intervals, over which an isotropic packing is
+     * uniform. */
     int64_t angle_count[GN_PACK_ANGLE_BINS];
     int64_t polar_count[GN_PACK_ANGLE_BINS];
     size_t pair_count; /* pairs within 5 % */
@@ -58,8 +59,8 @@ typedef struct gn_pack_quality {
     double *gap; /* [pair_count] over r_i + r_j, negative: overlap */
 } gn_pack_quality;
 
-/* Measures a packing. `domain` may be NULL: figures of walls are then missing and `volume` is the
- * body's. */
+/* Measures a packing. Without a `domain` (NULL) the figures of walls are absent, and `volume` is
+ * the volume of the body. */
 gneiss_status gn_pack_measure(const gn_packing *packing, int dimension, const gn_domain *domain,
                               double volume, int threads, gn_pack_quality *quality,
                               gneiss_error *error);

@@ -11,16 +11,16 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Memory of the fit and its neighbour lists, measured. */
+/* Memory of the fit and its neighbour lists per particle, measured. */
 enum { BYTES_PER_PARTICLE = 2000 };
 
 typedef struct source {
     const gn_scene *scene;
     const gn_pack_shape *body;
     int dimension;
-    uint64_t drawn; /* random numbers used */
+    uint64_t drawn; /* number of random numbers used */
     double spread;  /* sigma of the logarithm of the radius */
-    double widest;  /* bound of the logarithm */
+    double widest;  /* bound of the logarithm of the radius */
     double lower[3], upper[3];
     const gn_mesh_elements *elements; /* elements of a mesh shape; NULL: none */
     double *weight;                   /* [elements->count] running sum of wanted particles */
@@ -42,7 +42,7 @@ static double draw_asked(source *generator) {
     return size;
 }
 
-/* Draws the radius over the median, log-normal within its bounds. */
+/* Draws the ratio of a radius to the median, log-normal within its bounds. */
 static double draw_size(source *generator) {
     if (generator->scene->specimen.pack.sizes != GN_SIZES_FITTED) return draw_asked(generator);
     if (generator->spread <= 0.0) return 1.0;
@@ -53,8 +53,8 @@ static double draw_size(source *generator) {
     }
 }
 
-/* The fit widens a distribution (small particles in pores stay small): an initial range of half to
- * three quarters on a logarithmic scale results in the requested one. */
+/* Sets the initial range of sizes: half to three quarters of the requested one on a logarithmic
+ * scale, because the fit widens a distribution (small particles in pores stay small). */
 static void set_sizes(source *generator) {
     const double widening = 0.7, deviations = 2.2;
     const gn_pack_def *def = &generator->scene->specimen.pack;
@@ -90,7 +90,7 @@ static double element_volume(const source *generator, size_t element) {
     return fabs(c[0] * edge[2][0] + c[1] * edge[2][1] + c[2] * edge[2][2]) / 6.0;
 }
 
-/* Weights elements equally: a finer mesh has finer particles. */
+/* Gives elements equal weights, so that particles are finer where the mesh is. */
 static gneiss_status weigh_elements(source *generator, gneiss_error *error) {
     if (generator->scene->specimen.pack.shape != GN_SHAPE_MESH) return GNEISS_OK;
     generator->elements = generator->dimension == 3 ? &generator->body->mesh.tetrahedra
@@ -127,7 +127,7 @@ static double draw_in_mesh(source *generator, double x[3]) {
     return size * gn_pack_shape_size(generator->body, x);
 }
 
-/* Draws a point of the body's box with a density that suits the sizes there; 0: rejected. */
+/* Draws a point of the body's box with a density that suits the sizes there; 0: it was rejected. */
 static double draw_in_box(source *generator, double finest, double x[3]) {
     for (int d = 0; d < generator->dimension; d++)
         x[d] = generator->lower[d] + (generator->upper[d] - generator->lower[d]) * draw(generator);
@@ -198,7 +198,7 @@ static void take_nodes(source *generator, gn_seeds *seeds) {
 
 /* ---- number and size ---- */
 
-/* Computes the mean of size^-d over the body: the factor by which refinement increases the number
+/* Computes the mean of size^-d over the body, the factor by which refinement increases the number
  * of particles. */
 static gneiss_status refinement_factor(const source *generator, double *factor,
                                        gneiss_error *error) {
@@ -223,13 +223,13 @@ static gneiss_status refinement_factor(const source *generator, double *factor,
     return GNEISS_OK;
 }
 
-/* Computes means of r and r^d over radii in units of the median, by the quantiles of the
- * distribution; of a requested distribution over drawn radii. */
+/* Computes the means of r and r^d over radii in units of the median, by the quantiles of the
+ * distribution; for a requested distribution, over drawn radii. */
 static void size_moments(const source *generator, double *first, double *last) {
     enum { POINTS = 2001, DRAWN = 100000 };
     if (generator->scene->specimen.pack.sizes != GN_SIZES_FITTED) {
         source own = *generator;
-        own.drawn = UINT64_C(1) << 62; /* separate from the numbers of the packing */
+        own.drawn = UINT64_C(1) << 62; /* separate from the random numbers of the packing */
         *first = *last = 0.0;
         for (int k = 0; k < DRAWN; k++) {
             double size = draw_asked(&own);
@@ -286,7 +286,7 @@ static gneiss_status choose_count(source *generator, size_t *count, gneiss_error
     return GNEISS_OK;
 }
 
-/* Scales the radii to the total volume of a dense packing. */
+/* Scales the radii so that the particles have the total volume of a dense packing. */
 static void scale_radii(const source *generator, gn_seeds *seeds) {
     double sum = 0.0;
     for (size_t k = 0; k < seeds->count; k++)

@@ -6,7 +6,7 @@
 
 typedef struct gn_seeds {
     size_t count;
-    /* [count][4]: x y z and radius at the expected porosity, m; in Morton order; gn_alloc'ed */
+    /* [count][4]: x y z and the radius at the expected porosity, m; in Morton order; gn_alloc'ed */
     double *row;
 } gn_seeds;
 
@@ -15,9 +15,9 @@ static inline double gn_packed_fraction(int dimension) {
     return dimension == 3 ? 0.68 : 0.90;
 }
 
-/* Makes random points, or takes the inner nodes of the mesh; a pure function of the scene.
+/* Makes random points, or takes the inner nodes of the mesh; the result depends on the scene alone.
  * GNEISS_ERROR_INPUT: the body is too thin for such particles, or has no inner node;
- * GNEISS_ERROR_MEMORY: more particles than the machine has memory for. */
+ * GNEISS_ERROR_MEMORY: the machine has not enough memory for the particles. */
 gneiss_status gn_seeds_create(const gn_scene *scene, const gn_pack_shape *body, gn_seeds *seeds,
                               gneiss_error *error);
 void gn_seeds_free(gn_seeds *seeds);

@@ -14,8 +14,8 @@ static const gn_mesh_elements *elements_of(const gn_mesh *mesh, int dimension) {
     return dimension == 3 ? &mesh->tetrahedra : &mesh->triangles;
 }
 
-/* Computes mean edge lengths; an edge counts once for each of its elements, which is sufficient for
- * a mean. */
+/* Computes mean edge lengths; an edge counts once for each of its elements, which is accurate
+ * enough. */
 static gneiss_status measure_nodes(gn_pack_shape *shape, int dimension, gneiss_error *error) {
     const gn_mesh *mesh = &shape->mesh;
     const gn_mesh_elements *e = elements_of(mesh, dimension);
@@ -36,7 +36,7 @@ static gneiss_status measure_nodes(gn_pack_shape *shape, int dimension, gneiss_e
     return GNEISS_OK;
 }
 
-/* Moves a file's coordinates to the scene's origin. */
+/* Scales and moves a file's coordinates to the scene's origin. */
 static void place(const gn_pack_def *def, gn_mesh *mesh) {
     for (size_t k = 0; k < 3 * mesh->node_count; k++)
         mesh->node[k] = gn_point_out(def->origin[k % 3], mesh->node[k]);

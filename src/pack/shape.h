@@ -7,7 +7,7 @@
 
 typedef struct gn_pack_shape {
     gn_domain *domain;
-    gn_mesh mesh;                     /* mesh with its elements for a mesh shape; otherwise empty */
+    gn_mesh mesh;                     /* mesh of a mesh shape, with its elements; otherwise empty */
     double *node_size;                /* [mesh.node_count] mean length of the edges at a node, m */
     const gn_refinement *refinements; /* borrowed from the scene */
     size_t refinement_count;
@@ -22,11 +22,11 @@ void gn_pack_shape_free(gn_pack_shape *shape);
  * body on their left. The caller frees them. */
 gneiss_status gn_pack_shape_facets(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error);
 
-/* GNEISS_ERROR_INPUT if gmsh would have to mesh the shape and the user did not permit it
- * (gn_scene.allow_gmsh): the message has the command. */
+/* Returns GNEISS_ERROR_INPUT if gmsh would have to mesh the shape and the user did not permit this
+ * (gn_scene.allow_gmsh): the message gives the command. */
 gneiss_status gn_pack_check_geometry(const gn_scene *scene, gneiss_error *error);
 
-/* Returns the wanted size of particles at x relative to that far from every refinement, (0, 1]. */
+/* Returns the wanted size of particles at x over that far from all refinements, (0, 1]. */
 double gn_pack_shape_size(const gn_pack_shape *shape, const double x[3]);
 
 #endif

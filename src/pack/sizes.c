@@ -21,8 +21,8 @@ static double sieve_size(const gn_sizes *sizes, double share) {
     return rise > 0.0 ? low[0] + (high[0] - low[0]) * fmin(1.0, (share - low[1]) / rise) : high[0];
 }
 
-/* A sieve curve counts mass: sizes are drawn with a frequency proportional to r^-d, as numbers of
- * particles require. */
+/* A sieve curve counts mass; sizes are drawn with a frequency proportional to r^-d, because
+ * particles are drawn by number. */
 double gn_sizes_draw(const gn_sizes *sizes, gn_drawn *drawn) {
     const double ratio = sizes->ratio, mean = 0.5 * (1.0 + ratio);
     const double deviation =
@@ -69,7 +69,7 @@ static double below(double deviations) {
     return 0.5 * erfc(-deviations / sqrt(2.0));
 }
 
-/* Returns the fraction that is no larger than a size in that unit, by number, for a sieve curve by
+/* Returns the fraction that is no larger than a size in that unit: by number, for a sieve curve by
  * mass. */
 static double sizes_below(const gn_sizes *sizes, double size) {
     double least, most;
@@ -86,7 +86,7 @@ static double sizes_below(const gn_sizes *sizes, double size) {
     return (below((x - mean) / deviation) - low) / (high - low);
 }
 
-/* Returns the largest deviation for sizes in a unit, at the jumps of their sum. */
+/* Returns the largest deviation in a given unit of size, at the jumps of the cumulative sum. */
 static double off_at(const gn_sizes *sizes, const double *radius, size_t count, double unit,
                      double sum, double *at) {
     const double power = sizes->kind == GN_SIZES_SIEVE ? sizes->dimension : 0.0;

@@ -151,7 +151,7 @@ static gneiss_status write_snapshot(const char *directory, const gn_packing *pac
 }
 
 /* packing.h5 marks the folder as complete: an earlier one is removed first and the new one is
- * written last, so that a killed call leaves no mixture of two packings. */
+ * written last, so that an interrupted call leaves no mixture of two packings. */
 gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
                                    const gn_pack_result *result, const gn_pack_quality *quality,
                                    gneiss_error *error) {
@@ -172,7 +172,7 @@ gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
 
 /* ---- the cache of packings, by a hash of the request ---- */
 
-/* Must be incremented whenever the same request results in another packing. */
+/* Versions, to be incremented whenever the same request results in another packing. */
 enum { METHOD_VERSION = 1, METHOD_OF_SIZES = 2 };
 
 /* ---- the key ---- */

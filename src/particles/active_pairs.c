@@ -37,7 +37,7 @@ static bool is_written(const gn_field *field) {
     return false;
 }
 
-/* Parameters that all pairs share are read in the list itself. */
+/* Finds the columns to pack. A parameter that all pairs share is read from the list itself. */
 static void find_columns(gn_near *near, const gn_contacts *list, const gn_uniform *uniform) {
     size_t stream = 0;
     near->uniform = *uniform;
@@ -53,7 +53,7 @@ static void find_columns(gn_near *near, const gn_contacts *list, const gn_unifor
     }
 }
 
-/* Doubles per pair. */
+/* Returns the number of doubles per pair. */
 static size_t streams_of(const gn_near *near) {
     if (!near->columns) return 0;
     const gn_near_column *last = &near->column[near->columns - 1];
@@ -64,14 +64,15 @@ static double *column_of(const gn_contacts *list, const gn_near_column *column) 
     return *(double *const *)(const void *)((const char *)list + column->offset);
 }
 
-/* --- whether --- */
+/* --- whether packing pays --- */
 
 static void nearest(const gn_step_context *ctx, double d[3]) {
     for (int a = 0; a < 3; a++)
         if (ctx->period[a] > 0.0) d[a] -= ctx->period[a] * rint(d[a] / ctx->period[a]);
 }
 
-/* If three of five pairs touch, the search costs as much as it saves. */
+/* Tells whether few enough pairs touch: if three of five do, the search costs as much as it saves.
+ */
 static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_contacts *list = &dem->pairs.contacts;
     const double *ref = dem->particles.ref, *pos = dem->particles.pos;
@@ -86,16 +87,16 @@ static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
     return 5 * touching < 3 * list->soa.count;
 }
 
-/* With bonds, unbonded pairs are few. If other parts move particles (a box, finite elements), the
- * path of a step exceeds velocity times dt. In mixed precision positions would be read twice, once
- * in each precision. */
+/* Tells whether active pairs may be used. With bonds, unbonded pairs are few; if other parts move
+ * particles (a box, finite elements), the path of a step exceeds velocity times dt; in mixed
+ * precision positions would be read in both precisions. */
 static bool worth_while(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box) {
     const gn_effects against = GN_FX_BONDS | GN_FX_CONTACT_FORCES | GN_FX_MIXED;
     return !dem->near.disabled && !(ctx->effects & against) && !ctx->scene.has_couple &&
            !gn_box_moves(ctx, box) && dem->pairs.contacts.soa.count && sparse(ctx, dem);
 }
 
-/* --- room --- */
+/* --- allocation --- */
 
 enum { STEPS_AT_FIRST = 4 };
 
@@ -121,7 +122,8 @@ void gn_near_free(gn_near *near) {
     *near = (gn_near){0};
 }
 
-/* Blocks end with room for vectors that extend past their last pair. */
+/* Allocates the arrays. Every block ends with padding for vectors that extend past its last pair.
+ */
 static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
     gn_near *n = &dem->near;
     const gn_partials *q = &dem->pairs.partials;
@@ -178,13 +180,12 @@ size_t gn_near_bytes(const gn_dem *dem) {
     return n->room * (each + n->streams * sizeof *n->data) + n->room / GN_NEAR_GROUP;
 }
 
-/* --- when --- */
+/* --- times of searches --- */
 
-/* Room for rounding. */
+/* Factor that covers rounding. */
 static const double more = 1.0 + 1e-6;
 
-/* Returns the path within a span of `steps` steps if velocities continue to change by `change` per
- * step. */
+/* Returns the path in `steps` steps if the path per step continues to grow by `change` per step. */
 static double drift(const gn_near_past *past, double change, int steps) {
     return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
 }
@@ -195,9 +196,9 @@ static double largest_change(const gn_near *near) {
     return most;
 }
 
-/* Begins a span: the pairs found now must be valid for `steps` steps if velocities change by 1.5
- * times as much per step as in the last one. In a quiet system a collision may begin, but seldom
- * the most violent one. */
+/* Begins a span: the pairs found now must be valid for `steps` steps, under the assumption that
+ * velocities change per step by up to 1.5 times as much as in the last one. In a quiet system a
+ * collision may begin, but rarely with the largest change of all. */
 static void begin_span(gn_near *near, int steps) {
     static const double reserve = 1.5, of_largest = 0.2;
     const double least = of_largest * largest_change(near);
@@ -211,8 +212,8 @@ static void begin_span(gn_near *near, int steps) {
 }
 
 /* A search costs about half as much as the kernel for the same number of pairs; the longer its
- * result is to be valid, the more of the found pairs do not touch. The number of steps with the
- * least total cost is found by varying it up and down; the cost is counted in pairs, not in
+ * result has to be valid, the more of the pairs found do not touch. The number of steps with the
+ * least total cost is found by increasing and decreasing it. Cost is counted in pairs, not in
  * seconds. */
 static void tune_steps(gn_near *near) {
     enum { MOST = 64 };
@@ -227,9 +228,9 @@ static void tune_steps(gn_near *near) {
     if (near->steps > MOST) near->steps = MOST;
 }
 
-/* A sweep with velocities other than those that led to the positions does not show which pairs
- * touched a step ago. All pairs of new lists are processed once: zeros whose sign changed when
- * their ends were exchanged become positive, see put. */
+/* If velocities were set otherwise, they do not show which pairs touched a step ago, and all pairs
+ * are processed. So are all pairs of new lists once: it makes zeros positive whose sign changed
+ * when the ends were exchanged, see put. */
 void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
     gn_near *n = &dem->near;
     if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
@@ -273,9 +274,9 @@ void gn_near_moved(const gn_step_context *ctx, gn_dem *dem) {
     if (n->past.known < 2) n->past.known++;
 }
 
-/* --- which --- */
+/* --- search --- */
 
-/* A block in the list, and its place when packed. */
+/* A block of pairs: its range in the list, and its position in the packed arrays. */
 typedef struct block_of_pairs {
     size_t number, begin, end, groups, at;
     uint8_t *act;
@@ -341,13 +342,14 @@ static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_co
     }
 }
 
-/* The pairs that were packed before the active ones were found again. */
+/* Positions of the packed pairs before the present search. */
 typedef struct packed_before {
     size_t count;
     uint8_t act[GN_CONTACT_BLOCK / GN_NEAR_GROUP];
 } packed_before;
 
-/* Columns of pairs that were not packed before are zero; see put. */
+/* Moves packed columns to their new positions. Pairs that were not packed before get zeros; see
+ * put. */
 static void move_packed(const gn_step_context *ctx, double *data, const packed_before *was,
                         const block_of_pairs *block) {
     double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
@@ -355,8 +357,8 @@ static void move_packed(const gn_step_context *ctx, double *data, const packed_b
     ctx->kernels->near->repack(data, old, was->act, block->act, block->groups);
 }
 
-/* Gathers the columns of the block, with zeros after the last pair. Columns that the kernel writes
- * are read from the place where `was` are packed, if that is given, else from the list. */
+/* Packs the columns of the block, with zeros after the last pair. Columns that the kernel writes
+ * come from their packed positions in `was`, if it is given, else from the list. */
 static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                   const packed_before *was, const block_of_pairs *block) {
     const gn_near *n = &dem->near;
@@ -373,9 +375,9 @@ static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contac
         }
 }
 
-/* Scatters them back. The columns of unpacked pairs are zero, because they did not touch when they
- * were last packed. Zeros lose their sign, so that the result does not depend on which non-touching
- * pairs were processed. */
+/* Writes packed columns back into the list. The columns of unpacked pairs are zero, because these
+ * pairs did not touch when they were last packed. Negative zeros become positive, so that the
+ * result does not depend on which pairs without contact were processed. */
 static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                 const block_of_pairs *block) {
     const gn_near *n = &dem->near;
@@ -428,7 +430,7 @@ void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args
     dem->pairs.kernel(&args, 0, part.soa.count, sums);
 }
 
-/* --- when others look --- */
+/* --- access by other code --- */
 
 void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_near *n = &dem->near;

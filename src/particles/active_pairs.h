@@ -3,8 +3,8 @@
  * last two steps (they may have acted for a part of a step, or their state must be reset), or may
  * touch within the next few steps at their velocities. Their columns are packed together, and for
  * these steps the kernel processes them alone, in the order of the list. Omitted pairs would have
- * added zeros, so that every bit of every sum is the same. The change of velocities is followed in
- * every step: when it could bring an omitted pair into contact, the search is repeated. */
+ * added zeros, so that every bit of every sum is the same. Changes of velocity are tracked in every
+ * step: when they could bring an omitted pair into contact, the search is repeated. */
 #ifndef GN_PARTICLES_ACTIVE_PAIRS_H
 #define GN_PARTICLES_ACTIVE_PAIRS_H
 
@@ -42,13 +42,12 @@ typedef struct gn_near_span {
     int steps;      /* number of sweeps that used the active pairs */
 } gn_near_span;
 
-/* The part of the state in checkpoints apart from `act`, in doubles. The pairs that are packed
- * beside each other determine the order in which losses are summed, so that a resumed run must pack
- * the same ones. */
+/* State that checkpoints store besides `act`, as doubles. Losses are summed in the order in which
+ * pairs are packed, so that a resumed run must pack the same pairs. */
 typedef struct gn_near_kept {
     double known, dt[2];                        /* gn_near_past */
     double ahead, elapsed, over, worked;        /* gn_near_span */
-    double steps, towards, cost, fresh, packed; /* gn_near; cost -1: not measured yet */
+    double steps, towards, cost, fresh, packed; /* members of gn_near; cost -1: not measured yet */
 } gn_near_kept;
 
 typedef struct gn_near {
@@ -57,65 +56,66 @@ typedef struct gn_near {
     bool fresh;     /* no sweep has used these lists yet */
     bool packed;    /* the columns of active pairs are packed */
     bool unsettled; /* columns of the list that the kernel writes are outdated */
-    bool whole;     /* in this sweep all pairs are processed */
-    bool look;      /* in this sweep the active pairs are found again, */
-    bool move;      /* and columns that stay packed move to their new positions */
-    bool again;     /* in the next sweep the pairs of `act` are packed from the list, */
-    bool take;      /* in this sweep the pairs of `act` are packed */
+    bool whole;     /* all pairs are processed in this sweep */
+    bool look;      /* the active pairs are searched in this sweep */
+    bool move;  /* columns of pairs that stay packed move to their new positions in this sweep */
+    bool again; /* the next sweep packs the pairs of `act` from the list */
+    bool take;  /* this sweep packs the pairs of `act` */
     gn_near_past past;
     gn_near_span span;
-    int steps, towards;  /* steps for which a search is to hold; 1 or -1: direction in which their
-                            number is varied */
+    int steps, towards;  /* number of steps for which a search should hold; 1 or -1: it is being
+                            increased or decreased */
     double listed, cost; /* number of pairs; cost of the last span, in pairs processed per step */
-    gn_near_kept kept;   /* state of a checkpoint that was read, until lists exist; */
+    gn_near_kept kept;   /* state read from a checkpoint, kept until lists exist */
     uint8_t *kept_act;   /* [kept_groups], NULL: none */
     size_t kept_groups;
     gn_near_path *kept_paths; /* [kept_path_count] */
     size_t kept_path_count;
 
-    gn_near_path *paths; /* [path_count + 1] of blocks of particles; null particles have zeros */
+    gn_near_path *paths; /* [path_count + 1] by block of particles; the last one, of the null
+                            particles, is zero */
     size_t path_count;
 
     size_t blocks,
-        stride;     /* number of blocks of pairs in the arrays below, distance between two blocks */
+        stride;     /* number of blocks of pairs; distance between two blocks in the arrays below */
     size_t room;    /* pairs, with padding */
-    size_t streams; /* number of allocated columns of data */
+    size_t streams; /* number of allocated columns of `data` */
     int32_t *i, *j; /* [room] */
-    uint16_t *place; /* [room][2] of their rows, see gn_partials */
+    uint16_t *place; /* [room][2] rows of the pairs' ends in the partial sums, see gn_partials */
     double *data;    /* [streams][room] */
-    uint8_t *act;    /* [room/GN_NEAR_GROUP] bits: active pairs of a block */
-    int32_t *count;  /* [blocks] */
+    uint8_t *act;    /* [room/GN_NEAR_GROUP] bits that mark the active pairs of a block */
+    int32_t *count;  /* [blocks] number of active pairs */
 
     gn_uniform uniform; /* uniform columns for which `column` was made */
     gn_near_column column[GN_NEAR_COLUMNS];
     int columns;
 } gn_near;
 
-/* Decides whether active pairs are worth searching, from the positions when the lists were made, so
- * that a resumed run decides alike. Called whenever lists were made or read. */
+/* Decides whether it pays to search for active pairs. The decision uses the positions at which the
+ * lists were made, so that a resumed run decides alike. Called whenever lists were made or read. */
 gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
                             gneiss_error *error);
 void gn_near_free(gn_near *near);
 size_t gn_near_bytes(const gn_dem *dem);
 
-/* Writes packed columns back into the list of pairs, before shear, fd, closeness or roll are read
- * there. The list is then as without packing; as this does not change the state, a constant world
- * may be settled. */
+/* Writes packed columns back into the list of pairs, which is then as without packing; required
+ * before shear, fd, closeness or roll are read there. The state does not change, so that the
+ * function also takes a constant world. */
 void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
-/* gn_near_repack: columns of pairs were or will be changed by code other than the kernel;
- * gn_near_forget: velocities or positions, by code other than a step. */
+/* To be called when something other than the step changes data: gn_near_repack if columns of pairs
+ * change, gn_near_forget if velocities or positions do. */
 void gn_near_repack(const gn_step_context *ctx, gn_dem *dem);
 void gn_near_forget(const gn_step_context *ctx, gn_dem *dem);
-/* Prepares a checkpoint, which also holds `paths`: settles the list, returns the state, and
- * continues as a run does that reads it. `groups`: number of groups of `act`, 0 if nothing is
- * packed. */
+/* Prepares a checkpoint, which also stores `paths`: settles the list and returns the state; the run
+ * then continues exactly as one that reads the checkpoint. `groups`: number of groups of `act`, 0
+ * if nothing is packed. */
 gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups);
-/* Restores the state `kept` after lists were read. GNEISS_ERROR_INPUT: marks of pairs that do not
+/* Restores the state `kept` after lists were read. GNEISS_ERROR_INPUT: it marks pairs that do not
  * exist. */
 gneiss_status gn_near_resume(gn_dem *dem, gneiss_error *error);
 
-/* Begins a sweep; processes a block of pairs in place of the kernel; follows the motion at the end
- * of the sweep. */
+/* gn_near_begin begins a sweep; gn_near_work processes a block of pairs in place of the kernel;
+ * gn_near_moved tracks the motion at the end of the sweep. */
 void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs);
 void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
                   size_t block, gn_contact_sums *sums);

@@ -1,6 +1,6 @@
 /* Sections of bonds (Santasusana 2013, 4.5 and 4.6.2). If they fill the body, sum A L = d V, then
- * uniform strain gives the bulk modulus alpha E/d and under a pressure p the stress p in every
- * bond: the virial sum f L = d V p with f = p A. */
+ * uniform strain gives the bulk modulus alpha E/d, and a pressure p on the body gives the stress p
+ * in every bond: with f = p A the virial sum is sum f L = d V p. */
 #include "particles/bond_sections.h"
 
 #include "base/error.h"
@@ -15,7 +15,8 @@
 
 #include <string.h>
 
-/* Stress-free overlaps that were never bonds are in the same list, and fill no part of the body. */
+/* Tells whether a contact has a section: the list also holds stress-free overlaps that were never
+ * bonds and fill no part of the body. */
 static bool is_section(const gn_contacts *bonds, size_t c) {
     return bonds->cause[c] != GN_BOND_NEVER;
 }
@@ -26,7 +27,7 @@ static size_t count_sections(const gn_contacts *bonds) {
     return count;
 }
 
-/* --- Dempack's --- */
+/* --- sections by Dempack --- */
 
 static double dempack_area(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j) {
     const double *pos = dem->particles.pos;
@@ -48,7 +49,8 @@ static double filled_by_dempack(const gn_step_context *ctx, const gn_dem *dem) {
     return sum;
 }
 
-/* Returns 1 without bonds, because there is no body to measure. */
+/* Returns the factor gamma of the sections; 1 without bonds, because there is no body to measure.
+ */
 static double gamma_of(const gn_step_context *ctx, const gn_dem *dem) {
     if (ctx->scene.gamma > 0.0) return ctx->scene.gamma;
     if (!count_sections(&dem->bonds.contacts)) return 1.0;
@@ -60,10 +62,10 @@ static double gamma_of(const gn_step_context *ctx, const gn_dem *dem) {
 
 /* The faces of the cells of all particles. */
 typedef struct faces {
-    int32_t *start, *bond; /* [particles + 1] into [2 bonds]: the bonds of each */
-    double *scale;         /* [particles] of Dempack's sections */
-    double *free;          /* [particles] m2 (2D: m x 1 m) without a bond */
-    uint8_t *open;         /* [particles] */
+    int32_t *start, *bond; /* [particles + 1] into [2 bonds]: the bonds of each particle */
+    double *scale;         /* [particles] factor of Dempack's sections */
+    double *free;          /* [particles] area of faces without a bond, m2 (2D: m x 1 m) */
+    uint8_t *open;         /* [particles] 1: some faces are missing */
     double (*direction)[3];
 } faces;
 
@@ -85,7 +87,7 @@ static gneiss_status list_bonds(const gn_dem *dem, faces *f, gneiss_error *error
     f->free = gn_alloc_array(n + 1, sizeof *f->free);
     f->open = gn_alloc(n + 1);
     bool held = f->start && f->bond && f->scale && f->free && f->open;
-    /* Counts are stored two places ahead, so that filling leaves the starts in their places. */
+    /* Counts are stored two places ahead, so that filling the lists turns them into the starts. */
     for (size_t c = 0; held && c < b->soa.count; c++) {
         if (!is_section(b, c)) continue;
         f->start[b->i[c] + 2]++;
@@ -105,7 +107,7 @@ static gneiss_status list_bonds(const gn_dem *dem, faces *f, gneiss_error *error
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sections of %zu bonds", b->soa.count);
 }
 
-/* Directions to the bonded neighbours of p; returns the sum of Dempack's sections. */
+/* Finds the directions to the bonded neighbours of p; returns the sum of Dempack's sections. */
 static double look_round(const gn_step_context *ctx, const gn_dem *dem, const faces *f, size_t p) {
     const gn_contacts *b = &dem->bonds.contacts;
     double sum = 0.0;
@@ -140,8 +142,8 @@ static gneiss_status find_faces(const gn_step_context *ctx, const gn_dem *dem, f
     return GNEISS_OK;
 }
 
-/* Sets a section to the mean of both ends; if only one end has missing neighbours, to that of the
- * other end. */
+/* Sets a section to the mean of the values at both ends; if only one end has missing neighbours, to
+ * the value at the other end. */
 static void set_polyhedra(const gn_step_context *ctx, gn_dem *dem, const faces *f) {
     gn_contacts *b = &dem->bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {

@@ -11,12 +11,12 @@
  * other laws. */
 gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
-/* Ratio of the volume of the bonds to that of the body. */
+/* Check of the sections: the volume of the bonds over that of the body. */
 typedef struct gn_area_check {
-    double filled; /* sum of sections times lengths over dimension times volume: should be 1 */
-    double free;   /* the same ratio for faces without a bond; with polyhedron */
+    double filled; /* sum of section times length, over dimension times volume; should be 1 */
+    double free;   /* the same ratio for the faces of polyhedra without a bond */
     size_t open;   /* particles with such faces */
-    double dempack_gamma; /* 40 e/n_c, the value of the source for gamma */
+    double dempack_gamma; /* 40 e/n_c, the value that the source gives for gamma */
 } gn_area_check;
 gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem, gn_area_check *check,
                              gneiss_error *error);

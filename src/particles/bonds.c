@@ -33,9 +33,10 @@ static bool bondable(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
            *distance >= sum * (1.0 - ctx->scene.overlap_range);
 }
 
-/* Least length of a bond over the smaller radius. A bond rotates with the line between its centres:
- * if their distance is hardly larger than the deformation at which it breaks (some thousandths of a
- * radius), that line rotates by large angles in a step, and energy is not conserved. */
+/* Least length of a bond over the smaller radius. A bond rotates with the line between its centres.
+ * If their distance is hardly larger than the deformation at which the bond breaks (some
+ * thousandths of a radius), that line rotates by large angles in a step, and energy is not
+ * conserved. */
 static const double bond_least = 0.01;
 
 static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
@@ -52,7 +53,7 @@ static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem,
                    a < b ? a : b, a < b ? b : a, radius, distance);
 }
 
-/* Particles at the same place have no direction of contact, bonded or not. */
+/* Refuses particles at the same position, bonded or not, because their contact has no direction. */
 static gneiss_status check_distinct(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_pair_list *pairs, gneiss_error *error) {
     for (size_t c = 0; c < pairs->count; c++) {
@@ -122,12 +123,13 @@ static void add_overlap(free_overlaps *overlaps, int32_t i, int32_t j, double re
     overlaps->rest[overlaps->pairs.count++] = rest;
 }
 
-/* Overlaps below this share of r_i + r_j are rounding of the places. */
+/* Overlaps below this share of r_i + r_j are due to rounding of positions. */
 static const double overlap_least = 1e-9;
 
-/* Tells whether the overlaps at the start are those of a packing, which bonds take as stress-free.
- * If a later stage forms the bonds, this holds for packings that were made with overlaps. Elements
- * that convert refuse overlaps without a bond (conversion/conversion_setup.c). */
+/* Tells whether overlaps at the start are due to packing and therefore free of stress, as bonds
+ * take them. If a later stage forms the bonds, this holds for packings that were made with
+ * overlaps. Elements that convert refuse overlaps without a bond (conversion/conversion_setup.c).
+ */
 static bool overlaps_are_free(const gn_step_context *ctx) {
     const gn_scene *s = &ctx->scene;
     const bool made = s->specimen.pack.overlap == GN_OVERLAP_PASSIVE || gn_scene_from_packing(s);
@@ -136,8 +138,8 @@ static bool overlaps_are_free(const gn_step_context *ctx) {
            (s->bonds == GN_SWITCH_ON || made);
 }
 
-/* Finds the pairs that overlap and will have no bond: of other groups, of none, or by more than
- * bonds.overlap_range. */
+/* Finds the pairs that overlap and will have no bond because they are of different groups, of none,
+ * or overlap by more than bonds.overlap_range. */
 static gneiss_status find_overlaps(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_pair_list *pairs, free_overlaps *overlaps,
                                    gneiss_error *error) {
@@ -167,8 +169,8 @@ static int by_ends(const void *a, const void *b) {
     return (x->j > y->j) - (x->j < y->j);
 }
 
-/* Takes over the bonds of another run in the order of this one: pairs, and in from->rest_length
- * their data. Those that are broken keep their stress-free distance. */
+/* Takes over the bonds of another run in the particle order of this one: the pairs, and their data
+ * in from->rest_length. Broken bonds keep their stress-free distance. */
 static gneiss_status take_bonds(const gn_step_context *ctx, const gn_dem *dem, gn_from_run *from,
                                 gn_pair_list *pairs, free_overlaps *loose, gneiss_error *error) {
     GN_TRY(gn_from_run_read(&ctx->scene, from, error));
@@ -212,7 +214,8 @@ static gn_pair_query bond_query(const gn_step_context *ctx, const gn_dem *dem) {
                            ctx->threads};
 }
 
-/* Fracture energies of planes refer to the present bonds; those of earlier bonds do not change. */
+/* Distributes fracture energies of planes over the new bonds; those of earlier bonds do not change.
+ */
 static void share_out_energies(const gn_step_context *ctx, gn_dem *dem) {
     if (ctx->scene.fracture_energy_of == GN_FRACTURE_BODY) dem->derived.cut = gn_law_cut(ctx, dem);
 }
@@ -222,7 +225,7 @@ static bool has_pair(const gn_contacts *list, int32_t i, int32_t j) {
     return at < list->soa.count && list->i[at] == i && list->j[at] == j;
 }
 
-/* Pairs that the list has already, as overlaps that are free of stress. */
+/* Returns the number of pairs that the list has already, as stress-free overlaps. */
 static size_t count_known(const gn_contacts *list, const gn_pair_list *pairs) {
     size_t known = 0;
     for (size_t k = 0; k < pairs->count; k++)
@@ -331,7 +334,7 @@ static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem, gneiss_
 
 /* --- in a later stage --- */
 
-/* m: increase of the distance of the ends in the last step. */
+/* Returns the increase of the distance of the ends in the last step, m. */
 static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                         int32_t i, int32_t j, const double d[3], double length) {
     const double *a = dem->particles.vel + 4 * (int64_t)i, *b = dem->particles.vel + 4 * (int64_t)j;
@@ -341,8 +344,8 @@ static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return length - sqrt(gn_dot3(before, before));
 }
 
-/* Returns the work, J, of a tangential force on the first particle in the last step, n from it to
- * the second. */
+/* Returns the work, J, that the tangential force on particle i did in the last step; n points from
+ * i to j. */
 static double last_slide(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
                          const double n[3], double gap, const double force[3]) {
     const gn_particles *q = &dem->particles;
@@ -359,11 +362,11 @@ static double last_slide(const gn_step_context *ctx, const gn_dem *dem, int32_t 
 }
 
 /* Returns the energy, J, of the contacts of a list at the present positions, less the work of the
- * normal force over half of the last path: the first half was booked with the force of that
- * instant, the second will be booked with the force found next. The energy of a change of the law
- * is then k u u', with the stretch before and after the path, for any step. Tangential forces still
- * are those before the path, half of whose work is not booked yet. A pair that has become a bond
- * remains in the list of pairs until the lists are made. */
+ * normal force over half of the last path: its first half was booked with the force of that
+ * instant, its second half will be booked with the force that is computed next. A change of the law
+ * then changes the energy by k u u' with the stretches u, u' before and after the path, for any
+ * step. Tangential forces are still those before the path, and half of their work is not booked
+ * yet. A pair that has become a bond remains in the list of pairs until the lists are made. */
 static double stored_in(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                         const gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
@@ -387,10 +390,10 @@ static double stored_in(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return sum;
 }
 
-/* Compares the velocity that the stored energy could give to all particles together with the
- * rounding of positions and the last overlaps of a fitted packing: it matters if they would move by
- * more than this fraction of the smallest radius in the longest stable step. In that step a wave
- * crosses about that radius, so that the fraction is a strain. */
+/* Tells whether the stored energy exceeds rounding and the residual overlaps of a fitted packing:
+ * it does if the velocity that it could give to all particles together moves them by more than this
+ * fraction of the smallest radius in the longest stable step. A wave crosses about one radius in
+ * that step, so that the fraction is a strain. */
 bool gn_stored_matters(const gn_step_context *ctx, const gn_dem *dem, double stored) {
     const double strain = 1e-5, speed = sqrt(2.0 * fmax(0.0, stored) / dem->mass);
     return isfinite(ctx->stable) && speed * ctx->stable > strain * dem->radius_min;
@@ -404,8 +407,8 @@ double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
     return sum;
 }
 
-/* Limits the tangential force of a dissolved bond to friction, which is zero where it is not
- * pressed; the excess is released with the bond and does no frictional work. */
+/* Limits the tangential force of a dissolved bond to friction, which is zero in tension. The energy
+ * of the excess is released with the bond and does no frictional work. */
 static void leave_to_friction(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *contacts,
                               size_t c) {
     const double *x = dem->particles.pos + 4 * (int64_t)contacts->i[c],
@@ -457,8 +460,8 @@ static void drop_known(const gn_dem *dem, gn_pair_list *pairs) {
     pairs->count = kept;
 }
 
-/* A bond at the distance where its contact has no force starts without a tangential force;
- * otherwise it takes over that of the contact. */
+/* Sets the tangential force of a new bond: zero if its stress-free distance is the present one,
+ * else that of the contact which it replaces. */
 static void take_shear(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds,
                        size_t c) {
     const gn_contacts *pairs = &dem->pairs.contacts;

@@ -10,7 +10,8 @@
 /* Returns the energy of the springs of all contacts between particles, J. */
 double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_periodic_box *box);
-/* Tells whether that energy exceeds rounding, so that particles at rest would start to move. */
+/* Tells whether the stored energy `stored`, J, exceeds rounding, so that particles at rest would
+ * start to move. */
 bool gn_stored_matters(const gn_step_context *ctx, const gn_dem *dem, double stored);
 /* gn_bonds_add forms bonds between the pairs at their present positions in addition to the present
  * bonds; gn_bonds_dissolve turns all intact bonds into unbonded contacts. The lists must be rebuilt

@@ -1,5 +1,6 @@
-/* Breaks are visited in the order of time; earlier ones that are near enough in time are linked in
- * a grid of cells, the latest of a cell first, so that few are visited however many there are. */
+/* Groups breaks of bonds into bursts. Breaks are visited in the order of time. Earlier breaks that
+ * are close enough in time are linked within each cell of a grid, the latest first, so that few are
+ * visited however many there are. */
 #include "particles/bursts.h"
 
 #include "base/error.h"
@@ -13,10 +14,10 @@
 #include <math.h>
 #include <string.h>
 
-/* --- how far and how long --- */
+/* --- length and duration of a burst --- */
 
-/* Computes means over the bonds: of the diameters, and of the time per length of a wave in a chain
- * of equal masses m and springs k of length L, sqrt(m/k)/L. */
+/* Computes two means over the bonds: the diameter, and the time per length of a wave in a chain of
+ * equal masses m and springs k of length L, sqrt(m/k)/L. */
 static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *bursts) {
     const gn_contacts *list = &dem->bonds.contacts;
     const double *pos = dem->particles.pos, *vel = dem->particles.vel;
@@ -42,12 +43,11 @@ typedef struct grid {
     const gn_dem *dem;
     const gn_event *events;
     const gn_bursts *bursts;
-    int32_t *parent,
-        *before;     /* [events] the first event of the burst; the previous event in the cell */
-    int32_t *latest; /* [mask + 1] */
+    int32_t *parent, *before; /* [events] first event of the burst; previous event in the cell */
+    int32_t *latest;          /* [mask + 1] latest event of a cell */
     size_t mask;
     double size[3];  /* m, of a cell */
-    int64_t most[3]; /* cells round a periodic box; 0: any number */
+    int64_t most[3]; /* number of cells along a periodic side; 0: not limited */
 } grid;
 
 static void cell_of(const grid *g, const double place[3], int64_t cell[3]) {
@@ -71,7 +71,7 @@ static void look_into(const grid *g, const int64_t cell[3], int32_t k) {
         const gn_event *of = &g->events[m];
         double d[3];
         if (e->time - of->time > g->bursts->window)
-            return; /* all earlier ones are outside of the window too */
+            return; /* all earlier ones are outside of the time window too */
         if (gn_branch(g->ctx, of->place, e->place, d) <= g->bursts->reach * g->bursts->reach)
             gn_set_unite(g->parent, m, k);
     }

@@ -34,7 +34,8 @@ gneiss_status gn_bursts_find(const gn_step_context *ctx, const gn_dem *dem, gn_b
                              gneiss_error *error);
 void gn_bursts_free(gn_bursts *bursts);
 
-/* log10 of the energy in J over 1.5, less 3.2 (Scholz 2003); NaN without any. */
+/* Returns the magnitude of a burst, (log10 of its energy in J)/1.5 - 3.2 (Scholz 2003); NaN without
+ * an energy. */
 double gn_burst_magnitude(const gn_burst *burst);
 
 #endif

@@ -44,7 +44,7 @@ typedef struct gn_list_kind {
     /* Its contacts stay in the list when the neighbour lists are rebuilt; otherwise the list is
      * rebuilt with them. */
     bool persistent;
-    bool of_materials; /* its parameters follow from the materials of both ends by the law */
+    bool of_materials; /* its parameters follow from the materials of both ends and the law */
     /* Tells whether a scene has the list; NULL: all scenes. Elsewhere it stays empty. */
     bool (*used)(const gn_scene *scene);
     /* Returns the effects of the list, which select its law and its kernel. */

@@ -56,6 +56,7 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
     if (ctx->effects & GN_FX_HERTZ) dem->driven = gn_alloc_array(drives + 1, sizeof(double));
     if (ctx->effects & GN_FX_HERTZ && !dem->driven)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu motions", drives);
+    const gn_particle_columns *own = &ctx->scene.specimen.packed_columns;
     if (packing->count) { /* all particles may come from sources */
         memcpy(q->pos, packing->sphere, packing->count * 4 * sizeof(double));
         memcpy(q->start, packing->sphere, packing->count * 4 * sizeof(double));
@@ -65,9 +66,14 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
     for (size_t p = 0; p < packing->count; p++) {
         dem->radius_min = fmin(dem->radius_min, packing->sphere[4 * p + 3]);
         q->id[p] = (int32_t)p;
-        q->vel[4 * p + 3] = 1.0; /* placeholder; masses are set when materials are known */
-        q->material[p] = material < 0 ? 0 : material;
-        q->group[p] = (int32_t)ctx->scene.specimen.group;
+        /* The place of 1/m holds a density until materials are known; inf: that of the material. */
+        q->vel[4 * p + 3] = own->density ? own->density[p] : INFINITY;
+        for (size_t a = 0; own->motion && a < 3; a++) {
+            q->vel[4 * p + a] = own->motion[6 * p + a];
+            if (q->spin) q->spin[4 * p + a] = own->motion[6 * p + 3 + a];
+        }
+        q->material[p] = own->material ? own->material[p] : material < 0 ? 0 : material;
+        q->group[p] = own->group ? own->group[p] : (int32_t)ctx->scene.specimen.group;
         if (q->slot) q->slot[p] = -1;
         if (q->orientation) q->orientation[4 * p] = 1.0;
         if (q->own_share) q->own_share[p] = 1.0;
@@ -88,15 +94,20 @@ static void set_masses(const gn_step_context *ctx, gn_dem *dem) {
     double factor = bulk_factor(ctx, dem);
     for (size_t p = 0; p < q->soa.count; p++) {
         double r = q->pos[4 * p + 3];
-        double mass = ctx->scene.materials[q->material[p]].density * factor *
-                      gn_ball_volume((int)ctx->scene.dimension, r);
+        double own = q->vel[4 * p + 3];
+        double density =
+            isfinite(own) ? own : ctx->scene.materials[q->material[p]].density * factor;
+        double mass = density * gn_ball_volume((int)ctx->scene.dimension, r);
         q->vel[4 * p + 3] = 1.0 / mass;
         if (q->spin)
             q->spin[4 * p + 3] = 1.0 / ((ctx->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
-        for (int a = 0; a < (int)ctx->scene.dimension; a++)
-            q->vel[4 * p + a] =
+        for (int a = 0; a < (int)ctx->scene.dimension; a++) {
+            double *v = &q->vel[4 * p + a];
+            double random =
                 ctx->scene.random_velocity *
                 gn_random_symmetric(ctx->scene.seed ^ UINT64_C(0x76656c), 3 * p + (size_t)a);
+            *v = *v != 0.0 ? *v + random : random;
+        }
     }
 }
 
@@ -115,8 +126,8 @@ static gneiss_status take_velocities(const gn_step_context *ctx, gn_dem *dem, gn
     return GNEISS_OK;
 }
 
-/* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
- * visited. */
+/* Returns a skin that is wide enough for a quasi-static specimen never to rebuild its lists, and
+ * narrow enough for few listed pairs to be apart. */
 static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     double sum = 0.0;
     if (!dem->particles.soa.count) return 0.15 * gn_flow_mean_radius(ctx);
@@ -124,7 +135,8 @@ static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.15 * sum / (double)dem->particles.soa.count;
 }
 
-/* A particle must not touch two images of another one: pairs are searched within a reach. */
+/* Refuses a box so narrow that a particle could touch two images of another one; pairs are searched
+ * within a reach. */
 static gneiss_status check_period(const gn_step_context *ctx, const gn_dem *dem,
                                   gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -170,7 +182,8 @@ gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneis
 
 gneiss_status gn_dem_take_effects(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     GN_TRY(gn_motion_kernel_choose(ctx->kernels, ctx->effects, &dem->motion_kernel, error));
-    /* Effects that differ between stages have no storage; files state the present ones. */
+    /* Effects that differ between stages have no storage; output names those of the present stage.
+     */
     dem->particles.soa.effects = ctx->effects;
     gn_lists_set_effects(ctx, dem);
     if (dem->dormant) dem->prepared.soa.effects = dem->bonds.contacts.soa.effects;

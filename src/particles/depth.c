@@ -11,7 +11,7 @@ static double radius(const gn_dem *dem, size_t p) {
     return dem->particles.pos[4 * p + 3];
 }
 
-/* Tells whether a particle sits in a pore: as many bonded ones as can hold it are closer than its
+/* Tells whether a particle sits in a pore: enough bonded particles to hold it are closer than its
  * radius. */
 static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
@@ -26,9 +26,10 @@ static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     return near >= needed;
 }
 
-/* A particle without a bond at the start is loose, unless most of its cohesive group is bonded and
- * it sits in a pore: a particle of a specimen that just missed its bonds belongs to it. (Pores are
- * searched pair by pair; above MANY pairs all such particles count as part of the specimen.) */
+/* Marks loose particles. A particle without a bond at the start is loose, unless it sits in a pore
+ * of a cohesive group most of whose particles are bonded: it then belongs to the specimen and just
+ * missed its bonds. (Pores are searched pair by pair; above MANY pairs all such particles count as
+ * part of the specimen.) */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const double MANY = 1e9;
     const gn_particles *q = &dem->particles;
@@ -57,10 +58,10 @@ gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
     return GNEISS_OK;
 }
 
-/* Overlap over radius beyond which Hertz's theory and any spring between hardly touching particles
- * are misleading, for particles that were not bonded at the start. In bonded specimens larger
- * overlaps at platens and among debris do not affect the readings; beyond this value a particle is
- * passing through. */
+/* Overlap over radius beyond which Hertz's theory, like any law for contacts that are small
+ * relative to the particles, is misleading; for particles that were not bonded at the start. In
+ * bonded specimens larger overlaps at platens and among debris do not affect the readings; beyond
+ * the second value a particle is passing through. */
 #define GN_DEPTH_LOOSE  0.1
 #define GN_DEPTH_BONDED 0.5
 

@@ -18,13 +18,14 @@ static inline gn_dormant_particle *gn_dormant_of(const gn_dem *dem, size_t p) {
 static inline bool gn_is_dormant(const gn_dem *dem, size_t p) {
     return dem->dormant && gn_dormant_of(dem, p)->inverse_mass > 0.0;
 }
-/* Tells whether elements convert and have the whole weight at both particles. */
+/* Tells whether a pair carries no force because elements that convert have the whole weight at both
+ * particles. */
 static inline bool gn_is_hidden_pair(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
                                      int32_t j) {
     const double *part = dem->particles.blend;
     return gn_converts(ctx) && !(part[2 * (size_t)i] + part[2 * (size_t)j] > 0.0);
 }
-/* Returns the element that contains a particle at the start, by its place in the mesh. */
+/* Returns the element that contains a particle at the start, as its index in the mesh. */
 static inline size_t gn_dormant_element(const gn_dem *dem, size_t p) {
     return (size_t)gn_dormant_of(dem, p)->element;
 }

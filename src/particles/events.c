@@ -1,4 +1,4 @@
-/* Kernels mark what happens to a bond (columns happened, released); here the marks of a step become
+/* Kernels mark the events of bonds (columns happened, released). Here the marks of a step become
  * rows of the list. Only blocks whose sums report an event are visited. */
 #include "particles/events.h"
 

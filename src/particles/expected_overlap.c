@@ -6,15 +6,14 @@
 
 #include <math.h>
 
-/* Energy per mass, J/kg, that gravity and applied forces add until the next lists. */
+/* Returns the energy per mass, J/kg, that gravity and applied forces add until the next lists. */
 static double fall(const gn_step_context *ctx, const gn_dem *dem) {
     const double *g = ctx->scene.gravity;
     double pull = ctx->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
     return (pull + ctx->choice.push) * dem->verlet.skin;
 }
 
-/* Returns over `radius` the overlap at which a contact of stiffness kn sqrt(overlap) stores the
- * kinetic energy of a collision at a speed of square `speed2`. That energy is 4/15 kn u^(5/2). */
+/* The energy of the contact is 4/15 kn u^(5/2). */
 double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
                            double inverse_mass, double speed2, double radius, double known) {
     if (!(inverse_mass > 0.0)) return known;

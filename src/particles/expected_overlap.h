@@ -15,12 +15,12 @@
 double gn_pair_radius(const gn_particles *particles, size_t i, size_t j);
 /* Returns the square of the relative velocity of two rows, m2/s2. */
 double gn_relative_speed2(const double *a, const double *b);
-/* Returns the overlap over `radius` at which a contact of stiffness kn sqrt(overlap) holds the
- * energy of a collision at the square `speed2` of a speed; `known` where that is larger. */
+/* Returns the overlap, over `radius`, at which a contact of stiffness kn sqrt(overlap) stores the
+ * energy of a collision whose squared speed is `speed2`; at least `known`. */
 double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
                            double inverse_mass, double speed2, double radius, double known);
-/* Returns the expected overlap of contacts with Hertz's law, m: of two particles whose stiffness is
- * kn sqrt(overlap), and of one with walls and surfaces. */
+/* Return the expected overlap of contacts with Hertz's law, m: of two particles whose stiffness is
+ * kn sqrt(overlap), and of a particle with walls and surfaces. */
 double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
                           double kn);
 double gn_pressed_touch(const gn_dem *dem, size_t particle);

@@ -13,12 +13,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Doubles only: checkpoints store them as they are. */
+/* All members are doubles, so that checkpoints store them directly. */
 typedef struct gn_source_state {
     double number, mass;  /* number of particles that entered; their mass, kg */
     double momentum[3];   /* N s */
     double energy;        /* J */
-    double sizes, places; /* random numbers used for radii, and for places */
+    double sizes, places; /* count of random numbers drawn for radii, and for places */
     double radius;        /* m, of the next particle, which waits for room; 0: not drawn yet */
     double full;          /* number of checks at which there was no room for a particle */
 } gn_source_state;
@@ -26,7 +26,7 @@ typedef struct gn_sink_state {
     double number, mass;       /* number of particles that left; their mass, kg */
     double momentum[3];        /* N s */
     double energy;             /* J, kinetic */
-    double row_mass, row_time; /* values at the last row of the history: no state */
+    double row_mass, row_time; /* values at the last row of the history; not part of the state */
 } gn_sink_state;
 
 /* A particle that left the domain. */
@@ -37,7 +37,7 @@ typedef struct gn_lost {
 typedef struct gn_flow {
     gn_source_state *sources; /* [scene.source_count] */
     gn_sink_state *sinks;     /* [scene.sink_count] */
-    gn_domain **region;       /* [sources + sinks] relative to the origin; NULL: a plane */
+    gn_domain **region;       /* [sources + sinks] regions, relative to the origin; NULL: a plane */
     size_t regions;
     double *unit; /* m [sources]: unit of the drawn sizes */
     gn_lost *lost;
@@ -57,14 +57,15 @@ gneiss_status gn_flow_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_er
 gneiss_status gn_flow_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_flow_free(gn_flow *flow);
 
-/* Return the smallest (largest) radius that a source may bring, m; INFINITY (0) without sources. */
+/* Return the smallest (largest) radius that a source may create, m; INFINITY (0) without sources.
+ */
 double gn_flow_least_radius(const gn_step_context *ctx, const gn_dem *dem);
 double gn_flow_largest_radius(const gn_step_context *ctx, const gn_dem *dem);
-/* m: the largest radius of present particles and of those that a source may bring. */
+/* Returns the largest radius of present particles and of those that a source may create, m. */
 double gn_flow_widest_radius(const gn_step_context *ctx, const gn_dem *dem);
-/* gn_flow_listed stores it for sinks when lists have been made; gn_flow_mean_radius returns the
- * mean radius over sources, gn_flow_bounds the box around all sources, which is empty if there are
- * none. */
+/* gn_flow_listed stores the largest radius for sinks when lists have been made; gn_flow_mean_radius
+ * returns the mean radius over sources; gn_flow_bounds returns the box around all sources, which is
+ * empty if there are none. */
 void gn_flow_listed(const gn_step_context *ctx, gn_dem *dem);
 double gn_flow_mean_radius(const gn_step_context *ctx);
 void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[3],
@@ -72,7 +73,8 @@ void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[
 
 /* Tells whether a particle is inside the region of a sink. */
 bool gn_sink_has(const gn_step_context *ctx, const gn_dem *dem, size_t sink, const double x[4]);
-/* Counts particles that cross planes which do not remove: since the lists were made. */
+/* Counts the particles that have crossed sinks since the lists were made, for sinks that do not
+ * remove particles. */
 void gn_flow_count(const gn_step_context *ctx, gn_dem *dem);
 gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t particle,
                                 gneiss_error *error);

@@ -122,7 +122,7 @@ gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem) {
     return measure(ctx, dem, q->parent, q->volume, q->members);
 }
 
-/* --- the anchored rest --- */
+/* --- anchored fragments --- */
 
 static bool is_anchor(const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
@@ -151,7 +151,7 @@ double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem) {
     return dormant + (anchored ? sum : largest);
 }
 
-/* --- as a list --- */
+/* --- list of fragments --- */
 
 static bool is_there(const gn_dem *dem, size_t p) {
     return gn_particle_is_active(&dem->particles, p) && !gn_is_dormant(dem, p);
@@ -189,9 +189,9 @@ static int by_volume(const void *a, const void *b) {
     return (x->first > y->first) - (x->first < y->first);
 }
 
-/* Sums fragments in the order of their smallest ids, and particles in the order of ids, so that the
- * sums do not depend on the sorting of particles. *place: index of each fragment by its first
- * particle's id. */
+/* Sums over the particles of each fragment in the order of ids, with fragments in the order of
+ * their smallest ids, so that sums do not depend on the sorting of particles. *place: index of each
+ * fragment by its first particle's id. */
 static void sum_pieces(const gn_step_context *ctx, const gn_dem *dem, gn_fragment_list *list,
                        int32_t *piece) {
     const gn_dem *d = dem;

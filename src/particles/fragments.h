@@ -11,26 +11,26 @@
 
 typedef struct gn_fragments {
     double count;   /* number of fragments of two or more particles; NaN: no bonds */
-    double largest; /* share of the particles' volume that the largest has */
+    double largest; /* share of the particles' volume in the largest fragment */
 } gn_fragments;
 /* Allocates the scratch of the functions below. To be called when the number of particles is known.
  * */
 gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem);
 
-/* Volume of the particles, m3 (2D: m2 x 1 m), in fragments that are anchored: a particle of theirs
- * has a prescribed velocity, or elements have a share of it. If there is none, that of the largest
- * fragment. Dormant particles count as anchored. 0: no bonds. */
+/* Returns the volume of the particles, m3 (2D: m2 x 1 m), in anchored fragments. A fragment is
+ * anchored if one of its particles has a prescribed velocity, shares its material with elements, or
+ * is dormant. If none is anchored, returns the volume of the largest fragment. 0: no bonds. */
 double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem);
 
 /* A fragment, one particle or more. */
 typedef struct gn_fragment {
     double volume;      /* m3, in 2D m2 x 1 m, of its particles */
     double mass;        /* kg, without mass added for a longer step */
-    double centre[3];   /* m, centre of mass in the user's coordinates; in periodic boxes of the
-                           images next to its first particle */
+    double centre[3];   /* m, centre of mass in the user's coordinates; in a periodic box, of the
+                           images nearest to its first particle */
     double velocity[3]; /* m/s, velocity of the centre, half a step before the instant */
-    int32_t particles, first; /* the smallest of their ids */
+    int32_t particles, first; /* number of particles; the smallest of their ids */
 } gn_fragment;
 
 typedef struct gn_fragment_list {
@@ -55,9 +55,9 @@ bool gn_dem_has_loosened(const gn_dem *dem);
 /* A body with fewer particles than the largest one over this number counts as detached from it. */
 enum { GN_CHIP = 10 };
 
-/* Finds bodies for the membrane: group[p] is a representative of the body of p; bodies with less
- * than 1/chip of the particles of the largest body belong to it. Returns the number of bodies; 1
- * without bonds, and before bonds are formed. `group` [particles]. */
+/* Finds bodies for the membrane: group[p] is a representative of the body of p. Bodies with less
+ * than 1/chip of the particles of the largest body count as part of it. Returns the number of
+ * bodies; 1 without bonds, and before bonds are formed. `group` [particles]. */
 size_t gn_dem_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
                           int32_t *group);
 

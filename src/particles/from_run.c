@@ -27,7 +27,8 @@ static gneiss_status no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the particles of another run");
 }
 
-/* Reads rows of a data set into columns [first, first + components) of `out` [count][width]. */
+/* Reads a data set into the columns from `first` to `first + components` of the rows of `out`
+ * [count][width]. */
 static gneiss_status take(source *s, const char *name, size_t components, double *out, size_t width,
                           size_t first, gneiss_error *error) {
     GN_TRY(gn_h5_get(s->file, name, GN_F64, s->all, components, 0, s->vector, error));
@@ -78,7 +79,7 @@ static gneiss_status take_motion(source *s, gn_from_run *from, gneiss_error *err
     return take(s, "particles/spin", 3, from->motion, 6, 3, error);
 }
 
-/* Intact bonds, including those that have softened or yielded. */
+/* Tells whether a bond is intact; bonds that have softened or yielded are. */
 static bool holds(int32_t state) {
     return state == 0 || state == 4 || state == 5;
 }
@@ -138,9 +139,8 @@ static gneiss_status check_dimension(const gn_scene *scene, const source *s, con
                    (int)scene->dimension, (int)dimension);
 }
 
-/* A particle whose size differs from all others by orders of magnitude is no part of a specimen:
- * every step would be as short as the smallest requires, and lists as long as the largest reaches.
- * */
+/* Refuses a particle whose size differs from all others by orders of magnitude: steps would be as
+ * short as the smallest particle requires, and lists as long as the largest one. */
 static gneiss_status check_sizes(const gn_from_run *from, gneiss_error *error) {
     const double apart = 1e4;
     double *radius = gn_alloc_array(from->count + 1, sizeof *radius);
@@ -176,7 +176,7 @@ static gneiss_status take_spheres(source *s, gn_from_run *from, gneiss_error *er
     return check_sizes(from, error);
 }
 
-/* A packing holds all of its particles, at rest. */
+/* Reads a packing, which holds all of its particles, at rest. */
 static gneiss_status read_packing(const gn_scene *scene, source *s, gn_from_run *from,
                                   gneiss_error *error) {
     if (scene->specimen.from_bonds)

@@ -16,7 +16,7 @@ typedef struct gn_from_run {
     size_t bonds;        /* bonds, and overlaps that are free of stress; 0 unless requested */
     int32_t (*bond)[2];  /* [bonds] by place in `sphere` */
     double *rest_length; /* [bonds] m, stress-free distance */
-    uint8_t *holds;      /* [bonds] 0: broken, dissolved or never a bond */
+    uint8_t *holds;      /* [bonds] 1: intact; 0: broken, dissolved or never a bond */
     double volume;       /* m3 (2D: m2) of the packed body; 0 for a run */
 } gn_from_run;
 

@@ -69,8 +69,8 @@ double gn_inverse_mass_along(const gn_dem *dem, size_t p, const double n[3]) {
     return slot < 0 ? inverse : gn_free_share(dem->prescribed.mask[slot], n) * inverse;
 }
 
-/* Returns the inverse mass of a particle; one whose mass is shared with elements counts with its
- * whole mass, because its contacts are weighted as a whole. */
+/* Returns the inverse mass of a particle. If elements share its mass, its whole mass counts,
+ * because its contacts are weighted as a whole. */
 static double own_inverse_along(const gn_dem *dem, size_t p, const double n[3]) {
     const double *blend = dem->particles.blend;
     return gn_inverse_mass_along(dem, p, n) * (blend ? blend[2 * p + 1] : 1.0);
@@ -120,8 +120,9 @@ static gn_law_pair pair_of_contact(const gn_step_context *ctx, const gn_dem *dem
     return pair;
 }
 
-/* Returns the weight of contacts where elements occupy the same space: the mean of both ends. A
- * bond between two particles of weight zero keeps a tiny weight, so that it remains a bond. */
+/* Returns the weight of a contact where elements occupy the same space: the mean of the weights of
+ * both ends. A bond between two particles of weight zero keeps a tiny weight, so that it remains a
+ * bond. */
 static double part_of(const gn_dem *dem, const gn_contacts *list, size_t c) {
     const double *blend = dem->particles.blend;
     if (!blend) return 1.0;
@@ -137,7 +138,7 @@ void gn_contact_set(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *
     if (part != 1.0) law->weigh(list, c, part);
 }
 
-/* Without a given area, laws by area use that of an unbonded pair. */
+/* Returns the given area of a contact; without one, laws by area use that of an unbonded pair. */
 static double area_of(const gn_step_context *ctx, const gn_dem *dem, const gn_law *law,
                       const gn_law_pair *pair, double overlap) {
     gn_law_model model = model_of(ctx, dem);
@@ -158,8 +159,8 @@ double gn_touch_area(const gn_step_context *ctx, const gn_dem *dem, size_t parti
     return area_of(ctx, dem, law, &pair, overlap);
 }
 
-/* Planes across e cut the bond area sum A L |n.e|/V of each of their own; the mean of |n.e| over
- * all e is 1/2, in 2D 2/pi. */
+/* A plane with normal e cuts the area sum A L |n.e|/V of bonds per area of the plane; the mean of
+ * |n.e| over all directions is 1/2, in 2D 2/pi. */
 double gn_law_cut(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_contacts *b = &dem->bonds.contacts;
     gn_law_model model = model_of(ctx, dem);
@@ -183,8 +184,8 @@ void gn_contacts_set_dashpots(const gn_step_context *ctx, const gn_dem *dem, gn_
     }
 }
 
-/* Damage stays: it also reduces the strengths of a bond, and a broken one has a negative strength.
- * */
+/* Takes new parameters except damage, which also reduces the strengths of a bond; those of a broken
+ * bond are negative. */
 static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->mu) list->mu[c] = now->mu[c];
     if (list->rolling) list->rolling[c] = now->rolling[c];
@@ -192,7 +193,7 @@ static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->cause && !(list->kn[c] > 0.0)) return; /* released with a removed particle */
     list->kn[c] = now->kn[c];
     if (list->kt) list->kt[c] = now->kt[c];
-    if (list->kappa) { /* strengths are those remaining after damage, of the former materials */
+    if (list->kappa) { /* strengths are those of the former materials, reduced by damage */
         double kappa = list->kappa[c], last = list->mu ? list->mu[c] : 0.0;
         list->mu1[c] = (1.0 - kappa) * now->mu1[c] + kappa * last;
         return;

@@ -43,14 +43,14 @@ size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j) {
     return low;
 }
 
-/* Tells whether the list has (i, j), advancing from *at: both lists are sorted. */
+/* Tells whether the list contains (i, j). *at advances; both lists are sorted. */
 static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
     while (*at < list->soa.count && comes_before(list, *at, i, j)) (*at)++;
     return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
 }
 
-/* Leaves out pairs with a bond and, where elements convert, pairs of two dormant particles, whose
- * bonds are stored: their overlap is no contact. */
+/* Removes pairs with a bond and, where elements convert, pairs of two dormant particles: their
+ * bonds are stored, and their overlap is no contact. */
 static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs) {
     if (!dem->bonds.contacts.soa.count) return;
     size_t kept = 0, at = 0;
@@ -65,12 +65,12 @@ static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_l
 
 enum { PART = 512 };
 
-/* Fills up to PART pairs. Parameters depend on the two particles alone: a pair that was in the old
- * list keeps them, and its history. */
+/* Fills up to PART pairs. Parameters depend on the two particles alone, so that a pair of the old
+ * list keeps them together with its history. */
 static void fill_part(const gn_step_context *ctx, const gn_dem *dem, const gn_pair_list *found,
                       gn_contacts *now, size_t begin, size_t end, size_t *at) {
     int32_t from[PART], *first = now->i, *second = now->j;
-    size_t place = *at; /* kept in a register, as the ends are */
+    size_t place = *at; /* local copies stay in registers, those of the ends as well */
     for (size_t c = begin; c < end; c++) {
         int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
         bool known = walk_to(&dem->pairs.contacts, &place, i, j);
@@ -153,7 +153,7 @@ gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn
     return status;
 }
 
-/* Gives contacts, which are sorted by their new keys, these keys, and mirrors those whose ends
+/* Writes the new ends of contacts, which are sorted by their keys, and mirrors contacts whose ends
  * exchanged places; `swapped` [count] is scratch. */
 static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swapped) {
     size_t turned = 0;
@@ -202,7 +202,7 @@ void gn_dem_number_ids(gn_dem *dem) {
         dem->index_of_id[dem->particles.id[p]] = (int32_t)p;
 }
 
-/* All ones if all contacts share the first one's value. */
+/* Returns all bits set if all contacts share the first one's value, else 0. */
 static size_t uniform(const double *column, size_t count) {
     if (!column) return 0;
     for (size_t c = 1; c < count; c++)

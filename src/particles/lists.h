@@ -22,8 +22,9 @@ gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss
  * them up. */
 void gn_dem_sum_masses(gn_dem *dem);
 void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem);
-/* Contacts whose particles have new indices: i, j and the contact's former place. Sorts the keys
- * and writes the items of *list in their order to *now; *list is freed (lists.c). */
+/* Key of a contact whose particles have new indices: these indices and its former place in the
+ * list. gn_sort_renamed sorts the keys and writes the items of *list in their order to *now; *list
+ * is freed (lists.c). */
 typedef struct gn_renamed {
     int32_t i, j, place;
     bool swapped;

@@ -24,7 +24,7 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
     gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &dem->particles);
-    /* The pressure needs all bonds; for a part of them that of the last step is used. */
+    /* The pressure depends on all bonds; for a subset that of the last step is used. */
     if (list == &dem->bonds.contacts) gn_dem_confine(ctx, dem, copy);
     gn_contact_list alone = {.contacts = *copy};
     gn_contact_args args = gn_dem_contact_args(ctx, dem, box, &alone, false);
@@ -82,7 +82,7 @@ double gn_dem_mean_radius(const gn_dem *dem) {
 double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
     double solid = 0.0;
     if (ctx->scene.has_specimen && !ctx->scene.specimen_given && !(ctx->effects & GN_FX_PERIODIC))
-        return 0.0; /* grains of sources have only their own volume */
+        return 0.0; /* no volume is known besides that of the grains */
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
     return 1.0 - solid / ctx->volume;

@@ -43,14 +43,14 @@ typedef struct gn_dem_sums {
     gn_contact_sums contacts;            /* sums of all lists */
     gn_contact_sums walls;               /* sums of contacts with walls and facets */
     gn_motion_sums motion;
-    double step_change[2]; /* J, halves */
+    double step_change[2]; /* J, energy added by the change of the step, by half */
 } gn_dem_sums;
 
-/* Masses that are raised for a longer step, when the lists were made. */
+/* Masses raised for a longer step, as of the last construction of the lists. */
 typedef struct gn_raised_masses {
     double added;   /* kg */
-    double largest; /* the largest ratio of mass to own mass */
-    int64_t count;  /* particles */
+    double largest; /* the largest ratio of a raised mass to the particle's own */
+    int64_t count;  /* number of particles with raised masses */
 } gn_raised_masses;
 
 /* A particle of a body that converts (conversion.h). */
@@ -69,13 +69,14 @@ typedef struct gn_pieces {
 /* The contact of a particle with the largest relative overlap so far, in doubles, as checkpoints
  * store it. */
 typedef struct gn_depth {
-    double excess;  /* overlap over the smaller radius, divided by the ratio that is too large */
+    double excess;  /* overlap over the smaller radius, divided by the ratio from which it is too
+                       large */
     double share;   /* overlap over the smaller radius; 0: none */
     double overlap; /* m */
     double time;    /* s, time at which it was found */
     double first, second; /* id of the particle; id of the other one, or -1 - index of a wall;
                              surfaces follow the walls */
-    double looked;        /* step of the last check */
+    double looked;        /* step of the last check of overlaps */
 } gn_depth;
 
 struct gn_dem {
@@ -91,8 +92,9 @@ struct gn_dem {
     gn_contacts prepared;         /* bonds of all particles at full weight, with couple.convert */
     gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
     uint8_t *still; /* [motion_blocks] it has no active particle, with couple.convert; else NULL */
-    int32_t *index_of_id; /* [ids] -1: removed together with its row */
-    int64_t ids, made;    /* number of ids given so far; those of the specimen come first */
+    int32_t *index_of_id; /* [ids] row of an id; -1: removed together with its row */
+    int64_t ids, made; /* number of ids given so far; number of particles of the specimen, whose ids
+                          come first */
     gn_derived derived;
     gn_prescription prescribed;
     int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
@@ -109,13 +111,13 @@ struct gn_dem {
     /* [materials][gn_scene_sides] pairs of materials with walls, bodies and other sides; NULL
      * without GN_FX_HERTZ */
     gn_hertz_pair *hertz;
-    /* [walls, bodies, sets] m/s, the largest speed of each for which contacts were evaluated; NULL
+    /* [walls, bodies, sets] m/s, the largest speed at which contacts of each were evaluated; NULL
      * without GN_FX_HERTZ */
     double *driven;
 
     gn_motion_kernel *motion_kernel;
     gn_deal deal; /* distribution of the work of a step among the threads */
-    gn_hold hold; /* particles that wait for an exchange */
+    gn_hold hold; /* blocks that wait for a feature */
     gn_near near; /* active pairs */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
@@ -124,13 +126,13 @@ struct gn_dem {
      * else NULL */
     double *vel_past, *spin_past;
     gn_pieces pieces;
-    double *around; /* [particles][2] N, m2: sums over their bonds, with law.confinement mean; else
-                       NULL */
-    bool pressed;   /* an overlap exceeded the expected one in the last step */
+    double *around;    /* [particles][2] force N and area m2 summed over the bonds of each particle,
+                          with law.confinement: mean; else NULL */
+    bool pressed;      /* an overlap exceeded the expected one in the last step */
     double speed_most; /* m/s, largest in the last step; 0: unknown (start, resume) */
 
-    gn_depth depth; /* the furthest so far */
-    uint8_t *loose; /* [ids]: not bonded at the start, see collisions.c */
+    gn_depth depth; /* contact with the largest relative overlap so far */
+    uint8_t *loose; /* [ids] 1: not bonded at the start, see collisions.c */
 
     int64_t broken_tension, broken_shear, bonds_at_start;
     gn_events events;
@@ -178,8 +180,8 @@ static inline double gn_branch(const gn_step_context *ctx, const double *x, cons
 static inline double gn_own_share(const gn_particles *particles, size_t p) {
     return particles->own_share ? particles->own_share[p] : 1.0;
 }
-/* Returns the square of the part of a unit vector along free components: bit k of `mask` holds k.
- * */
+/* Returns the squared length of the projection of a unit vector onto the free components; bit k of
+ * `mask` is set if component k is held. */
 static inline double gn_free_share(uint8_t mask, const double n[3]) {
     double free = 0.0;
     for (int a = 0; a < 3; a++)

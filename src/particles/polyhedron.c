@@ -8,11 +8,11 @@
 
 /* --- ratio --- */
 
-/* The regular solids exactly, linear in n between them, 1 + c/n beyond the icosahedron. That is the
- * table of the source, but for its misprints at 11 and 16. */
+/* Exact for the regular solids, linear in n between them, and 1 + c/n beyond the icosahedron. This
+ * is the table of the source except for its misprints at 11 and 16. */
 static double ratio_in_space(double n) {
     const double faces[] = {4.0, 6.0, 8.0, 12.0, 20.0}, root5 = sqrt(5.0), root3 = sqrt(3.0);
-    /* Surface over the square of the inner radius. */
+    /* surface over the square of the inner radius */
     const double surface[] = {24.0 * root3, 24.0, 12.0 * root3,
                               12.0 * sqrt(25.0 + 10.0 * root5) / (2.5 + 1.1 * root5),
                               240.0 * root3 / ((3.0 + root5) * (3.0 + root5))};
@@ -33,12 +33,13 @@ double gn_polyhedron_ratio(int dimension, double n) {
 
 /* --- missing faces --- */
 
-/* Largest half angle of a cone without a neighbour that is not a hole. A tetrahedron leaves 71
- * degrees between its faces, a triangle 60; a flat surface leaves 90. */
+/* Half angle of a cone without neighbours from which it counts as a hole. The faces of a
+ * tetrahedron leave 71 degrees between their directions, those of a triangle 60; a flat surface
+ * leaves 90. */
 static const double hole = 75.0 * M_PI / 180.0;
 
-/* The directions that neighbours cover, as triangles (2D: arcs) between them. Each neighbour counts
- * with the share of its full angle that they take. */
+/* The part of all directions that neighbours cover, by triangles (2D: arcs) between neighbours. A
+ * neighbour counts with the share of its full angle that these triangles take. */
 typedef struct cover {
     double neighbours, parts;
     bool open;
@@ -50,7 +51,8 @@ static int by_angle(const void *a, const void *b) {
     return (ax > ay) - (ax < ay);
 }
 
-/* Sets `whole`: as many as stood about the particle if they stood everywhere as they do there. */
+/* Sets `whole` to the number of neighbours that there would be if they were as dense in all
+ * directions as in the covered ones. */
 static gn_polyhedron about_in_plane(size_t n, double (*d)[3]) {
     double covered = 0.0;
     size_t arcs = 0;
@@ -68,7 +70,7 @@ static gn_polyhedron about_in_plane(size_t n, double (*d)[3]) {
     return (gn_polyhedron){fmax((double)n, 2.0 * M_PI * (double)arcs / covered), true};
 }
 
-/* n.(k - a) with n along the normal of the triangle a b c. */
+/* Returns n.(k - a), with n along the normal of the triangle a b c. */
 static double above(const double a[3], const double b[3], const double c[3], const double k[3],
                     double n[3]) {
     double ab[3], ac[3], ak[3];
@@ -92,7 +94,7 @@ static size_t third(size_t n, double (*d)[3], size_t a, size_t b) {
     return c;
 }
 
-/* Angle at a between the arcs to b and c. */
+/* Returns the angle at a between the arcs to b and c. */
 static double corner(const double a[3], const double b[3], const double c[3]) {
     double side[3];
     gn_cross3(b, c, side);
@@ -101,8 +103,8 @@ static double corner(const double a[3], const double b[3], const double c[3]) {
 }
 
 /* Visits the triangles at neighbour a of the convex hull of all directions, which is their Delaunay
- * triangulation on the sphere, starting from its nearest neighbour, to which it is always joined.
- * */
+ * triangulation on the sphere. It starts with the nearest neighbour of a, which always shares an
+ * edge of the hull with a. */
 static void go_round(size_t n, double (*d)[3], size_t a, cover *found) {
     size_t first = a ? 0 : 1;
     for (size_t k = 0; k < n; k++)
@@ -122,7 +124,8 @@ static void go_round(size_t n, double (*d)[3], size_t a, cover *found) {
     }
 }
 
-/* On lattices four or more neighbours are on one circle: tiny shifts select a triangulation. */
+/* Shifts directions slightly, because on lattices four or more neighbours lie on one circle: the
+ * shifts select one triangulation. */
 static void shift(size_t n, double (*d)[3]) {
     for (size_t k = 0; k < n; k++) {
         for (size_t a = 0; a < 3; a++) d[k][a] += 1e-8 * gn_random_symmetric(1, 3 * k + a);
@@ -131,13 +134,13 @@ static void shift(size_t n, double (*d)[3]) {
     }
 }
 
-/* A spherical triangle covers its angles less pi. */
+/* The area of a spherical triangle is the sum of its angles less pi. */
 static gn_polyhedron about_in_space(size_t n, double (*d)[3]) {
     cover found = {.open = n < 3};
     shift(n, d);
     for (size_t a = 0; a < n && n >= 3; a++) go_round(n, d, a, &found);
     if (!found.open) return (gn_polyhedron){(double)n, false};
-    double covered = 2.0 * found.neighbours - found.parts; /* over pi */
+    double covered = 2.0 * found.neighbours - found.parts; /* in units of pi */
     if (!(covered > 1e-6)) return (gn_polyhedron){fmax((double)n, 6.0), true};
     return (gn_polyhedron){fmax((double)n, 4.0 * found.neighbours / covered), true};
 }

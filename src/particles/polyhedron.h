@@ -15,10 +15,11 @@ double gn_polyhedron_ratio(int dimension, double n);
 /* The faces of one particle. */
 typedef struct gn_polyhedron {
     double whole; /* number of faces, missing ones included; fractional if some are missing */
-    bool open;    /* some are */
+    bool open;    /* some faces are missing */
 } gn_polyhedron;
 
-/* `direction` [count][3]: unit vectors to the neighbours, whose order is changed in 2D. */
+/* `direction` [count][3]: unit vectors to the neighbours; the function changes their order in 2D.
+ */
 gn_polyhedron gn_polyhedron_about(int dimension, size_t count, double (*direction)[3]);
 
 #endif

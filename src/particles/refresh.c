@@ -14,8 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Flowing particles are sorted again occasionally; a bonded specimen keeps its order. The decision
- * depends on counts alone, so that it is made at the same step in every run. */
+/* Flowing particles are sorted again from time to time; a bonded specimen keeps its order. The
+ * decision depends on counts alone, so that every run sorts at the same step. */
 bool gn_dem_order_is_old(const gn_step_context *ctx, const gn_dem *dem) {
     enum { REBUILDS_PER_SORT = 16 };
     return (!(ctx->effects & GN_FX_BONDS) || gn_scene_has_flow(&ctx->scene)) &&
@@ -30,13 +30,13 @@ void gn_dem_wrap(const gn_step_context *ctx, gn_dem *dem) {
             if (!gn_scene_periodic_along(&ctx->scene, a)) continue;
             double shift = floor((q->pos[4 * p + a] - ctx->scene.periodic_min[a]) / ctx->period[a]);
             q->pos[4 * p + a] -= shift * ctx->period[a];
-            q->start[4 * p + a] -= shift * ctx->period[a]; /* displacements stay continuous */
+            q->start[4 * p + a] -= shift * ctx->period[a]; /* displacements remain continuous */
         }
 }
 
 /* --- skin --- */
 
-/* A particle must not have two images of another within reach. */
+/* Returns the widest skin at which no particle has two images of another within reach. */
 static double widest_skin(const gn_step_context *ctx, const gn_dem *dem) {
     double radius = 0.0, widest = INFINITY;
     if (!(ctx->effects & GN_FX_PERIODIC)) return widest;
@@ -48,10 +48,10 @@ static double widest_skin(const gn_step_context *ctx, const gn_dem *dem) {
     return fmax(widest, dem->verlet.skin);
 }
 
-/* A rebuild costs about as much as fifteen steps, so that lists that last less than 150 steps cost
- * more than a tenth of the run: the skin grows. Lists that last long may be needlessly wide: it
- * shrinks again. Steps and not seconds decide, so that every run does the same; forces do not
- * depend on the skin at all. */
+/* A rebuild costs about as much as fifteen steps. Lists that last less than 150 steps therefore
+ * cost more than a tenth of the run, and the skin is widened; if they last long it may be
+ * needlessly wide and is narrowed. The lifetime is counted in steps and not in seconds, so that
+ * every run decides alike; forces do not depend on the skin. */
 void gn_dem_tune_skin(const gn_step_context *ctx, gn_dem *dem) {
     enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
     if (ctx->scene.skin > 0.0 || dem->verlet.rebuilds == 0 || dem->verlet.forced) return;
@@ -61,8 +61,8 @@ void gn_dem_tune_skin(const gn_step_context *ctx, gn_dem *dem) {
     if (life > LONG_LIFE) dem->verlet.skin = fmax(0.8 * dem->verlet.skin, dem->verlet.skin_start);
 }
 
-/* Pairs that were in contact a step ago have to be listed: their contact acted for a part of the
- * step. */
+/* Pairs that were in contact one step ago must be listed, because their contact acted for a part of
+ * the step. */
 void gn_dem_widen_skin(const gn_step_context *ctx, gn_dem *dem, double gap) {
     gn_verlet *q = &dem->verlet;
     bool given = ctx->scene.skin > 0.0;
@@ -89,7 +89,6 @@ void gn_dem_set_paths(gn_dem *dem, double most) {
 
 /* --- lists --- */
 
-/* Allocates the sums of blocks and distributes the blocks of the lists among threads. */
 gneiss_status gn_dem_ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     bool held = true;
     for (int l = 0; l < GN_LIST_COUNT; l++) {
@@ -112,7 +111,6 @@ gneiss_status gn_dem_ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneis
     return gn_dem_deal(ctx, dem, error);
 }
 
-/* Prepares the data that kernels read besides the records, once lists and `ref` are complete. */
 void gn_dem_ready_kernels(const gn_step_context *ctx, gn_dem *dem) {
     double period[3] = {0, 0, 0};
     if (ctx->effects & GN_FX_PERIODIC) memcpy(period, ctx->period, sizeof period);

@@ -64,7 +64,7 @@ gneiss_status gn_dem_number_rows(gn_dem *dem, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- more --- */
+/* --- new rows --- */
 
 static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *arrival, size_t p) {
     gn_particles *q = &dem->particles;
@@ -130,8 +130,8 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, const gn_arri
 
 /* --- removal of rows --- */
 
-/* Finds the new places of remaining particles, -1 of the others; returns the number of remaining
- * ones. */
+/* Finds the new rows of the remaining particles, -1 for the others; returns the number of remaining
+ * particles. */
 static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
     const gn_particles *q = &dem->particles;
     size_t count = 0;

@@ -42,8 +42,8 @@ static bool selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set
     return selected_at(ctx, set_def, dem->particles.pos + 4 * p, dem->particles.id[p]);
 }
 
-/* Selects by the position at the start; in a periodic box positions have moved by whole periods
- * since. */
+/* Selects by the position at the start, because particles in a periodic box have been moved by
+ * whole periods since then. */
 bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
     double x[4];
@@ -169,7 +169,7 @@ static gneiss_status allocate_slots(const gn_step_context *ctx, gn_dem *dem, siz
     return GNEISS_OK;
 }
 
-/* A particle's slot takes each channel from the last set that prescribes it. */
+/* Assigns each prescribed component of a particle to the last set that prescribes it. */
 static gneiss_status make_slots(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_particles *q = &dem->particles;
     size_t count = 0;
@@ -227,7 +227,7 @@ void gn_reactions_sum(const gn_step_context *ctx, gn_dem *dem) {
         }
 }
 
-/* Prescribed components start with their prescribed value, not with a jump. */
+/* Gives prescribed components their prescribed value at the start, which avoids a jump. */
 static void start_prescribed(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
     gn_prescription_update(ctx, dem, 0.0);
@@ -256,10 +256,10 @@ gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
         if (ctx->scene.sets[k].has_force) share_force(ctx, dem, k);
     if (q->load)
         memcpy(q->load, q->applied,
-               q->soa.count * 4 * sizeof *q->load); /* loads are added to the pressure */
+               q->soa.count * 4 * sizeof *q->load); /* load is added to the pressure */
     if (!(ctx->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
     free_slots(dem);
-    /* A velocity that jumps takes an impulse, which the kernel books as work. */
+    /* A jump of a velocity requires an impulse, whose work the kernel books. */
     GN_TRY(make_slots(ctx, dem, error));
     gn_prescription_update(ctx, dem, ctx->time);
     return GNEISS_OK;

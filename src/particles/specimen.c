@@ -92,7 +92,8 @@ static gneiss_status pack(const gn_scene *scene, gn_packing *packing, double *vo
     return GNEISS_OK;
 }
 
-/* Files, scales, cells and rows that are each valid may together give a size that no key allows. */
+/* Refuses particles of a size that no key allows, as files, scales, cells and rows may give
+ * together although each is valid. */
 static gneiss_status check_sizes(const gn_scene *scene, const gn_packing *packing,
                                  gneiss_error *error) {
     for (size_t p = 0; p < packing->count; p++) {
@@ -182,8 +183,8 @@ void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
     if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);
 }
 
-/* A generated packing must be inside the box; rows of a file may include particles that have passed
- * through its sides. */
+/* Checks that a generated packing is inside the box; rows of a file may be outside, because their
+ * particles have passed through its sides. */
 static gneiss_status check_box(const gn_scene *scene, const gn_packing *packing,
                                gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;

@@ -10,11 +10,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Creates the particles of the scene's specimen, from whichever source (specimen.c); packed before:
- * from specimen.packed. `volume`: of the shape that they fill, m3 (2D: m2); 0 if there is none. */
+/* Creates the particles of the scene's specimen from the source that the scene names (specimen.c);
+ * particles that were packed before are in specimen.packed. `volume`: of the shape that they fill,
+ * m3 (2D: m2); 0: there is no shape. */
 gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
                                gneiss_error *error);
-/* A box about points. */
+/* A box that encloses points. */
 typedef struct gn_extent {
     double lower[3], upper[3]; /* m */
 } gn_extent;
@@ -29,7 +30,7 @@ void gn_extent_add(gn_extent *extent, const double point[3], double radius);
  * first, nor for a file that cannot be read: packing it will report the reason. */
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent);
 /* Calls the preparation of the scene, which may change the particles just created, and checks the
- * result. GNEISS_ERROR_INPUT: particle, value. */
+ * result. GNEISS_ERROR_INPUT names the particle and the value. */
 gneiss_status gn_specimen_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Tells whether the radii of a packing cover a narrower range than requested, and writes a message
  * to `text`. Never with sources or sinks, because the message is about the specimen (specimen.c).

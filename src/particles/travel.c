@@ -1,9 +1,9 @@
-/* Displacements of particles since the lists were made.
- * Flowing particles move far together, and little relative to their neighbours; lists have to cover
- * the relative motion only. The positions at that time are divided into cells wider than the
- * distance that two particles can close in; each cell has the bounding box of the displacements of
- * its particles. Two particles that can have come into contact were in the same or in adjacent
- * cells, so that the diagonal of the box over two by two by two cells bounds their approach. */
+/* Displacements of particles since the lists were made. Flowing particles move far together, but
+ * little relative to their neighbours, and lists have to cover the relative motion only. The former
+ * positions are divided into cells wider than the distance by which two particles can approach each
+ * other; each cell has the bounding box of the displacements of its particles. Two particles that
+ * may have come into contact were in the same or in adjacent cells, so that the diagonal of the
+ * bounding box over two by two by two cells limits their approach. */
 #include "base/memory.h"
 #include "frame/frame.h"
 #include "frame/periodic_box.h"
@@ -13,7 +13,7 @@
 
 #include <math.h>
 
-/* Displacements of all particles of a cell, m. */
+/* Bounding box of the displacements of the particles in a cell, m. */
 typedef struct ways {
     double low[3], high[3];
 } ways;
@@ -22,8 +22,8 @@ typedef struct grid {
     double low[3], scale[3]; /* scale: cells per m */
     size_t count[3];
     bool closed[3];    /* periodic: the last cell is next to the first */
-    size_t begin, end; /* range of layers along the last axis that have a particle in them or in the
-                          next layer; other cells are unused */
+    size_t begin, end; /* range of layers along the last axis that contain particles or precede a
+                          layer that does; other cells are unused */
     ways *cell;
 } grid;
 
@@ -33,7 +33,8 @@ static size_t cells_of_layer(const grid *g) {
 
 static const ways none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
-/* Positions and displacements are finite, so that fmin is not needed. */
+/* Extends a box by another one. Positions and displacements are finite, so that fmin is not needed.
+ */
 static void merge(ways *to, const double low[3], const double high[3]) {
     for (int a = 0; a < 3; a++) {
         to->low[a] = low[a] < to->low[a] ? low[a] : to->low[a];
@@ -53,7 +54,7 @@ static ways extent(const gn_particles *particles, double *radius) {
     return room;
 }
 
-/* Cells of at least `width`, not many more than particles. */
+/* Divides space into cells of at least `width`, not many more of them than particles. */
 static void lay(const gn_step_context *ctx, const gn_dem *dem, double width, const ways *room,
                 grid *g) {
     const double most = cbrt((double)dem->particles.soa.count) + 1.0;
@@ -79,8 +80,8 @@ static ways *cell_of(const grid *g, const double x[3]) {
     return &g->cell[row * g->count[0] + place_of(g, x[0], 0)];
 }
 
-/* In a box that is high relative to its contents most layers are empty. If the lowest one is not,
- * all are used, because the highest may be adjacent to it. */
+/* Finds the used layers: in a box that is high relative to its contents most layers are empty. If
+ * the lowest layer is not, all are used, because the highest may be adjacent to it. */
 static void find_layers(const ways *room, grid *g) {
     const size_t low = place_of(g, room->low[2], 2);
     g->begin = low > 0 ? low - 1 : 0;
@@ -98,8 +99,8 @@ static void fill(const gn_particles *particles, grid *g) {
     }
 }
 
-/* Merges into each of `count` cells from `c` on, `step` apart, the box of the next cell; the first
- * cell follows the last one if the axis is periodic. */
+/* Merges the box of the next cell into each of `count` cells, which begin at `c` and are `step`
+ * apart; if the axis is periodic, the first cell follows the last one. */
 static void spread_line(ways *c, size_t step, size_t count, bool closed) {
     const ways first = c[0];
     for (size_t n = 0; n + 1 < count; n++)
@@ -121,7 +122,7 @@ static void spread(grid *g) {
                     g->closed[2] && layers == g->count[2]);
 }
 
-/* The square of the longest diagonal. */
+/* Returns the square of the longest diagonal. */
 static double longest2(const grid *g) {
     const size_t layer = cells_of_layer(g);
     double most = 0.0;
@@ -144,8 +145,8 @@ static ways *room_for(gn_dem *dem, size_t cells) {
     return dem->ways;
 }
 
-/* Returns by how much two particles that were not in the lists may have approached each other, m;
- * at most twice the longest displacement. */
+/* Returns the largest distance, m, by which two particles that were not listed may have approached
+ * each other; at most twice the longest displacement. */
 static double closed_in(const gn_step_context *ctx, gn_dem *dem, double most) {
     grid g;
     double radius;
@@ -160,8 +161,8 @@ static double closed_in(const gn_step_context *ctx, gn_dem *dem, double most) {
     return fmin(2.0 * most, sqrt(most2) * (1.0 + 1e-12));
 }
 
-/* Bonded specimens skip this and keep the bits of their runs; so do models in which a box or
- * elements move particles. */
+/* Tells whether relative displacements are used. Bonded specimens do not use them, so that the bits
+ * of their runs stay the same; nor do models in which a box or elements move particles. */
 static bool looks_at_neighbours(const gn_step_context *ctx, const gn_periodic_box *box) {
     return !(ctx->effects & GN_FX_BONDS) && !ctx->scene.has_couple && !gn_box_moves(ctx, box);
 }

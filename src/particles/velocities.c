@@ -14,7 +14,7 @@ static bool is_prescribed(const gn_dem *dem, size_t p, int component) {
     return slot >= 0 && dem->prescribed.mask[slot] >> component & 1;
 }
 
-/* Writes a row of velocities or spins. Returns by how much its energy has grown, J. */
+/* Writes a row of velocities or spins. Returns the growth of its kinetic energy, J. */
 static double set_row(const gn_dem *dem, size_t p, int first, int axes, const double value[3],
                       double *row, float *single) {
     const double before = gn_dot3(row, row);

@@ -3,8 +3,8 @@
 #include "ranks/program.h"
 #include "ranks/transport.h"
 
+#include "base/error.h"
 #include "base/memory.h"
-#include "gneiss/status.h"
 
 #include "base/memory.h"
 

@@ -15,7 +15,6 @@
 #define GN_RANKS_RANKS_H
 
 #include "base/error.h"
-#include "kernels/partials.h"
 #include "ranks/transport.h"
 #include "sched/deal.h"
 #include "soa/records.h"

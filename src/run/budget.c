@@ -45,8 +45,8 @@ static size_t row_of_largest(const gn_history *history, const double *stress) {
     return largest;
 }
 
-/* Computes the median over the second half of the rise to the largest stress, because waves
- * dominate its start. */
+/* Computes the median of the kinetic share over the second half of the rise to the largest stress;
+ * waves dominate the first half. */
 static gneiss_status kinetic_share(const gn_history *history, double *found, gneiss_error *error) {
     const double *stress = gn_history_column(history, "stress"),
                  *kinetic = gn_history_column(history, "energy_kinetic");
@@ -67,7 +67,7 @@ static gneiss_status kinetic_share(const gn_history *history, double *found, gne
     return GNEISS_OK;
 }
 
-/* Returns the closing speed over wave speed and strain, as measured in this run. */
+/* Returns the closing speed divided by wave speed and strain, as measured in this run. */
 static double speed_of(const gn_world *world, const gn_history *history,
                        const gn_readings *readings) {
     const double *stress = gn_history_column(history, "stress"),
@@ -91,8 +91,9 @@ static void raise(gn_error_causes *causes, const char *name, double found) {
         *cause = (gn_error_cause){name, found, true, 0.0};
 }
 
-/* The stress is the mean of both ends, so its error is at most half of their difference; kinetic
- * energy is energy that a static test would have stored or never supplied. */
+/* Sets causes to their measured errors. The stress is the mean of both ends, so that its error is
+ * at most half of their difference. Kinetic energy is energy that a static test would have stored,
+ * or would not have supplied. */
 static void measure(const gn_world *world, const gn_budget *budget, gn_error_causes *causes) {
     raise(causes, "velocity",
           fmax(isnan(budget->imbalance) ? 0.0 : 0.5 * budget->imbalance,
@@ -101,8 +102,8 @@ static void measure(const gn_world *world, const gn_budget *budget, gn_error_cau
         raise(causes, "step", fabs(gn_energy_residual(&world->ledger.reading)));
 }
 
-/* Bounds the largest stress between its row and the next: it may have risen by as much as from the
- * row before. */
+/* Estimates the error of the largest stress between its row and the next: the stress may have risen
+ * by as much as from the row before. */
 static void measure_rows(const gn_history *history, gn_reading which, gn_error_causes *causes) {
     const double *stress = gn_history_column(history, "stress"),
                  *value = which == GN_READING_peak_stress   ? stress
@@ -112,8 +113,8 @@ static void measure_rows(const gn_history *history, gn_reading which, gn_error_c
     if (value && row > 0) raise(causes, "rows", (value[row] - value[row - 1]) / value[row]);
 }
 
-/* The ends of a body of fast varying section approach each other more than those of a slender
- * bar. */
+/* Adds the error of a varying section: the ends of such a body approach each other more than those
+ * of a slender bar. */
 static void add_section(const gn_world *world, gn_reading which, gn_error_causes *causes) {
     const gn_bar_section *x = &world->section;
     if (which != GN_READING_young_modulus || x->guessed != 0.0 || !(x->spread > 0.0)) return;
@@ -184,7 +185,7 @@ static int by_error(const void *a, const void *b) {
     return (x->error < y->error) - (x->error > y->error);
 }
 
-/* Writes a number without an exponent, which "%.2g" has from 100 on. */
+/* Writes a number with two digits and without an exponent, which "%.2g" has from 100 on. */
 static double two_digits(double value) {
     if (!isfinite(value) || value == 0.0) return value;
     const double unit = pow(10.0, floor(log10(fabs(value))) - 1.0);

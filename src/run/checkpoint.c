@@ -310,7 +310,8 @@ static gneiss_status get_kept(gn_run *run, const gn_h5 *file, const char *path,
                                        path);
 }
 
-/* The spacings of rows and snapshots must be those between the numbers that are requested. */
+/* Checks that the spacings of rows and snapshots are those of the requested numbers, halved or not.
+ */
 static bool spacing_is_good(const gn_run *run) {
     const gn_kept *k = &run->kept;
     return run->history_halvings >= 0 &&
@@ -332,7 +333,7 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
                           "%s: expected positive steps and intervals, found others", path);
 }
 
-/* The saved steps must resemble the earlier ones, and rates must be possible with the saved step:
+/* Checks that the saved step is similar to the earlier ones and that rates are possible with it;
  * with values far from these a run would never end. */
 static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_error *error) {
     const double far = 1e5, steps = (double)(world->ctx.step - world->ctx.first_step);
@@ -360,8 +361,8 @@ static gneiss_status check_pace(const gn_world *world, const char *path, gneiss_
     return GNEISS_OK;
 }
 
-/* The rows at which stages begin must increase, and the cause that ended a stage must be a known
- * one. */
+/* Checks that the rows at which stages begin increase, and that the cause that ended a stage is a
+ * known one. */
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
     int64_t least = 0;
@@ -393,7 +394,8 @@ static gneiss_status get_stages(gn_world *world, const gn_h5 *file, const char *
     return gn_checkpoint_get_arrays(file, arrays, STAGE_ARRAYS, error);
 }
 
-/* Messages about the text name the checkpoint because its lines are not those of the scene file. */
+/* Reads the scene. Messages name the checkpoint, because lines of its text are not those of the
+ * scene file. */
 static gneiss_status get_scene(gn_world *world, const gn_h5 *file, const char *path,
                                const gn_override *overrides, size_t count, gneiss_error *error) {
     GN_FREED char *text = NULL, *source = NULL;

@@ -57,7 +57,8 @@ gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error 
 
 /* --- reading --- */
 
-/* Facets of each body must lie within its vertices, and all of them within the arrays. */
+/* Checks that the facets of each body use its own vertices, and that all of them are within the
+ * arrays. */
 static bool good_bodies(const gn_world *world) {
     size_t corners = (size_t)world->ctx.scene.dimension, vertices = 0, facets = 0;
     for (size_t k = 0; k < world->ctx.scene.body_count; k++) {
@@ -81,7 +82,7 @@ static bool good_contacts(const gn_world *world) {
     bool good = true;
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < world->dem.particles.soa.count &&
-               q->wall[c] >= 0; /* and below the count: check_facets */
+               q->wall[c] >= 0; /* check_facets compares it with the number of walls */
     q = &world->boundary.body_contacts;
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < world->boundary.body_vertex_count &&

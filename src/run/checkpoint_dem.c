@@ -153,8 +153,8 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
 
 /* --- reading --- */
 
-/* Indices that kernels follow without a check must be in range even if the file was tampered
- * with. */
+/* Checks indices that kernels follow without a check; they must be in range even if the file was
+ * tampered with. */
 static bool good_contacts(const gn_contacts *list, size_t n) {
     bool good = true;
     for (size_t c = 0; c < list->soa.count; c++) {
@@ -226,8 +226,8 @@ static gneiss_status check(const gn_world *world, const char *path, gneiss_error
                    "%s: expected particle numbers below %zu, found others", path, n);
 }
 
-/* Reads the dormant particles. Elements are loaded later, so the number of an element is not
- * compared with their count here. */
+/* Reads the dormant particles. Elements are loaded later, so that the elements' indices are not
+ * compared with their number here. */
 static gneiss_status get_dormant(gn_world *world, const gn_h5 *file, const char *path,
                                  gneiss_error *error) {
     gn_dem *d = &world->dem;
@@ -244,7 +244,7 @@ static gneiss_status get_dormant(gn_world *world, const gn_h5 *file, const char 
     return GNEISS_OK;
 }
 
-/* Reads which pairs were packed; they are interpreted once there are neighbour lists. */
+/* Reads which pairs were packed; they are applied when there are neighbour lists. */
 static gneiss_status get_near(gn_world *world, const gn_h5 *file, const char *path,
                               gneiss_error *error) {
     gn_near *n = &world->dem.near;

@@ -51,8 +51,8 @@ gneiss_status gn_elements_save(const gn_world *world, gn_h5 *file, gneiss_error 
 
 /* --- reading --- */
 
-/* Indices that kernels follow without a check must be in range even if the file was tampered
- * with. */
+/* Checks indices that kernels follow without a check; they must be in range even if the file was
+ * tampered with. */
 static bool indices_are_good(const gn_fem_solid *solid, int32_t materials) {
     const gn_elements *e = &solid->elements;
     bool good = true;
@@ -151,7 +151,7 @@ static gneiss_status load_body(size_t solid, gn_element_model *model, const gn_h
                      model->solid.prescribed.count, 6, 0, model->solid.prescribed.load, error);
 }
 
-/* The number of solids is that of the scene. */
+/* The scene determines the number of solids. */
 gneiss_status gn_elements_load(gn_world *world, const gn_h5 *file, const char *path,
                                gneiss_error *error) {
     gn_mesh mesh = {0};

@@ -9,7 +9,7 @@ _Static_assert(sizeof(gn_source_state) % 8 == 0 && sizeof(gn_sink_state) % 8 == 
                    sizeof(gn_lost) % 8 == 0,
                "made of doubles only");
 
-/* Particles that left the domain are recorded with or without sinks. */
+/* Lists the arrays; particles that left the domain are recorded with or without sinks. */
 static size_t list_arrays(gn_world *world, gn_checkpoint_array out[ARRAYS_MOST]) {
     gn_flow *f = &world->dem.flow;
     size_t n = 0;
@@ -19,7 +19,7 @@ static size_t list_arrays(gn_world *world, gn_checkpoint_array out[ARRAYS_MOST])
                                    sizeof(gn_source_state) / 8, &f->sources);
     out[n++] = GN_CHECKPOINT_ARRAY("sinks", GN_F64, world->ctx.scene.sink_count,
                                    sizeof(gn_sink_state) / 8, &f->sinks);
-    /* Quantities of particles, some of which have been removed since. */
+    /* arrays by id, because some of these particles have been removed */
     out[n++] = GN_CHECKPOINT_ARRAY("loose", GN_U8, (size_t)world->dem.ids, 1, &world->dem.loose);
     return n;
 }

@@ -11,20 +11,22 @@
 
 #include <stddef.h>
 
-/* One data set of the group `arrays`, and the array that it fills; or members of the structs of an
- * array, which follow those of `offset` 0. */
+/* One data set of the group `arrays`, and the array that it fills. The array may also consist of
+ * members of structs, the same ones in each struct of an array of structs; the entry with `offset`
+ * 0 comes first. */
 typedef struct gn_checkpoint_array {
     const char *name;
     gn_type type;
     size_t rows, components;
     void **data;
-    size_t size, offset; /* bytes of a struct, and of those before the members; 0: no structs */
+    size_t size,
+        offset; /* size of a struct and offset of the members in it, bytes; 0: no structs */
 } gn_checkpoint_array;
 
 /* A whole array of numbers at *data. */
 #define GN_CHECKPOINT_ARRAY(NAME, TYPE, ROWS, COMPONENTS, DATA)                                    \
     ((gn_checkpoint_array){NAME, TYPE, ROWS, COMPONENTS, (void **)(DATA), 0, 0})
-/* Members of one type, from `first` on, in the structs at *data. */
+/* Members of one type, beginning with `first`, in the structs at *data. */
 #define GN_CHECKPOINT_MEMBERS(NAME, TYPE, ROWS, COMPONENTS, DATA, STRUCT, first)                   \
     ((gn_checkpoint_array){NAME, TYPE, ROWS, COMPONENTS, (void **)(DATA), sizeof(STRUCT),          \
                            offsetof(STRUCT, first)})

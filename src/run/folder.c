@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Names of files and prefixes of messages must fit behind the path. */
+/* Checks that names of files and prefixes of messages fit behind the path. */
 static gneiss_status check_length(int length, const char *path, gneiss_error *error) {
     const int most = GN_PATH_SIZE - 64;
     if (length >= 0 && length < most) return GNEISS_OK;
@@ -25,7 +25,7 @@ static gneiss_status check_length(int length, const char *path, gneiss_error *er
                    path, most, length);
 }
 
-/* A dangling link can neither be created as a folder nor be written to. */
+/* Refuses a dangling link, which can neither be created as a folder nor be written to. */
 static gneiss_status check_link(const char *path, gneiss_error *error) {
     char target[256];
     struct stat there;
@@ -123,7 +123,7 @@ gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_
         status = gn_h5_get_attribute_f64(file, "/", "seconds", seconds, 1, &reading);
     gn_h5_close(file);
     if (!finished || status != GNEISS_OK) *seconds = 0.0;
-    /* A file without this information is refused when the folder is cleared. */
+    /* A file without this information is refused later, when the folder is cleared. */
     return status == GNEISS_OK || status == GNEISS_ERROR_INPUT
                ? GNEISS_OK
                : gn_fail(error, status, "%s", reading.message);
@@ -169,8 +169,9 @@ static gneiss_status not_ours(const char *directory, const char *name, gneiss_er
                    directory, name);
 }
 
-/* A run that was killed early leaves snapshots only, and a packing has one snapshot. A snapshot
- * identifies gneiss as its writer; the list of a series is identified by its snapshots. */
+/* Checks that gneiss wrote a series. A run that was killed early leaves snapshots only, and a
+ * packing has one snapshot. A snapshot names gneiss as its writer; the list of a series is accepted
+ * if its snapshots are. */
 static gneiss_status check_series(const char *directory, const char *name, bool listed,
                                   gneiss_error *error) {
     GN_FREED int64_t *steps = NULL;
@@ -190,7 +191,7 @@ static gneiss_status check_series(const char *directory, const char *name, bool 
     return access(path, F_OK) == 0 ? not_ours(directory, list, error) : GNEISS_OK;
 }
 
-/* The first line of a list that gneiss wrote ends with the version. */
+/* Tells whether gneiss wrote a list: its first line ends with the version. */
 static bool own_list(const char *path) {
     char line[256] = "";
     FILE *file = fopen(path, "r");
@@ -225,8 +226,8 @@ gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error
     return check_series(directory, series[0], true, error);
 }
 
-/* The folder of a run of a sweep is named by 16 hex digits and contains its outcome or its
- * scene. */
+/* Tells whether the folder holds a sweep: the folder of one of its runs is named by 16 hex digits
+ * and contains the run's outcome or scene. */
 bool gn_folder_holds_sweep(const char *directory) {
     static const char *const marks[] = {"outcome.json", "scene.yaml"};
     char path[GN_PATH_SIZE + 64], *kind = NULL;
@@ -341,8 +342,8 @@ static void free_origin(origin *from) {
     free(from->scene);
 }
 
-/* A resumed run may change these sections (check_overrides in run.c), except the seed, which
- * determines the model. */
+/* Tells whether a resumed run may change a line of this section (check_overrides in run.c); the
+ * seed is excluded, because it determines the model. */
 static bool may_change(const char *section, const char *line) {
     static const char *const names[] = {"time:", "output:", "run:", "stages:"};
     if (strncmp(line, "  seed:", 7) == 0) return false;

@@ -13,7 +13,7 @@
 
 /* --- columns --- */
 
-/* Columns are added in the order in which put_row fills them. */
+/* Adds columns, in the order in which put_row fills them. */
 static gneiss_status add_columns(const gn_world *world, const gn_quantity_place *at,
                                  gn_history *history, gneiss_error *error) {
     const gn_quantity *q = at->quantity;
@@ -62,8 +62,8 @@ static double largest(const double x[3]) {
     return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
 }
 
-/* Returns the largest coordinate at the start, m. Positions are rounded relative to it, and not to
- * the extent, if the model is far from the origin. */
+/* Returns the largest coordinate at the start, m. If the model is far from the origin, rounding of
+ * positions is relative to this coordinate and not to the extent. */
 static double largest_coordinate(const gn_world *world) {
     double most = fmax(largest(world->ctx.lower), largest(world->ctx.upper));
     double lower[3] = {0, 0, 0}, upper[3] = {0, 0, 0};
@@ -71,21 +71,19 @@ static double largest_coordinate(const gn_world *world) {
     return fmax(most, fmax(largest(lower), largest(upper)));
 }
 
-/* Returns a generous bound of the energy that the rounding of coordinates produces. A scene at rest
- * has no other energy (touching particles of a hexagonal lattice overlap by an ulp), and a residual
- * relative to that would be meaningless. The bound has three parts, with d = eps X the ulp of the
- * largest coordinate X.
- * The first is a constant: generously, all mass moves by 100 d in a step.
- * The second grows with the steps: each step rounds every coordinate by d^2/12 in the mean square,
- * independent of the force, so that a spring k stores k d^2/24 more every time. In a stable step k
- * of a coordinate is below 4 m/dt^2, so that three coordinates gain at most m (d/dt)^2/2 in every
- * step (measured: a third of that). This is to be a hundredth of the scale: 50 m (d/dt)^2 in a
- * step, 1/200 of the first part. For 5 cm at 20 ns the bound is that of the mass moving at 5e-8
- * m/s, and after a million steps at 4e-6 m/s: far below the effect of any load.
- * The third is creep under gravity: a particle at rest under its weight creeps by less than half an
- * ulp in a step, at a velocity with which gravity does work but which changes no coordinate: at
- * most m g d/2 in every step (measured: a quarter of that), which is to be a hundredth of the scale
- * as well. */
+/* Returns a generous bound of the energy that rounding of coordinates produces. A scene at rest has
+ * no other energy (touching particles of a hexagonal lattice overlap by an ulp), and a residual
+ * relative to such energy would be meaningless. With d = eps X, the ulp of the largest coordinate
+ * X, the bound has three parts. (1) A constant: all mass moves by 100 d in a step. (2) A part that
+ * grows with the number of steps: every step rounds each coordinate by d^2/12 in the mean square,
+ * independently of the force, so that a spring k stores k d^2/24 more. In a stable step k of a
+ * coordinate is below 4 m/dt^2, so that three coordinates gain at most m (d/dt)^2/2 in every step
+ * (measured: a third of that). This should be a hundredth of the bound, which therefore grows by 50
+ * m (d/dt)^2 in a step, 1/200 of the first part. For 5 cm at 20 ns the bound is that of the mass
+ * moving at 5e-8 m/s, and after a million steps at 4e-6 m/s, far below the effect of any load. (3)
+ * Creep under gravity: a particle at rest under its weight creeps by less than half an ulp in a
+ * step, at a velocity with which gravity does work but which changes no coordinate: at most m g d/2
+ * in every step (measured: a quarter of that), which should also be a hundredth of the bound. */
 static double rounding_of(const gn_world *world, double mass, double coordinate) {
     const double d = DBL_EPSILON * coordinate, speed = 100.0 * d / world->ctx.dt,
                  *g = world->ctx.scene.gravity;
@@ -93,7 +91,7 @@ static double rounding_of(const gn_world *world, double mass, double coordinate)
     return mass * speed * speed * (1.0 + steps / 200.0) + 50.0 * weight * d * steps;
 }
 
-/* Bodies may lie anywhere and travel far. */
+/* Returns the bound for particles, elements and bodies; bodies may lie anywhere and travel far. */
 static double rounding_energy(const gn_world *world) {
     double sum =
         rounding_of(world, gn_world_mass(&world->dem, &world->solids) + world->dem.raised.added,
@@ -105,7 +103,8 @@ static double rounding_energy(const gn_world *world) {
     return sum;
 }
 
-/* The scale of the residual never decreases. Elements are included in the reading only. */
+/* Reads the ledger and the scale of its residual, which never decreases. Elements are included in
+ * the reading only. */
 static void read_passed(gn_world *world) {
     double passed = fmax(gn_energy_throughput(&world->ledger.reading), rounding_energy(world));
     world->ledger.reading.passed = fmax(world->ledger.energy.passed, passed);
@@ -129,7 +128,7 @@ static void note_absent(const gn_world *world, gn_history *history) {
     }
 }
 
-/* Checks a row for values that are not finite, in the first row that has one. */
+/* Refuses the first row that has a value that is not finite. */
 static gneiss_status check_row(const gn_world *world, gn_history *history, const double *row,
                                gneiss_error *error) {
     note_absent(world, history);
@@ -142,7 +141,8 @@ static gneiss_status check_row(const gn_world *world, gn_history *history, const
     return GNEISS_OK;
 }
 
-/* `last`: a run that is continued later must not depend on the row. */
+/* Takes a step with a row; with `last`, a run that is continued later must not depend on the row.
+ */
 static gneiss_status step_with_row(gn_world *world, gn_history *history, bool last,
                                    gneiss_error *error) {
     double start = gn_now();

@@ -10,27 +10,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An interval has at most PARTS parts. Up to LEAST_COUNT regular snapshots are kept while the run
- * advances even if fewer are requested, because one of them is to be near half of the peak. A file
- * takes tens of milliseconds, so the intervals allow at most MOST_WRITTEN snapshots up to time.end.
- * */
+/* An interval has at most PARTS parts. While the run advances, up to LEAST_COUNT regular snapshots
+ * are kept even if fewer are requested, because one of them should be near half of the peak. A file
+ * takes tens of milliseconds, so that intervals allow at most MOST_WRITTEN snapshots up to
+ * time.end. */
 enum {
     PARTS = 1 << GN_SNAPSHOT_HALVINGS,
     LEAST_STEPS = 40,
     LEAST_COUNT = 12,
     MOST_WRITTEN = 128,
     ROWS_BEFORE = 100,
-    STEPS_BEFORE = 300 /* for rows that are far apart */
+    STEPS_BEFORE = 300 /* least number of steps between candidates when rows are far apart */
 };
 
-/* Growth of stress and of time from one candidate of the peak to the next, before and after a bond
- * has broken. A fall by FALL marks a peak. */
+/* Factors by which stress and time grow from one candidate of the peak to the next, before and
+ * after a bond has broken, and after the stress has fallen. A fall by the fraction FALL marks a
+ * peak. */
 static const double GROWTH_WHOLE = 1.5, GROWTH_BROKEN = 1.25, GROWTH_FALLEN = 1.01, FALL = 0.01;
 
 /* --- state --- */
 
-/* Tells whether the run has a peak: tests that have one, and of their stages those that read the
- * test, and the last one. */
+/* Tells whether the run, or its stage, has a peak: the test must have one, and the stage must be
+ * the last or one whose readings are computed. */
 static bool has_peak(const gn_run *run) {
     const gn_scene *s = &run->world.ctx.scene;
     if (!(gn_scene_test(s)->peak_drop > 0.0)) return false;
@@ -101,7 +102,7 @@ static bool is_candidate(gn_run *run, double stress) {
 }
 
 /* Tells whether the ends carry no load at first. The test then begins as soon as they move, which
- * rows show before samples do. */
+ * the rows show before the samples do. */
 static bool begins_unloaded(const gn_run *run) {
     const double *stress = gn_history_column(&run->history, "stress");
     return stress && run->history.row_count && !(stress[0] > 0.0);
@@ -112,7 +113,7 @@ static bool has_moved(const gn_run *run) {
     return strain && strain[run->history.row_count - 1] > strain[0];
 }
 
-/* Tells whether the test has begun; the rows before do not belong to it. */
+/* Tells whether the test has begun; earlier rows do not belong to it. */
 static bool has_begun(gn_run *run, bool sample) {
     gn_kept *k = &run->kept;
     const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
@@ -204,8 +205,8 @@ static size_t nearest_before(const gn_kept *kept, double share) {
     return nearest;
 }
 
-/* Tells whether a snapshot is the one nearest to half of the peak, or the one nearest to the peak
- * if the candidate of the peak has a lower stress. */
+/* Tells whether a snapshot is needed: it is the nearest to half of the peak, or, if the candidate
+ * of the peak has a lower stress, the nearest to the peak. */
 static bool is_needed(const gn_kept *kept, size_t at) {
     const gn_kept_snapshot *peak = candidate(kept, GN_KEPT_PEAK);
     if (!(kept->peak > 0.0)) return false;
@@ -287,8 +288,8 @@ static gneiss_status note_regular(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Keeps former candidates that are nearest to half of the peak; `over`: no higher peak may follow,
- * for which those above half would be needed. */
+/* Keeps the former candidates that are nearest to half of the peak. `over`: no higher peak can
+ * follow, for which former candidates above half would be needed. */
 static gneiss_status drop_former(gn_run *run, bool over, gneiss_error *error) {
     gn_kept *k = &run->kept;
     const size_t nearest = nearest_before(k, 0.5);

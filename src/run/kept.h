@@ -13,7 +13,7 @@ typedef enum gn_kept_kind {
     GN_KEPT_PEAK = 1,
     GN_KEPT_HALF = 2,
     GN_KEPT_REGULAR = 4,
-    GN_KEPT_BEFORE = 8 /* former candidate of the peak, which may be at half of a higher one */
+    GN_KEPT_BEFORE = 8 /* former candidate for the peak, which may be near half of a higher peak */
 } gn_kept_kind;        /* bits of gn_kept.due */
 
 /* Starts the selection for a run or a stage with the spacing of run->snapshot_interval; `closer`:

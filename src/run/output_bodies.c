@@ -20,8 +20,8 @@
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
-/* The data from which fields of bodies are read, and those of their vertices and facets, numbered
- * consecutively. */
+/* The data from which fields of bodies are read, and those of their vertices and facets, which are
+ * numbered through all bodies. */
 typedef struct view {
     const gn_world *world;
     double *place;        /* [vertices][3], in the user's coordinates */
@@ -309,7 +309,8 @@ static double slope(const double *t, const double *m, size_t begin, size_t end) 
     return stm / stt;
 }
 
-/* The first quarter contains the onset, the last one the end of the supply. */
+/* Rows of the first quarter contain the onset of the flow, those of the last quarter the end of the
+ * supply. */
 double gn_sink_steady_rate(const gn_history *history, const char *sink) {
     enum { ROWS_LEAST = 5 };
     char name[192];

@@ -32,8 +32,8 @@ static double shear_of(const gn_output_contact *contact) {
         fmax(0.0, gn_dot3(contact->force, contact->force) - contact->normal * contact->normal));
 }
 
-/* Forces are those of the copy that was evaluated; all other columns of a contact are the
- * world's. */
+/* Returns a contact between particles. Its force is that of the evaluated copy; all other columns
+ * are the world's. */
 static gn_output_contact between(const gn_output_view *view, const gn_contacts *list,
                                  const gn_contacts *seen, size_t c) {
     const gn_world *w = view->world;
@@ -56,8 +56,8 @@ static gn_output_contact between(const gn_output_view *view, const gn_contacts *
     return k;
 }
 
-/* The branch has the length that the mean stress assumes: the radius, in the direction of the point
- * of the force. */
+/* Sets the branch to the radius in the direction of the point of the force, which is the length
+ * that the mean stress assumes. */
 static void reach_for(const gn_world *world, size_t c, gn_output_contact *contact) {
     const gn_wall_contacts *list = &world->boundary.contacts;
     const double *x = world->dem.particles.pos + 4 * (size_t)list->i[c];
@@ -111,7 +111,7 @@ static bool pressed(const gn_world *world, size_t c) {
     return row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
 }
 
-/* Counts the contacts, or writes them if it is given room. */
+/* Counts the contacts, and writes them to `to` unless it is NULL. */
 static size_t list_contacts(const gn_output_view *view, gn_output_contact *to) {
     const gn_world *w = view->world;
     size_t count = 0;

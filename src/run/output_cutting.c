@@ -42,6 +42,7 @@ gneiss_status gn_rim_results(const gn_world *world, gn_h5 *file, gneiss_error *e
     if (!gn_scene_test(&world->ctx.scene)->tool || !(world->cutting.samples > 0.0))
         return GNEISS_OK;
     const gn_cut cut = gn_cutting_describe(&world->ctx, &world->dem, &world->cutting);
+    if (cut.tool != GN_CUT_DISC) return GNEISS_OK;
     const rim view = {&world->cutting, gn_csm_of(&cut).arc};
     const gn_output_source source = {&gn_rim_outputs, &view, 0, GN_RIM_BINS, NULL, NULL, 0};
     return gn_output_put(&source, file, error);

@@ -52,7 +52,7 @@ static const gn_world *world_of(const void *view) {
     return ((const gn_output_view *)view)->world;
 }
 
-/* The displacement of a dormant particle is that of its element. */
+/* The displacement of a dormant particle is that of its element at its position. */
 static void read_displacement(const void *view, size_t k, double *value) {
     const gn_output_view *v = view;
     gn_particle_travel(&v->world->dem, &v->world->solids, v->places, k, value);
@@ -78,8 +78,8 @@ static void read_spin(const void *view, size_t k, double *value) {
     const double *spin = world_of(view)->dem.particles.spin;
     for (size_t a = 0; a < 3; a++) value[a] = spin ? spin[4 * k + a] : 0.0;
 }
-/* A quaternion and its opposite are the same rotation; the one with the smaller angle is
- * written. */
+/* Writes the rotation as a quaternion; of the two opposite quaternions of a rotation, that with the
+ * smaller angle. */
 static void read_orientation(const void *view, size_t k, double *value) {
     const double *turn = world_of(view)->dem.particles.orientation + 4 * k;
     for (int a = 0; a < 4; a++) value[a] = turn[0] < 0.0 ? -turn[a] : turn[a];
@@ -178,7 +178,8 @@ void gn_output_bond_ends(const gn_output_view *view, size_t bond, int32_t ends[2
     ends[1] = i < j ? j : i;
 }
 
-/* State and strengths are the world's; the copy only has the forces. */
+/* Returns the force on the particle that comes first in files. State and strengths of a bond are
+ * the world's; the copy only has the forces. */
 static void force_on_first(const gn_output_view *view, size_t c, double force[3]) {
     const gn_contacts *seen = &view->seen->list[GN_LIST_BONDS];
     const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
@@ -209,7 +210,7 @@ static void split_forces(gn_output_view *view) {
     }
 }
 
-/* The normal n is that of the present positions. */
+/* Returns the moments of a bond about its normal at the present positions. */
 static gn_law_moments moments_of(const gn_output_view *view, size_t c) {
     const gn_world *w = view->world;
     const gn_contacts *b = &w->dem.bonds.contacts;
@@ -230,12 +231,13 @@ static double criterion_of(const gn_output_view *view, size_t c) {
     now.confined = view->seen->list[GN_LIST_BONDS].confined;
     now.confined_f = NULL;
     double share = law->criterion(&now, c, view->normal[c], m.normal, view->shear[c] + m.shear);
-    /* Forces are those of the present positions, to which a softening bond has not responded yet.
-     * The load ratio of a bond without remaining strength is infinite. Only broken bonds have 1. */
+    /* Forces are those of the present positions, to which a softening bond has not responded yet;
+     * its load ratio may be above 1, and is infinite without remaining strength. Only broken bonds
+     * have the value 1. */
     return fmin(fmax(0.0, share), 1.0 - 0x1p-53);
 }
 
-enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* in addition to gn_cause: intact bonds */
+enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* states of intact bonds, in addition to gn_cause */
 
 int32_t gn_output_bond_state(const gn_contacts *bonds, size_t bond) {
     if (bonds->cause[bond] != GN_INTACT || !(bonds->soa.effects & GN_FX_SOFTENING))
@@ -353,8 +355,8 @@ gn_output_source gn_output_bonds(const gn_output_view *view) {
 
 /* --- quantities of several particles --- */
 
-/* Counts intact contacts. The state of a bond is that of the world; the copy may have broken it at
- * the present positions. */
+/* Counts the intact contacts of each particle. The world determines whether a bond is intact; the
+ * copy may have broken it at the present positions. */
 static void count_contacts(const gn_contacts *list, const gn_contacts *seen, double *coordination) {
     for (size_t c = 0; c < list->soa.count; c++) {
         if (!gn_contact_bonded(list, c) && !gn_contact_carries(seen, c)) continue;
@@ -363,7 +365,8 @@ static void count_contacts(const gn_contacts *list, const gn_contacts *seen, dou
     }
 }
 
-/* Bonds of dormant particles are stored separately and not broken; they do not count as damage. */
+/* Computes the damage of active particles. Bonds of dormant particles are stored separately and are
+ * not broken, so that they do not count as damage. */
 static void damage_of_active(const gn_world *world, double *damage) {
     const gn_contacts *b = &world->dem.bonds.contacts;
     const int32_t *bonds0 = world->dem.particles.bonds0;

@@ -10,8 +10,8 @@
 #include "run/run.h"
 
 enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2, GN_ASKED_SHIFT = 2 };
-/* The field is in both files if the scene requests it (base/asked.h), and also in the files named
- * beside it. */
+/* The field is in results.h5 and in snapshots if the scene requests it (base/asked.h); in a file
+ * whose flag is added it is without request. */
 #define GN_ON_REQUEST(name) (GN_ASKED(name) << GN_ASKED_SHIFT)
 
 typedef struct gn_output_field {
@@ -54,8 +54,8 @@ typedef struct gn_output_source {
 /* Writes GROUP/<field> of results.h5. */
 gneiss_status gn_output_put(const gn_output_source *source, gn_h5 *file, gneiss_error *error);
 
-/* Returns the field at a place among those of a table that results.h5 has under these effects and
- * requests; NULL: there are no more. */
+/* Returns field number `index` of those in a table that results.h5 contains with these effects and
+ * requests; NULL: there are fewer fields. */
 const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effects effects,
                                           unsigned asked, size_t index);
 /* Reads one field, [count][components]. */

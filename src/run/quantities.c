@@ -47,8 +47,9 @@ HOLDS(is_counted, gn_scene_has_flow(&world->ctx.scene) || gn_converts(&world->ct
 HOLDS(has_elements_beside_particles, world->solids.count && world->ctx.scene.has_specimen)
 HOLDS(has_zones, world->ctx.scene.has_couple && world->ctx.scene.couple.zone_count)
 HOLDS(converts, gn_converts(&world->ctx))
-/* The strain is that of the sides in a box that is periodic in all directions. Particles that enter
- * and leave have no positions at the start. */
+/* There is an average strain unless particles enter and leave, which have no positions at the
+ * start; in a box that is periodic in all directions the strain is that of its sides in any case.
+ */
 HOLDS(has_average_strain,
       !gn_scene_has_flow(&world->ctx.scene) ||
           (world->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&world->ctx.scene)))
@@ -111,8 +112,8 @@ READ(stage, (double)world->stages.now)
 
 READ(deflection, gn_ends_deflection(&world->ctx, &world->dem, &world->boundary, &world->solids))
 
-/* The strain is that of the particles, or in a fully periodic box, which has no surface, that of
- * its sides. Elements without particles are the specimen. */
+/* Computes the strain of the particles, in a fully periodic box that of its sides, and without
+ * particles that of the elements. */
 static void mean_strain(const gn_world *world, double strain[9]) {
     double gradient[9];
     if (!world->ctx.scene.has_specimen) {
@@ -174,8 +175,8 @@ static double mean_pressure(const gn_world *world) {
     return -(s[0] + s[4] + s[8]) / (double)world->ctx.scene.dimension;
 }
 
-/* For confined specimens the stress is the deviator: the pressure on the part of an end that the
- * membrane does not cover is subtracted. */
+/* Returns the stress at an end. For confined specimens it is the deviator: the pressure on the part
+ * of an end that the membrane does not cover is subtracted. */
 static double end_stress(const gn_world *world, bool upper_end) {
     double lower, upper;
     gn_ends_forces(&world->ctx, &world->dem, &world->boundary, &world->solids, &lower, &upper);
@@ -237,8 +238,8 @@ static void read_strain(const gn_world *world, size_t k, double *value) {
     (void)k;
     mean_strain(world, value);
 }
-/* A specimen has no average strain if too few of its particles are left, or all of them are in a
- * plane. */
+/* Tells whether the average strain is undefined: too few particles are left, or all are in a plane.
+ */
 static bool no_strain(const gn_world *world) {
     bool box = is_periodic(world, 0) && !gn_scene_half_periodic(&world->ctx.scene);
     return world->ctx.scene.has_specimen && !world->gauge.weights.count && !box;
@@ -263,7 +264,8 @@ READ(added_kinetic, gn_dem_added_kinetic(&world->dem))
 static double broken(const gn_world *world) {
     return (double)(world->dem.broken_tension + world->dem.broken_shear);
 }
-/* Bonds that were removed with particles or dissolved are neither intact nor broken. */
+/* Returns the number of bonds that are still held: bonds that were removed with particles or
+ * dissolved are neither intact nor broken. */
 static double bonds_left(const gn_world *world) {
     size_t left = 0;
     for (size_t c = 0;
@@ -453,7 +455,7 @@ static const char *sink_name(const gn_world *world, size_t k) {
     return world->ctx.scene.sinks[k].name;
 }
 
-/* A quantity of one source (sink). */
+/* Defines a function that reads a quantity of one source (sink). */
 #define READ_ONE(what, name, expression)                                                           \
     static void read_##what##_##name(const gn_world *world, size_t k, double *value) {             \
         const gn_##what##_state *s = &world->dem.flow.what##s[k];                                  \
@@ -465,7 +467,7 @@ READ_ONE(source, mass, s->mass)
 READ_ONE(source, behind, gn_flow_behind(&world->ctx, &world->dem, k))
 READ_ONE(sink, number, s->number)
 READ_ONE(sink, mass, s->mass)
-/* The rate since the last row; the first row has none. */
+/* Rate since the last row; the first row has none. */
 READ_ONE(sink, rate,
          world->ctx.time > s->row_time ? (s->mass - s->row_mass) / (world->ctx.time - s->row_time)
                                        : 0.0)

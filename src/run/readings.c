@@ -13,8 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The state for which readings were computed: they depend on nothing that changes while these
- * numbers stay the same. */
+/* The state for which readings were computed. They are the same as long as these numbers are. */
 typedef struct state {
     int64_t step, broken, lost;
     size_t rows, stage;
@@ -41,7 +40,8 @@ void gn_run_end_history(gn_run *run) {
 
 /* --- readings of a part of the rows --- */
 
-/* Returns the share at the end of the rows of a stage that is over, else of the present world. */
+/* Returns the share of the load that has returned: at the end of the rows of a stage that is over,
+ * else at present. */
 static double returned(const gn_world *world, const gn_history *rows, bool over) {
     if (!world->ctx.scene.couple.zone_count) return NAN;
     if (!over) return gn_coupled_returned_share(&world->ctx, &world->solids, &world->ledger, 0);
@@ -63,7 +63,8 @@ static size_t sizes_of(const gn_bursts *bursts, span when, int32_t *size) {
     return count;
 }
 
-/* Slender bars are too stiff by a share that the error budget contains, if there is one. */
+/* Returns the share by which the stiffness of a slender bar is too large, which the error budget
+ * may contain. */
 static double by_ends(const gn_world *world) {
     const double most = 0.05;
     gn_test_groups groups;
@@ -105,7 +106,7 @@ static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool o
                          : "the scene has no bonds"};
 }
 
-/* `over`: the history ended before the run. */
+/* Computes readings; `over`: the rows end before the end of the run. */
 static gneiss_status compute(const gn_world *world, const gn_history *rows, span when, bool over,
                              gn_readings *readings, gneiss_error *error) {
     gn_tested tested = tested_of(world, rows, over);
@@ -136,9 +137,9 @@ static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
     return end - *begin;
 }
 
-/* Tells whether a column is counted from the start of the run in the history and from the start of
- * the stage in its readings: strains, displacements of the ends and of the gauge, broken bonds. A
- * loss of volume is relative to the volume at the start of the stage. */
+/* Tells whether the readings of a stage count a column from the start of the stage, while the
+ * history counts it from the start of the run: strains, displacements of the ends and of the gauge,
+ * broken bonds. A loss of volume becomes relative to the volume at the start of the stage. */
 static bool counts_from_start(const char *name) {
     static const char *const whole[] = {
         "strain",    "volumetric_strain", "lateral_strain", "dilation",    "deflection",
@@ -149,8 +150,8 @@ static bool counts_from_start(const char *name) {
     return false;
 }
 
-/* Copies the rows of a stage to a table of its own, with the columns above relative to its first
- * row, which is of the instant of the change. */
+/* Copies the rows of a stage to a table of its own, with such columns relative to the first row,
+ * which is of the instant of the change. */
 static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
                              gneiss_error *error) {
     const gn_history *all = &run->history;
@@ -175,7 +176,7 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         const bool volume = gn_scene_test(&run->world.ctx.scene)->isotropic &&
                             strcmp(all->columns[c].name, "strain") == 0;
         const double left =
-            volume ? 1.0 - from[0] : 1.0; /* remaining volume, to which the loss is relative */
+            volume ? 1.0 - from[0] : 1.0; /* remaining volume, to which a loss is relative */
         for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;
         part->columns[c].value = values;
         values += rows;
@@ -183,14 +184,14 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
     return GNEISS_OK;
 }
 
-/* Returns the stage that gives the readings of the run. */
+/* Returns the stage whose readings are those of the run. */
 static size_t stage_read(const gn_run *run) {
     size_t stage = run->world.stages.now, begin;
     while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
     return stage;
 }
 
-/* Marks fragments as absent, because the world shows only the present ones. */
+/* Marks readings of fragments as absent, because the world contains only the present fragments. */
 static void leave_fragments(gn_readings *readings) {
     const gn_reading list[] = {GN_READING_fragments, GN_READING_largest_fragment};
     for (size_t k = 0; k < 2; k++)

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Appends to the error message the checkpoint from which a resumed run would continue. */
+/* Appends to the error message which checkpoint a resumed run would continue from. */
 static gneiss_status say_where(const gn_run *run, const gneiss_error *first, const char *tried,
                                gneiss_error *error) {
     int64_t step = -1;

@@ -22,8 +22,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Steps between updates of the stability limit (more often with finite elements: their limit falls
- * with the strain), and between readings of the clock. */
+/* Numbers of steps between updates of the stability limit (fewer with finite elements, because
+ * their limit decreases with strain), and between readings of the clock. */
 enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* --- setting up --- */
@@ -33,14 +33,15 @@ static double span_of(const gn_run *run) {
     return gn_run_staged(run) ? gn_run_stage_duration(run) : run->world.ctx.scene.end;
 }
 
-/* Returns the steps between rows or snapshots for the number requested in `span` s; the first is
- * always taken. */
+/* Returns the number of steps between rows or snapshots if `wanted` are requested in `span` s; the
+ * first one is always taken. */
 static int64_t interval(const gn_run *run, double span, int64_t wanted) {
     double steps = wanted > 0 ? span / run->world.ctx.dt / (double)wanted : INFINITY;
     return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
-/* `begins`: a run or a stage begins, and rows and snapshots may be closer at first. */
+/* Sets the intervals of rows and snapshots. `begins`: a run or a stage begins, and they may be
+ * closer at first. */
 static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
     const gn_scene *s = &run->world.ctx.scene;
     if (history) {
@@ -55,8 +56,8 @@ static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins
     gn_kept_begin(run, begins);
 }
 
-/* Sets the step of the next snapshots after some were written: the number requested up to the end
- * is spread with the present step. */
+/* Sets the step of the next snapshots after some were written: the remaining ones are distributed
+ * evenly up to the end with the present step. */
 static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     const bool regular = run->kept.due & GN_KEPT_REGULAR;
@@ -128,8 +129,8 @@ static void stop(gn_run *run, const char *format, double value) {
     snprintf(run->stop_reason, sizeof run->stop_reason, format, value);
 }
 
-/* A fall of the stress is evaluated after the first bond has broken (or, without bonds, after this
- * many rows) because the first rows of a dynamic test oscillate about zero. */
+/* A fall of the stress counts only after the first bond has broken (without bonds, after this
+ * number of rows), because the first rows of a dynamic test oscillate about zero. */
 enum { ROWS_BEFORE_PEAK = 20 };
 
 /* Ends the run if the model itself requires it. */
@@ -159,15 +160,15 @@ static bool broken_through(const gn_run *run) {
     return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
 }
 
-/* Converts a number of rows out of the default of a thousand to the number for the same time if
- * more or fewer rows are requested. */
+/* Returns the number of rows that cover the time of `rows` rows at the default of a thousand rows,
+ * if more or fewer are requested. */
 static size_t rows_of_thousand(const gn_run *run, size_t rows) {
     const double wanted = (double)run->world.ctx.scene.history_rows * (double)rows / 1000.0;
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
-/* Tells whether the test has begun at least `count` samples before `end`, and computes their mean
- * stress. */
+/* Tells whether the test has at least `count` samples before `end`, and computes their mean stress.
+ */
 static bool mean_before(const gn_run *run, size_t end, size_t count, double *mean) {
     const double *stress = run->samples.stress;
     if (!run->beginning.begun || end < run->beginning.least + count) return false;
@@ -176,8 +177,9 @@ static bool mean_before(const gn_run *run, size_t end, size_t count, double *mea
     return true;
 }
 
-/* Updates the largest mean of `count` samples since the test began, over all of them if it has just
- * begun, as after a resume. Returns the last mean. */
+/* Updates the peak, the largest mean stress of `count` successive samples since the test began.
+ * When the test has just been found to have begun, also after a resume, all means since then are
+ * computed. Returns the last mean. */
 static double look_for_peak(gn_run *run, size_t count) {
     const size_t samples = run->samples.count;
     const bool before = run->beginning.begun;
@@ -190,8 +192,8 @@ static double look_for_peak(gn_run *run, size_t count) {
     return mean;
 }
 
-/* Default stop criterion of this test kind. A specimen that did not break has no peak. Means of
- * rows are compared so that vibrations do not end a test. */
+/* Applies the default stop criterion of this test kind. A specimen that did not break has no peak.
+ * Means of rows are compared, so that vibrations do not end a test. */
 static void check_end_of_test(gn_run *run, const gn_stops *stops) {
     const double mean = look_for_peak(run, rows_of_thousand(run, GN_ROWS_HELD));
     const bool fell = run->samples.count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
@@ -201,7 +203,7 @@ static void check_end_of_test(gn_run *run, const gn_stops *stops) {
         stop_by_kind(run, "stress fell by %g of its peak", stops->peak_drop);
 }
 
-/* Stop criterion of the scene: the first fall of a single row ends the test. */
+/* Applies the stop criterion of the scene: the first fall of a single row ends the test. */
 static void check_fall(gn_run *run, double peak_drop) {
     const double stress = look_for_peak(run, 1);
     const bool counts = run->world.ctx.effects & GN_FX_BONDS
@@ -297,10 +299,10 @@ static void note_damage(gn_run *run, const gneiss_error *first) {
              first->message, (long long)run->world.ctx.step);
 }
 
-/* Loads the newest checkpoint; a damaged one is replaced by the one before it: run->note reports
- * that, and *damaged is the number of the newest ones that are to be moved aside. A checkpoint that
- * cannot be read now (no descriptors, no memory, an error of the disk) may be intact: no other is
- * loaded in its place. */
+/* Loads the newest checkpoint that is not damaged, and tells so in run->note; *damaged is the
+ * number of newer ones, which are to be moved aside. A checkpoint that cannot be read now (no
+ * descriptors, no memory, an error of the disk) may be intact, and no other is loaded in its place.
+ */
 static gneiss_status load_newest(const char *directory, const gn_override *overrides,
                                  size_t override_count, gn_run *run,
                                  int64_t steps[MOST_CHECKPOINTS], size_t *damaged,
@@ -327,7 +329,8 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
         if (*damaged == 0) first = reading;
         same = same && strcmp(first.message, reading.message) == 0;
     }
-    /* An error that all checkpoints have in common is not caused by them (an override). */
+    /* If all checkpoints fail with the same error, they are not its cause (an override is, for
+     * example). */
     return count == 1 || same
                ? gn_fail(error, first.status, "%s", first.message)
                : gn_fail(error, first.status,
@@ -351,7 +354,8 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                        "found %.6g s",
                        w->ctx.time, w->ctx.scene.end);
     GN_TRY(gn_check_duration(&w->ctx, error));
-    /* A scene that was written out has auto for keys that were not given. */
+    /* A scene file with another stop condition has no default one; the stored scene has `auto` for
+     * keys that were not given. */
     if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
         (sets(overrides, count, "time.stop.strain") ||
          sets(overrides, count, "time.stop.unbalanced")))
@@ -422,8 +426,8 @@ void gn_run_free(gn_run *run) {
 
 /* --- running --- */
 
-/* Series files are written whole: when the number of snapshots has grown by one thirty-second, or
- * when some were removed. */
+/* Tells whether to rewrite the series files, which are written as a whole: when the number of
+ * snapshots has grown by one thirty-second, or when snapshots were removed. */
 static bool series_is_due(const gn_run *run) {
     const size_t count = run->snapshot_times.count, written = run->series_length;
     return count < 64 || count <= written || 32 * (count - written) >= count;
@@ -455,7 +459,7 @@ typedef struct beginning {
     const gn_first_break_watch *watch;
 } beginning;
 
-/* Appends a row for every state in between except the last, which the first step reads. */
+/* Appends a row for every intermediate state except the last, which the first step reads. */
 static gneiss_status note_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     const beginning *b = context;
     gn_world *w = &b->run->world;
@@ -477,7 +481,7 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
     return status;
 }
 
-/* *first: set if a row and snapshots are due. */
+/* Enters a stage that is due. *first: set if a row and snapshots are due because of it. */
 static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) {
     bool entered;
     GN_TRY(gn_run_stages_go(run, &entered, error));
@@ -527,7 +531,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_timestep_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ledger,
                                  false, error));
     if (w->outcome.halt[0] && !run->finished && last(run, "step") != (double)(w->ctx.step - 1)) {
-        GN_TRY(gn_history_record_step(w, &run->history, error)); /* the row of the failed step */
+        GN_TRY(
+            gn_history_record_step(w, &run->history, error)); /* the row of the step that failed */
         GN_TRY(gn_run_check_ledger(run, error));
     }
     check_halt(run);
@@ -537,8 +542,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* A disk without room for one file must not lose the others: `before` is the status of the earlier
- * ones, and the first error is returned. After other errors nothing more is written. */
+/* Writes a file although an earlier one failed for lack of space: `before` is the status of the
+ * earlier ones, and the first error is returned. After other errors nothing more is written. */
 static gneiss_status also_write(gneiss_status before,
                                 gneiss_status (*write)(const gn_run *, gneiss_error *),
                                 const gn_run *run, gneiss_error *error) {
@@ -627,7 +632,8 @@ static double end_by_strain(const gn_run *run) {
     return from + (w->ctx.time - from) * stop / grown;
 }
 
-/* Returns the time (s) to the expected end; *at_most: to the bound of a run that may end before. */
+/* Returns the time (s) that remains to the expected end; *at_most: it is a bound, because the run
+ * may end before. */
 static double time_to_go(const gn_run *run, bool *at_most) {
     const gn_world *w = &run->world;
     const double bound = gn_run_time_left(run);

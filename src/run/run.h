@@ -20,17 +20,18 @@ typedef struct gn_samples {
 /* Snapshots of the run, or of its stage, that may be removed again (run/kept.h). */
 typedef struct gn_kept_snapshot {
     double step;
-    double part;   /* share of the requested interval since the last requested one; 0: requested */
+    double part;   /* time since the last requested snapshot over the requested interval; 0: a
+                      requested one */
     double stress; /* Pa, at the last row of the history */
     double kind;   /* gn_kept_kind */
 } gn_kept_snapshot;
 typedef struct gn_kept {
     int64_t halvings; /* present halvings of the interval */
     int64_t base;     /* step of the last requested snapshot */
-    int64_t part;     /* part of the interval of the next snapshot */
+    int64_t part;     /* number of the next snapshot among those after the last requested one */
     double peak;      /* largest stress since the test began, Pa */
-    int64_t fell;     /* the stress has been below the peak since: 0, 1 */
-    int64_t halved;   /* the stress has been at half of the peak: 0, 1 */
+    int64_t fell;     /* 1: the stress has been below the peak since then, else 0 */
+    int64_t halved;   /* 1: the stress has been at half of the peak, else 0 */
     int64_t due;      /* kinds (gn_kept_kind) of the snapshots with which the next step begins */
     size_t count, capacity;
     gn_kept_snapshot *list;
@@ -42,22 +43,21 @@ typedef struct gn_run {
     gn_history history;
     struct gn_run_read *read; /* the readings that were computed last (readings.c) */
     char directory[GN_PATH_SIZE];
-    int64_t history_interval; /* steps */
+    int64_t history_interval; /* steps from one sample to the next */
     double history_spacing;   /* s between rows that are never removed, 0: unset */
-    int64_t
-        history_end_row; /* 1: the last row is that of the end, which is not at a regular time */
+    int64_t history_end_row; /* 1: the last row is an extra one at the end, not at a regular time */
     int64_t history_halvings; /* present halvings of the interval (run/spacing.h) */
     int64_t history_begin;    /* first row that the thinning may remove */
     gn_samples samples;
     int64_t snapshot_interval; /* number of steps, 0: none */
     int64_t snapshot_next;     /* step of the next snapshots */
-    double snapshot_span;      /* s, in which the scene's number of snapshots is requested */
+    double snapshot_span; /* s, duration over which the scene's number of snapshots is requested */
     gn_kept kept;
     double wall_before;     /* s of wall time in earlier sessions */
     double wall_start;      /* gn_now() at the start of this session */
     double cpu_before;      /* s of processor time of all threads in earlier sessions */
     double cpu_start;       /* gn_process_time() at the start of this session */
-    double next_checkpoint; /* gn_now() */
+    double next_checkpoint; /* gn_now() at which the next checkpoint is due */
     double peak;            /* largest stress since the test began, Pa */
     gn_beginning beginning; /* beginning of the test, by the history so far */
     int64_t bad_since;      /* step since which the ledger has not closed; -1: it closes */
@@ -80,12 +80,12 @@ typedef struct gn_progress {
     double cpu_seconds;                                         /* of all threads in all sessions */
     double particle_steps_per_second, contact_steps_per_second; /* mean of all sessions */
     double element_steps_per_second;                            /* mean of all sessions */
-    double eta;       /* s, to the expected end, or at most to `end` */
+    double eta;       /* s, remaining time to the expected end, or at most to `end` */
     bool eta_at_most; /* a stop condition may end the run before */
     double unbalanced, residual;
     int64_t broken;
     double stress, strain;      /* NaN without a test */
-    size_t stages, stage_index; /* 0: none; base 0 */
+    size_t stages, stage_index; /* number of stages, 0: none; index of the present one, from 0 */
     const char *stage;          /* name of the stage; the run owns it */
     bool finished;
 } gn_progress;
@@ -101,9 +101,9 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error);
 gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, gn_run *run,
                            gneiss_error *error);
 
-/* Continues from the newest checkpoint in `directory` that can be read; it holds everything, the
- * scene and specimen files are not needed. Overrides: time.*, output.*, run.*. The intervals of
- * history and snapshots stay the same unless overridden. On failure nothing is held. */
+/* Continues from the newest checkpoint in `directory` that can be read; the scene and specimen
+ * files are not needed. Overrides: time.*, output.*, run.*. The intervals of history and snapshots
+ * stay the same unless overridden. On failure nothing is held. */
 gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
                             size_t override_count, gn_run *run, gneiss_error *error);
 
@@ -111,9 +111,9 @@ gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
 gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
                           gn_run *run, gneiss_error *error);
 
-/* With time.start: first_break advances a world from its start to the state in which the first bond
- * breaks. Does nothing in other cases, and in a run that has begun. Functions that advance the run
- * call it themselves, but without `watch`. `watch`, may be NULL: it is called with the states in
+/* With time.start: first_break, advances a world from its start to the state in which the first
+ * bond breaks. Does nothing in other cases, and in a run that has begun. Functions that advance the
+ * run call it themselves, but without `watch`, which (unless NULL) is called with the states in
  * between. */
 gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneiss_error *error);
 
@@ -173,7 +173,7 @@ double gn_sink_steady_rate(const gn_history *history, const char *sink);
 /* Warnings about the validity of the results, each under a name that scripts can look for. */
 typedef struct gn_warning {
     const char *name;
-    char text[640]; /* lists are allocated on the stack */
+    char text[640]; /* short enough for lists on the stack */
 } gn_warning;
 enum { GN_WARNINGS_MAX = 52 };
 typedef struct gn_warnings {

@@ -11,9 +11,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A row costs some 20 us, so that rows that are thinned later are at least this many steps apart.
- * With GN_ROW_HALVINGS the run may end at 1/32 of time.end before there are fewer rows than
- * requested. */
+/* Least number of steps between rows that are thinned later; a row costs some 20 us. With
+ * GN_ROW_HALVINGS the run may end at 1/32 of time.end before there are fewer rows than requested.
+ */
 enum { LEAST_STEPS = 5 };
 
 bool gn_run_may_end_early(const gn_run *run) {
@@ -31,8 +31,8 @@ int64_t gn_row_halvings(int64_t interval) {
     return gn_halvings(interval, LEAST_STEPS, GN_ROW_HALVINGS);
 }
 
-/* Tells whether rows may be closer at first; all others are equal times apart. Runs that convert
- * elements have their rows at given times, and rates of sinks are means from row to row. */
+/* Tells whether rows may be closer together at first; otherwise they are at equal times. Equal
+ * times are needed if elements convert, and for sinks, whose rates are means from row to row. */
 static bool adapts(const gn_world *world, size_t stage) {
     return world->ctx.scene.history_rows > 0 && !gn_converts(&world->ctx) &&
            !gn_scene_has_flow(&world->ctx.scene) &&
@@ -80,14 +80,14 @@ static bool is_spaced(const gn_run *run, int64_t step) {
            (run->history_halvings && step % spacing_of(run) == 0);
 }
 
-/* Tells whether rows are at multiples of the spacing. Rows that are thinned later remain so, also
- * when a resumed run has no condition any more that may end it early. */
+/* Tells whether rows are at multiples of the spacing. Rows that will be thinned remain so even if a
+ * resumed run has lost the condition that may end it early. */
 static bool goes_by_steps(const gn_run *run) {
     return run->history_halvings > 0 || adapts(&run->world, run->world.stages.now);
 }
 
 /* Rows that may be removed are at multiples of the interval. All others are at equal time intervals
- * from the last one, because the step may become shorter. */
+ * from the last one, because the step may have become shorter. */
 bool gn_run_row_is_due(const gn_run *run) {
     const gn_world *w = &run->world;
     const size_t rows = run->history.row_count;

@@ -1,11 +1,11 @@
 /* The number of steps from one row of the history to the next. The end of a test is not known in
  * advance, and time.end is only its bound. Rows of a run that can end early are therefore first
  * closer than time.end requires, by a power of two, and every second one is removed when there are
- * twice as many as requested. Whenever the run ends, it has the requested number of rows to twice
- * that, and at time.end the requested number. The rule depends on steps and rows alone.
- * Rows at multiples of `history_interval` are never removed. They are the samples: stop conditions
- * and the limit of the ledger are evaluated at them alone, so that the step at which a run ends
- * does not depend on the rows between them. */
+ * twice as many as requested. At its end the run has between one and two times the requested number
+ * of rows, and the requested number if it ends at time.end. The rule depends on steps and rows
+ * alone. Rows at multiples of `history_interval` are never removed. They are the samples: stop
+ * conditions and the limit of the ledger are evaluated at them alone, so that the step at which a
+ * run ends does not depend on the rows between them. */
 #ifndef GN_RUN_SPACING_H
 #define GN_RUN_SPACING_H
 
@@ -14,16 +14,16 @@
 /* Tells whether a condition other than time can end the run, or its present stage. */
 bool gn_run_may_end_early(const gn_run *run);
 
-/* Returns the expected number of rows of the history: the requested number, for the run or for each
- * stage; a quarter more if the run can end early, or the number at an eighth of its time if that is
- * less. */
+/* Returns the expected number of rows of the history, summed over stages: the requested number for
+ * each; for a stage that can end early a quarter more, or the number at an eighth of its time if
+ * that is less. */
 double gn_run_rows_expected(const gn_world *world);
 
 /* The largest numbers of halvings of an interval. */
 enum { GN_ROW_HALVINGS = 5, GN_SNAPSHOT_HALVINGS = 7 };
 
-/* Returns how often `interval` (steps) is halved at first: at most `most` times, and so that
- * `least` steps remain. */
+/* Returns how often `interval` (steps) is halved at first: at most `most` times, and only while at
+ * least `least` steps remain. */
 int64_t gn_halvings(int64_t interval, int64_t least, int64_t most);
 
 /* Returns the halvings of the interval between rows, in steps. */

@@ -19,9 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Unbalanced forces, and stress after a peak, are evaluated after this number of samples
- * (spacing.h) of the stage because the first ones oscillate about zero. Servos must hold for
- * ROWS_HELD samples. */
+/* Number of samples (spacing.h) of the stage after which unbalanced forces, and a fall from a peak,
+ * are evaluated, because the first ones oscillate about zero. Servos must hold for ROWS_HELD
+ * samples. */
 enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD, ROWS_MOST = ROWS_BEFORE + 1 };
 
 static gn_stage_state *state_of(const gn_run *run) {
@@ -77,7 +77,7 @@ static bool holds(const gn_run *run, gn_servo_row servo) {
     return fabs(servo.found - servo.wanted) <= stage_of(run)->held * fabs(servo.wanted);
 }
 
-/* Returns the volume over that at the start, to which stresses refer. */
+/* Returns the ratio of the volume to that at the start; stresses refer to the latter. */
 static double volume_left(const gn_run *run, size_t row) {
     static const char *const strains[] = {"strain_xx", "strain_yy", "strain_zz"};
     double sum = 1.0;
@@ -86,8 +86,8 @@ static double volume_left(const gn_run *run, size_t row) {
     return sum > 0.0 ? sum : 1.0; /* unknown: as at the start */
 }
 
-/* Without a servo, the membrane's target is compared: the mean stress of the specimen, or under a
- * membrane on the sides the mean stress across their axis. */
+/* Returns the stress and target of the membrane, which are compared if there is no servo: the mean
+ * stress of the specimen, or under a membrane on the sides the mean stress across their axis. */
 static gn_servo_row membrane_row(const gn_run *run, size_t row) {
     static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
     const gn_scene *s = &run->world.ctx.scene;
@@ -112,8 +112,8 @@ static bool has_servo(const gn_world *world) {
     return any;
 }
 
-/* Tells whether the membrane has no pressure, its ramp is over, and no pressure follows. A value of
- * a series may be zero. */
+/* Tells whether the membrane has been unloaded: it has no pressure, its ramp is over, and no
+ * pressure follows. A value of a series may be zero. */
 static bool released(const gn_run *run, size_t row) {
     const gn_table *given = &run->world.ctx.scene.membrane.pressure;
     const size_t last = given->count ? given->count - 1 : 0;
@@ -161,8 +161,8 @@ static bool fell(const gn_run *run, size_t rows, double stress) {
            stress < (1.0 - stage_of(run)->peak_drop) * peak;
 }
 
-/* Specimens in free fall, without any load so far, or with particles still to come, are not
- * settled. */
+/* A specimen is not settled in free fall, before it has carried any load, or if particles are still
+ * to come. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit) {
     const gn_balance *b = &run->world.ledger.balance;
     return limit > 0.0 && rows > ROWS_BEFORE && b->carries && !b->falls && b->ratio < limit &&

@@ -21,10 +21,10 @@ typedef enum gn_stage_cause {
 
 bool gn_run_staged(const gn_run *run);
 
-/* Tells whether a largest stress may be called a peak. While the pressure of a cell is applied,
- * platens are touched now and then, and that is not a peak of the deviator; neither are
- * fluctuations of the shear stress while a normal stress is applied: spheres without friction still
- * carry a tenth of it. */
+/* Tells whether the largest stress so far may count as a peak. It may not while the pressure of a
+ * cell is applied, when platens are touched now and then without a peak of the deviator; nor while
+ * a normal stress is applied, because the shear stress then fluctuates: spheres without friction
+ * still carry a tenth of it. */
 bool gn_run_loaded(const gn_run *run, double peak);
 /* Tells whether stages are left, or the last one has not reached the end that it specifies. */
 bool gn_run_stages_left(const gn_run *run);
@@ -33,14 +33,13 @@ bool gn_run_stages_left(const gn_run *run);
  * after a step; the end of the last stage ends the run. */
 void gn_run_stage_row(gn_run *run);
 void gn_run_stage_time(gn_run *run);
-/* Ends the present stage because a program asks for it, unless it has ended. */
+/* Ends the present stage at the request of a program, unless it has ended. */
 void gn_run_end_stage(gn_run *run);
 /* Enters the next stage, before a step, when the present one has ended, and skips stages without
  * steps. */
 gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error);
 
-/* The force on the servo of a wall (N), or the stress on a pair of sides of a periodic box (Pa), in
- * a row, and its target. A stage with the end `held` evaluates this number of samples. */
+/* Number of samples at which a stage with the end `held` compares a servo with its target. */
 enum { GN_ROWS_HELD = 10 };
 typedef struct gn_servo_row {
     double found, wanted;
@@ -55,9 +54,9 @@ double gn_run_time_left(const gn_run *run);
 /* Ends the run because time.end was reached, in any stage. */
 void gn_run_out_of_time(gn_run *run);
 
-/* Tells whether the last row of `rows` shows forces in balance to a ratio: some contact carries a
- * load, nothing falls freely, and the unbalanced force ratio is below the limit, after 20 rows.
- * Limit 0: false. */
+/* Tells whether forces are in balance in the last row of `rows`: some contact carries a load,
+ * nothing falls freely, the unbalanced force ratio is below `limit`, and there are at least 20
+ * rows. With `limit` 0 the answer is no. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit);
 /* Writes the reason as text: "unbalanced force ratio fell below 0.01". */
 const char *gn_stage_reason(const gn_stage *stage, gn_stage_cause cause, char *text, size_t size);

@@ -23,14 +23,14 @@ double gn_run_residual(const gn_run *run) {
     return w->ctx.effects & GN_FX_ENERGY ? fabs(gn_energy_residual(&w->ledger.reading)) : NAN;
 }
 
-/* NaN exceeds every limit. */
+/* Tells whether the residual exceeds a limit; NaN does. */
 static bool beyond(const gn_run *run, double limit) {
     return run->world.ctx.effects & GN_FX_ENERGY && run->history.row_count > 0 && limit > 0.0 &&
            !(gn_run_residual(run) <= limit);
 }
 
-/* The first contacts of a run begin between two steps, and for some steps the residual is that of
- * their onset. It counts if it persists for this number of steps. */
+/* Number of steps for which the residual must persist to count. The first contacts of a run begin
+ * between two steps, and for some steps the residual is that of their onset. */
 enum { STEPS_OF_ONSET = 100 };
 
 static gneiss_status fail(const gn_run *run, const char *since, gneiss_error *error) {
@@ -98,9 +98,10 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
             e->step_change / gn_energy_scale(e), gn_energy_scale(e), limit);
 }
 
-/* A negative loss is a gain: if a vibration passes through a large part of its motion in one step,
- * a bond that breaks keeps the velocity of half a step before (docs/physics.md). The ledger closes
- * in spite of it, at the end and in earlier rows, so that no other warning shows it. */
+/* Warns of a negative loss, that is, a gain: if a vibration passes through a large part of its
+ * motion in one step, a bond that breaks keeps the velocity of half a step before
+ * (docs/physics.md). The ledger includes the gain and closes, at the end and in earlier rows, so
+ * that no other warning shows it. */
 static void warn_of_gain(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     double limit = w->ctx.scene.residual_warning, least = 0.0;
@@ -144,7 +145,7 @@ static void warn_of_skin(const gn_run *run, gn_warnings *list) {
             run->world.ctx.scene.skin, widened);
 }
 
-/* Warns of bonds that would have to soften over less than the length of their own spring
+/* Warns of bonds that would soften over a smaller stretch than that of their own spring
  * (snap-back). */
 static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     const gn_contacts *b = &run->world.dem.bonds.contacts;
@@ -278,7 +279,7 @@ static void warn_of_stages(const gn_run *run, gn_warnings *list) {
             w->ctx.scene.stage_count);
 }
 
-/* Warns of much added mass. The inertia of a little added mass is small for every reading. */
+/* Warns of much added mass; the inertia of a little affects no reading. */
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
     if (!(run->world.ctx.effects & GN_FX_MASS_SCALING && d->raised.added > d->mass)) return;
@@ -288,7 +289,8 @@ static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
             d->raised.added / d->mass);
 }
 
-/* Warns of sources behind their rate; a hundredth of the time, or one particle, is no delay. */
+/* Warns of sources that are behind their rate. A delay of a hundredth of the time, or of one
+ * particle, does not count. */
 static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
@@ -408,8 +410,8 @@ static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     gn_warn(list, "no_normal_stress", "%s", text);
 }
 
-/* A factor that alternates between its bounds is no control; one that moves the ends beyond their
- * initial positions unloads without a load. */
+/* Number of reversals of the factor from which the control counts as failed. It has also failed if
+ * it moves the ends beyond their initial positions, which unloads ends without a load. */
 enum { SWINGS = 10 };
 
 static void warn_of_control(const gn_run *run, gn_warnings *list) {
@@ -462,12 +464,12 @@ static double stored_outside(const gn_run *run) {
     return first_row(run, "energy_elastic_wall") * (ends > 0.0 ? others / (ends + others) : 1.0);
 }
 
-/* Warns of particles at rest that overlap under stress, with contacts that are not in balance: they
- * spring apart in the first steps. A specimen that another run brought to rest under load is in
- * balance, and less than a thousandth of the later energy throughput is harmless. The initial load
- * of the ends has a warning of its own (initial_stress). If walls and bodies store more than the
- * specimen, contacts inside do not balance them; they touch N^((d - 1)/d) of N particles, over
- * which the ratio is a mean. */
+/* Warns of particles at rest that overlap under stress and whose contacts are not in balance, so
+ * that they spring apart in the first steps. A specimen that another run brought to rest under load
+ * is in balance, and an energy of less than a thousandth of the later throughput is harmless. The
+ * initial load of the ends has its own warning (initial_stress). If walls and bodies store more
+ * than the specimen, contacts inside it do not balance them; they touch N^((d - 1)/d) of N
+ * particles, and the ratio is a mean over these. */
 static void warn_of_burst(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const double balanced = 0.1, share = 1e-3,

@@ -21,7 +21,7 @@ void gn_no_force_text(const gn_run *run, char *text, size_t size);
 
 /* Warnings about a membrane. */
 void gn_warn_of_membrane(const gn_run *run, gn_warnings *list);
-/* Warnings about zones, walls that elements pass, and conversion. */
+/* Warnings about zones, elements behind walls, and conversion. */
 gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_error *error);
 
 #endif

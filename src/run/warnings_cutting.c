@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A column of the history where the tool has come `path`, between rows linear. */
+/* Returns the value of a column of the history where the tool has travelled `path`, linear between
+ * rows. */
 static double at_path(const gn_run *run, const double *path, const double *column, double place) {
     const size_t rows = run->history.row_count;
     size_t r = 1;
@@ -16,7 +17,7 @@ static double at_path(const gn_run *run, const double *path, const double *colum
     return column[r - 1] + fmin(1.0, fmax(0.0, share)) * (column[r] - column[r - 1]);
 }
 
-/* Warns of means over a part of the path. */
+/* Warns of means that cover only a part of the path. */
 static void warn_of_path(const gn_run *run, const double *path, gn_warnings *list) {
     const gn_cutting *c = &run->world.cutting;
     const double came = path[run->history.row_count - 1];
@@ -29,7 +30,7 @@ static void warn_of_path(const gn_run *run, const double *path, gn_warnings *lis
             100.0 * fmax(0.0, came - c->begin) / (c->end - c->begin));
 }
 
-/* Warns of another depth, by the motion that the tool made. */
+/* Warns of a depth of cut other than the nominal one, from the motion of the tool. */
 static void warn_of_depth(const gn_run *run, const double *path, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_cutting *c = &w->cutting;

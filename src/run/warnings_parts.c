@@ -97,9 +97,9 @@ static void warn_of_packing(const gn_run *run, gn_warnings *list) {
             d->tension[3], d->density[1]);
 }
 
-/* The largest share of the energy throughput that conversions may generate. The difference between
- * the strain energy of elements and the energy of the springs that replace them is a loss or a
- * gain, which the ledger contains. */
+/* Largest share of the energy throughput that conversions may generate. The strain energy of
+ * elements differs from the energy of the springs that replace them; the ledger contains this loss
+ * or gain. */
 static const double made_most = 0.03;
 
 /* Writes the largest contribution to the gain. */
@@ -136,8 +136,8 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
         made / gn_energy_scale(e), gn_energy_scale(e), what);
 }
 
-/* The largest change, relative to the largest angular momentum of the body or to m v r of its
- * vibration (gn_tally_turns). */
+/* Largest change of angular momentum by conversions, relative to the largest angular momentum of
+ * the body or to m v r of its vibration (gn_tally_turns). */
 static const double turned_most = 0.01;
 
 static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
@@ -227,7 +227,7 @@ static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
             w->ctx.scene.membrane.ramp);
 }
 
-/* Warns of patches with a bounded stretch. */
+/* Warns of patches whose stretch is bounded. */
 static void warn_of_stretch(const gn_run *run, gn_warnings *list) {
     const double unlike = run->world.membrane.state->unlike;
     if (!(unlike > 0.0)) return;
@@ -243,8 +243,8 @@ static double in_row(const gn_run *run, const char *column, size_t row) {
     return values ? values[row] : 0.0;
 }
 
-/* Returns the last row with the full pressure and intact bonds, none of them broken so far;
- * SIZE_MAX: there is none. */
+/* Returns the last row with the full pressure and with all bonds intact; SIZE_MAX: there is none.
+ */
 static size_t row_of_pressure(const gn_run *run) {
     const double *pressure = gn_history_column(&run->history, "membrane_pressure");
     double most = 0.0;
@@ -264,8 +264,9 @@ static bool pushed_otherwise(const gn_scene *scene) {
     return false;
 }
 
-/* An intact specimen stores the work of the membrane, or half of it if the pressure is applied at
- * once; the work on grains that roll under the membrane is lost to background damping. */
+/* Warns of work of the membrane that the specimen does not store. An intact specimen stores that
+ * work, or half of it if the pressure is applied at once; the work on grains that roll under the
+ * membrane is lost to background damping. */
 static void warn_of_work(const gn_run *run, gn_warnings *list) {
     static const char *const takes_up[] = {
         "energy_elastic_normal", "energy_elastic_shear", "energy_elastic_bending",
@@ -312,13 +313,13 @@ static gn_servo_row mean_of(const gn_run *run, int wall, int axis, size_t last, 
  * first reached, in which the error may be larger. */
 static const double servo_limit = 0.1, share_limit = 0.1;
 
-/* A force without a target has no error. */
+/* Tells whether a servo misses its target; a force without a target has no error. */
 static bool is_off(gn_servo_row row) {
     return row.wanted != 0.0 && fabs(row.found - row.wanted) > servo_limit * fabs(row.wanted);
 }
 
-/* Returns the mean of the last rows of the present stage, and the share of means of as many rows
- * that are off since the first that is not (0: there is none). */
+/* Returns the mean over the last rows of the present stage. *share: fraction of earlier means over
+ * as many rows that miss the target, counted from the first that does not; 0: there is none. */
 static gn_servo_row look_at_servo(const gn_run *run, int wall, int axis, double *share) {
     const size_t rows = run->history.row_count,
                  begun = gn_run_staged(run)
@@ -389,8 +390,8 @@ void gn_warn_of_servos(const gn_run *run, gn_warnings *list) {
 
 /* ---- warnings about the readings ---- */
 
-/* Waves, gravity and viscous damping cause a small difference between the ends of a dynamic test; a
- * support that is not included accounts for half of the load. */
+/* Largest relative difference between the two ends. Waves, gravity and viscous damping cause a
+ * small difference in a dynamic test; a support that is not included takes half of the load. */
 static const double imbalance_limit = 0.1;
 
 static void warn_of_balance(const gn_readings *readings, gn_warnings *list) {
@@ -403,8 +404,8 @@ static void warn_of_balance(const gn_readings *readings, gn_warnings *list) {
         100.0 * readings->end_imbalance);
 }
 
-/* The largest increase from one row to the next, that of twenty rows of a stress that increases
- * uniformly. */
+/* Largest increase of the stress from one row to the next: that of a uniform increase over twenty
+ * rows. */
 static const double rise_limit = 0.05;
 
 static void warn_of_rows(const gn_readings *readings, gn_warnings *list) {
@@ -429,8 +430,8 @@ static void warn_of_rows(const gn_readings *readings, gn_warnings *list) {
              ": more output.history_rows resolve it better");
 }
 
-/* The largest initial stress that vanished, relative to the later peak: a larger one may have
- * broken bonds. */
+/* Largest vanished initial stress relative to the later peak; a larger one may have broken bonds.
+ */
 static const double initial_limit = 0.5;
 
 static void warn_of_beginning(const gn_readings *readings, gn_warnings *list) {
@@ -457,8 +458,8 @@ static void warn_of_section(const gn_run *run, const gn_readings *readings, gn_w
             run -> world.ctx.test_area);
 }
 
-/* Tells whether the test had a stress in its sense. Some stages unload the load of others, so all
- * rows of the run are checked. */
+/* Tells whether the stress of the test had its expected sign in some row. All rows of the run are
+ * checked, because some stages unload the load of others. */
 static bool measured(const gn_run *run, const gn_readings *readings) {
     const double *stress = gn_history_column(&run->history, "stress");
     if (!gn_run_staged(run) && !gn_scene_test(&run->world.ctx.scene)->tool)

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- section of a box of walls, from which a servo that holds a stress gets its force ---- */
+/* ---- section of a box of walls, on which a servo that prescribes a stress acts ---- */
 
-/* Tolerance on the cosine of a right angle, and on that of opposite normals. */
+/* Tolerance of the cosine of the angle between orthogonal normals, and between opposite normals. */
 static const double slack = 1e-6;
 
 static bool across(const double *first, const double *second) {
@@ -62,7 +62,8 @@ static bool has_force(const gn_set_def *set) {
     return set->has_force && (set->force[0] != 0 || set->force[1] != 0 || set->force[2] != 0);
 }
 
-/* `ends`: motions of the ends of the test count as well. */
+/* Tells whether anything may load the specimen; `ends`: motions of the ends of the test count as
+ * well. */
 static bool has_load(const gn_scene *scene, bool ends) {
     bool acts = scene->elements.load_count > 0 || gn_scene_box_moves(scene);
     for (size_t k = 0; k < scene->wall_count; k++) {
@@ -170,8 +171,8 @@ bool gn_scene_wall_is_fixed(const gn_scene *scene, size_t wall, int axis) {
             (!w->servo.active && !gn_table_is_nonzero(&w->motion.velocity[axis])));
 }
 
-/* A wall counts if its normal has any component in this direction: of the walls of a tube only few
- * face it. */
+/* Tells whether any wall that faces in a direction is fixed. A wall counts if its normal has any
+ * component in this direction, because few walls of a tube face it exactly. */
 static bool any_wall_is_fixed(const gn_scene *scene, int axis, double sense) {
     for (size_t k = 0; k < scene->wall_count; k++) {
         const gn_wall_def *wall = &scene->walls[k];
@@ -223,7 +224,8 @@ bool gn_scene_is_held_along(const gn_scene *scene, int axis) {
         if (scene->stage_count ? !gn_scene_is_end(scene, scene->elements.motions[k].name)
                                : gn_scene_motion_is_fixed(scene, k, axis))
             return true;
-    return scene->has_specimen && scene->has_elements; /* a container, or the content of one */
+    return scene->has_specimen &&
+           scene->has_elements; /* the specimen or the elements may be the container of the other */
 }
 
 /* --- ends of a shear test --- */
@@ -236,7 +238,7 @@ static bool has_normal_load(const gn_scene *scene, const char *name, int normal)
     if (motion >= 0)
         return scene->elements.load_count ||
                scene->elements.motions[motion].motion.velocity[normal].count;
-    return true; /* a wall or a body; a free body has a weight */
+    return true; /* the end is a wall or a body; a free body has a weight */
 }
 
 bool gn_scene_end_has_normal_load(const gn_scene *scene, const gn_test_end *end) {

@@ -11,7 +11,8 @@ bool gn_table_is_nonzero(const gn_table *table);
  * or elements that move or carry a load. Gravity is not considered. */
 bool gn_scene_has_load(const gn_scene *scene);
 
-/* True if something may approach the specimen; walls and sides that only recede do not count. */
+/* True if a part of the scene may approach the specimen; walls and sides that only recede do not
+ * count. */
 bool gn_scene_may_compress(const gn_scene *scene);
 
 /* True if the specimen may be loaded without the motions of the ends of the test, or (`membrane`)
@@ -21,7 +22,8 @@ bool gn_scene_has_other_load(const gn_scene *scene, bool membrane);
 /* Returns the motion of the wall, body, set or nodes of this name; NULL: none. */
 const gn_motion *gn_scene_end_motion(const gn_scene *scene, const char *name);
 
-/* True if a part of an end ever has a prescribed velocity along the axis of the test. */
+/* True if the scene prescribes a nonzero velocity of a part of an end along the axis of the test at
+ * some time. */
 bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end);
 
 /* True if `name` is among the first `parts` of an end of a test. */
@@ -29,23 +31,23 @@ bool gn_test_end_has(const gn_test_end *end, size_t parts, const char *name);
 /* True if `name` is a part of either end of the test. */
 bool gn_scene_is_end(const gn_scene *scene, const char *name);
 
-/* True if something other than the ends of the test, or an end that is a body without `box`, holds
- * the specimen on both sides along an axis: walls that face it, sides of a periodic box, or fixed
- * bodies, sets or elements. In a scene with stages a wall with a servo and a set without a motion
- * may become fixed later. */
+/* True if parts of the scene hold the specimen on both sides along an axis: walls that face it,
+ * sides of a periodic box, or fixed bodies, sets or elements. Ends of the test do not count, except
+ * bodies without `box`. In a scene with stages a wall with a servo and a set without a motion may
+ * become fixed later. */
 bool gn_scene_is_held_along(const gn_scene *scene, int axis);
 
-/* True if a single object beside the ends of the test is fixed, i.e. at rest along the axis. Its
- * position is not examined (laboratory/check_ends.c does that). In a scene with stages walls and
- * bodies may come to rest later. */
+/* True if a single object other than the ends of the test is fixed, which means at rest along the
+ * axis. Its position is not examined (laboratory/check_ends.c does that). In a scene with stages
+ * walls and bodies may come to rest later. */
 bool gn_scene_wall_is_fixed(const gn_scene *scene, size_t wall, int axis);
 bool gn_scene_body_is_fixed(const gn_scene *scene, size_t body, int axis);
 bool gn_scene_set_is_fixed(const gn_scene *scene, size_t set, int axis);
 bool gn_scene_motion_is_fixed(const gn_scene *scene, size_t motion, int axis);
 
 /* True if the ends of a shear test are free to separate: across the sheared plane one of them is
- * neither held nor loaded itself. Walls beside them are not examined (laboratory/check_ends.c does
- * that). */
+ * neither held nor loaded by itself. Walls beside them are not examined (laboratory/check_ends.c
+ * does that). */
 bool gn_scene_shear_ends_may_separate(const gn_scene *scene);
 
 /* True if a part of an end of a shear test is held or loaded across the sheared plane. */
@@ -57,10 +59,10 @@ typedef struct gn_facing {
     size_t pair[2][2];
 } gn_facing;
 
-/* True if the wall stands across the open axis of a periodic box and so closes the box. */
+/* True if the wall stands across the open axis of a periodic box, so that it closes the box. */
 bool gn_wall_covers_open_axis(const gn_scene *scene, size_t wall);
 
-/* Finds the first such pairs in the scene; false: there are none. */
+/* Finds the first such pairs in the scene; returns false if there are none. */
 bool gn_facing_find(const gn_scene *scene, size_t wall, gn_facing *facing);
 
 #endif

@@ -26,7 +26,8 @@ gneiss_status gn_check_fail(const check *section, const char *key, const char *f
     if (!*key && *path) path[strlen(path) - 1] = '\0'; /* the element itself */
     snprintf(up, sizeof up, "%s", key);
     const gn_node *node = gn_node_find(section->map, up);
-    bool value = node && node->kind != GN_NODE_MAP; /* the place of a section is its key */
+    bool value =
+        node && node->kind != GN_NODE_MAP; /* a section is reported at the place of its key */
     while (!node) {
         char *dot = strrchr(up, '.');
         if (dot) *dot = '\0';
@@ -85,7 +86,7 @@ static void add_source(char sources[SOURCES_SIZE], const char *name) {
     snprintf(sources + used, SOURCES_SIZE - used, "%s%s", used ? ", " : "", name);
 }
 
-/* Checks that exactly one source is given and returns its name in `source`. Sets the kind of the
+/* Checks that exactly one source is given, writes its name to `source`, and sets the kind of the
  * shape. */
 static gneiss_status check_source(const check *section, gn_specimen *specimen, int64_t dimension,
                                   char source[SOURCES_SIZE]) {
@@ -118,7 +119,7 @@ static bool is_zero(const double vector[3]) {
     return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
 }
 
-/* Refuses keys that only a shape reads. */
+/* Refuses keys that only shapes have. */
 static gneiss_status check_no_shape(const check *section, gn_specimen *specimen, int64_t dimension,
                                     const char *source) {
     char shapes[GN_SHAPE_NAMES_SIZE];
@@ -129,7 +130,7 @@ static gneiss_status check_no_shape(const check *section, gn_specimen *specimen,
                       : !is_zero(specimen->pack.origin)             ? "specimen.origin"
                       : gn_check_given(section, "specimen.packing") ? "specimen.packing"
                                                                     : NULL;
-    /* The origin is not written, and a signed zero would be lost. */
+    /* The origin is not written to files, where the sign of a zero would be lost. */
     if (!key) memset(specimen->pack.origin, 0, sizeof specimen->pack.origin);
     if (!key) return GNEISS_OK;
     if (section->reader->specimen_only)
@@ -211,8 +212,8 @@ static gneiss_status check_pack(const check *section, const gn_pack_def *pack, c
     return GNEISS_OK;
 }
 
-/* Clips the body to the region. A body inside the region keeps its bits, so that a written scene is
- * read back unchanged. */
+/* Cuts the body to the region. The bits of a body inside the region stay the same, so that a scene
+ * that was written is read back unchanged. */
 static gneiss_status clip(const check *section, gn_pack_def *pack, int dimension,
                           const char *shape) {
     const double *low = pack->region_min, *high = pack->region_max;
@@ -288,6 +289,7 @@ static gneiss_status check_specimen(const check *section, gn_scene *scene) {
     GN_TRY(gn_check_keep_problem(section, check_particles(section, scene)));
     if (!*specimen->material && scene->material_count == 1)
         memcpy(specimen->material, scene->materials[0].name, sizeof specimen->material);
+    if (!*specimen->material && *specimen->file) return GNEISS_OK; /* a column may name them */
     return gn_check_material_name(section, scene, "specimen.material", specimen->material);
 }
 
@@ -369,7 +371,7 @@ static gneiss_status check_material(const check *section, const gn_scene *scene,
 
 /* ---- damping ---- */
 
-/* The coefficient is a rate or a fraction, as the model requires. */
+/* Checks the coefficient, which is a rate or a fraction depending on the model. */
 static gneiss_status check_background(const check *section, const gn_scene *scene, const char *key,
                                       double coefficient) {
     double value;
@@ -458,7 +460,7 @@ static gneiss_status check_spin(const check *section, const gn_scene *scene,
     return GNEISS_OK;
 }
 
-/* Checks that a velocity prescribed from the start is not contradicted by an initial velocity. */
+/* Refuses an initial velocity that contradicts a velocity prescribed from the start. */
 static gneiss_status check_start(const check *section, const gn_table given[3],
                                  const double start[3], const char *key, const char *axis) {
     for (int a = 0; a < 3; a++) {
@@ -492,7 +494,8 @@ static gneiss_status check_set(const check *section, const gn_scene *scene, size
     return gn_check_plane_motion(section, scene, &set->motion);
 }
 
-/* A unit vector stays as it is, so that a scene that is written and read again keeps every bit. */
+/* A unit vector stays as it is, so that no bit of a scene changes when it is written and read
+ * again. */
 bool gn_check_direction(double vector[3]) {
     double largest = fmax(fabs(vector[0]), fmax(fabs(vector[1]), fabs(vector[2])));
     if (!(largest > 0)) return false;
@@ -544,7 +547,7 @@ static gneiss_status check_servo(const check *section, const gn_scene *scene, si
                          scene->dimension == 2 ? "two walls" : "two pairs of walls");
 }
 
-/* Refuses keys that only particles read. */
+/* Refuses keys that require particles. */
 static gneiss_status check_no_specimen(const check *section, const gn_scene *scene) {
     const struct {
         bool found;
@@ -589,7 +592,8 @@ static gneiss_status check_from(const check *section, const gn_scene *scene) {
     if (!scene->specimen.from[0])
         return gn_check_fail(section, "specimen.from_bonds",
                              "expected none without specimen.from, found keep");
-    if (scene->bonds == GN_SWITCH_ON || scene->stage_count) return GNEISS_OK; /* check_stages.c */
+    if (scene->bonds == GN_SWITCH_ON || scene->stage_count)
+        return GNEISS_OK; /* check_stages.c checks scenes with stages */
     return gn_check_fail(
         section, "specimen.from_bonds",
         "expected the section bonds beside keep, which defines their behaviour, found none");
@@ -602,8 +606,8 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     scene->has_specimen = scene->specimen_given || scene->source_count > 0;
     if (scene->bonds == GN_SWITCH_AUTO)
         scene->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
-    /* A scene that states one condition for the end states all of them, including `auto` and
-     * conditions that are switched off. */
+    /* A scene that gives one stop condition gives all of them: in addition to it no other applies,
+     * so that `auto` becomes 0. */
     if (scene->stop_peak_drop < 0 && (scene->stop_strain > 0 || scene->stop_unbalanced > 0) &&
         !gn_check_given(&c, "time.stop.peak_drop"))
         scene->stop_peak_drop = 0;

@@ -1,4 +1,4 @@
-/* Functions that the checks of several files share. */
+/* Functions that several files of checks share. */
 #ifndef GN_SCENE_CHECK_H
 #define GN_SCENE_CHECK_H
 
@@ -15,13 +15,14 @@ typedef struct check {
 check gn_check_element(const gn_reader *reader, const gn_node *root, const char *list,
                        size_t index);
 
-/* Checks the elements of a list that were read without problems, and keeps their problems. */
+/* Checks an element of a list. gn_check_list calls it for those that were read without problems,
+ * and keeps their problems. */
 typedef gneiss_status gn_check_one(const check *section, const gn_scene *scene, size_t index);
 gneiss_status gn_check_list(const check *section, const char *list, size_t count,
                             gn_check_one *one);
 
-/* Fails at the value of `key`, or, if it is not given, at the section around it; "" stands for the
- * checked element. */
+/* Fails with the place of the value of `key`, or, if it is not given, of the section around it; ""
+ * stands for the checked element. */
 gneiss_status gn_check_fail(const check *section, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -30,16 +31,16 @@ gneiss_status gn_check_name(const check *section, bool taken, const char *name);
 
 bool gn_check_given(const check *section, const char *key);
 
-/* Fails if a value that `reason` ("by softening energy") requires is not above 0. */
+/* Fails if a value is not above 0 although `reason` ("by softening energy") requires it. */
 gneiss_status gn_check_required(const check *section, double value, const char *key,
                                 const char *reason);
 
 /* Keeps an input error so that checking continues; returns any other failure. */
 gneiss_status gn_check_keep_problem(const check *section, gneiss_status status);
 
-/* gn_check_is_valid: true if no problem was found with a key of the scene, or with anything above
- * or below it. gn_check_names_are_valid: true if all names of a list were read. Keys with problems
- * are not checked further. */
+/* gn_check_is_valid: true if no problem was found with a key of the scene, nor with a key above or
+ * below it. gn_check_names_are_valid: true if all names of a list were read. Keys with problems are
+ * not checked further. */
 bool gn_check_is_valid(const check *section, const char *path);
 bool gn_check_names_are_valid(const check *section, const char *list);
 /* True if no problem was found with the checked element of a list. */
@@ -49,13 +50,13 @@ bool gn_check_element_is_valid(const check *section);
 gneiss_status gn_check_material_name(const check *section, const gn_scene *scene, const char *key,
                                      const char *name);
 
-/* Checks `key` of a material that is drawn for each bond; an element of `contacts`; gamma of `law`
- * (check_law.c). */
+/* Check a key of a material that is drawn for each bond, an element of `contacts`, and gamma of
+ * `law` (check_law.c). */
 gneiss_status gn_check_scatter(const check *section, const char *key, const gn_scatter *scatter);
 gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size_t index);
 gneiss_status gn_check_gamma(const check *section, const gn_scene *scene);
 
-/* Checks the order of the corners; `key` is that of the upper one. */
+/* Checks that the corners are in order; `key` is that of the upper corner. */
 gneiss_status gn_check_box(const check *section, const gn_scene *scene, const char *key,
                            const double *low, const double *high);
 
@@ -78,7 +79,7 @@ gneiss_status gn_check_hertz_material(const check *section, const gn_material *m
 typedef struct gn_side_keys {
     double stiffness, kratio, friction, rolling, twisting;
     const char *material;
-    bool body; /* by Hertz's law the object may have a stiffness as well */
+    bool body; /* by Hertz's law the object may also have a stiffness */
 } gn_side_keys;
 gneiss_status gn_check_side(const check *section, const gn_scene *scene, const char *prefix,
                             gn_side_keys side);
@@ -91,7 +92,7 @@ gneiss_status gn_check_test(const check *section, gn_scene *scene);
  * stress (check_stages.c). */
 gneiss_status gn_check_separating_ends(const check *section, const gn_scene *scene);
 
-/* A test from all sides alike needs something that presses, in any stage. */
+/* Checks that something presses on the specimen of a hydrostatic test in some stage. */
 gneiss_status gn_check_hydrostatic_load(const check *section, bool presses);
 /* Checks the section `membrane`. */
 gneiss_status gn_check_membrane(const check *section, const gn_scene *scene);
@@ -105,10 +106,10 @@ gneiss_status gn_check_time(const check *section, const gn_scene *scene);
 /* Returns the first given key of time.stop; NULL: none. */
 const char *gn_check_stop(const gn_scene *scene);
 
-/* Normalises the vector; false: it has no direction. */
+/* Normalises the vector; returns false if it has no direction. */
 bool gn_check_direction(double vector[3]);
 
-/* Keeps notes on keys that change nothing in a scene without problems (check_idle.c). */
+/* Adds notes on keys that change nothing in a scene without problems (check_idle.c). */
 void gn_note_idle_keys(const gn_reader *reader, const gn_node *root);
 
 /* True if some contacts of a material have a tangential spring (check_law.c); friction that
@@ -117,8 +118,8 @@ bool gn_material_has_spring(const gn_scene *scene, const gn_material *material);
 gneiss_status gn_check_grip(const check *section, const gn_scene *scene,
                             const gn_material *material);
 
-/* Checks a sieve curve, which `sizes` requires if `wanted`: sizes increase and shares do not
- * decrease, from a share of 0 to [1, 1]; `section` is the prefix of its keys (check_lists.c). */
+/* Checks a sieve curve, which `sizes` requires if `wanted`: sizes increase, and shares do not
+ * decrease, from a share of 0 to [1, 1]. `section` is the prefix of its keys (check_lists.c). */
 gneiss_status gn_check_sieve(const check *checked, const char *section, bool wanted,
                              const double *row, size_t count);
 

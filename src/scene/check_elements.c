@@ -206,7 +206,7 @@ static gneiss_status check_zone(const check *section, const gn_scene *scene, siz
     return check_other(section, scene, index);
 }
 
-/* Refuses keys that exclude coupling zones. */
+/* Refuses keys that cannot be combined with coupling zones. */
 static gneiss_status check_beside(const check *section, const gn_scene *scene) {
     if (!scene->has_specimen || !scene->has_elements)
         return gn_check_fail(section, "couple",
@@ -237,8 +237,8 @@ static gneiss_status check_pulse(const check *section, const gn_scene *scene) {
     return GNEISS_OK;
 }
 
-/* Springs of zones act on positions, not on spins. Non-viscous damping acts on the resultant at
- * each mass separately, which consistent masses exclude. */
+/* Checks the constraint of zones. Springs of zones act on positions, not on spins. Consistent
+ * masses exclude non-viscous damping, which acts on the resultant at each mass separately. */
 static gneiss_status check_constraint(const check *section, const gn_scene *scene) {
     if (scene->couple.constraint == GN_COUPLE_CONSISTENT &&
         scene->background != GN_BACKGROUND_NONE && scene->background != GN_BACKGROUND_VISCOUS &&
@@ -246,7 +246,7 @@ static gneiss_status check_constraint(const check *section, const gn_scene *scen
         return gn_check_fail(section, "couple.constraint",
                              "expected lumped or penalty beside background damping that is not "
                              "viscous, found consistent");
-    /* Scenes that were written contain all keys; those at their default are accepted. */
+    /* Scenes that were written contain all keys, so that keys at their default are accepted. */
     const char *springs = scene->couple.penalty != 1.0           ? "couple.penalty"
                           : scene->couple.penalty_damping != 0.0 ? "couple.penalty_damping"
                                                                  : NULL;
@@ -261,8 +261,8 @@ static gneiss_status check_constraint(const check *section, const gn_scene *scen
 
 /* ---- conversion ---- */
 
-/* Sets that are only observed, such as the sides of a notch's mouth, do not affect dormant
- * particles. */
+/* Checks a set in a scene with conversion. Sets that are only observed, such as the sides of a
+ * notch's mouth, have no effect on dormant particles. */
 static gneiss_status check_convert_set(const check *section, const gn_set_def *set) {
     bool moves = false;
     for (int a = 0; a < 3; a++)
@@ -291,7 +291,8 @@ static gneiss_status check_convert_set(const check *section, const gn_set_def *s
     return GNEISS_OK;
 }
 
-/* Elements do not press on walls: walls only stop debris. */
+/* Checks walls in a scene with conversion: elements do not press on walls, so that walls only stop
+ * debris. */
 static gneiss_status check_convert_walls(const check *section, const gn_scene *scene) {
     const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
     for (size_t k = 0; k < scene->wall_count; k++)
@@ -310,7 +311,7 @@ static gneiss_status check_convert_walls(const check *section, const gn_scene *s
     return GNEISS_OK;
 }
 
-/* Refuses keys that exclude conversion, with a message at the key. */
+/* Refuses keys that cannot be combined with conversion, with a message at the key. */
 static gneiss_status check_convert_beside(const check *section, const gn_scene *scene,
                                           const gn_node *root) {
     const struct {
@@ -345,7 +346,8 @@ static gneiss_status check_convert_beside(const check *section, const gn_scene *
     return GNEISS_OK;
 }
 
-/* Without a box the packed region holds, extended by the rounding of nodes on its sides. */
+/* Sets the box of conversion; by default it is the packed region, extended by the rounding of nodes
+ * on its sides. */
 static gneiss_status set_box(const check *section, gn_scene *scene) {
     gn_convert_def *q = &scene->couple.convert;
     const gn_pack_def *pack = &scene->specimen.pack;

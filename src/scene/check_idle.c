@@ -1,6 +1,6 @@
-/* Keys that change nothing in their scene. Each row of the tables below names a key, the condition
- * under which nothing reads it, and the reason; a value equal to the default gets no note. These
- * are notes and not errors, so that a scene can be varied. */
+/* Keys that change nothing in their scene. Each row of the tables below gives a key, the condition
+ * under which nothing reads it, and the reason; for a value equal to the default there is no note.
+ * These are notes and not errors, so that a scene can be varied. */
 #include "scene/check.h"
 #include "scene/sides.h"
 
@@ -27,7 +27,7 @@ static bool is_default(const gn_key *key, const void *base) {
     return false;
 }
 
-/* Notes the key of an element, or of the scene, if its value is not the default. */
+/* Adds a note about a key of an element, or of the scene, if its value is not the default. */
 static void note(const check *section, const void *base, const char *key, const char *why) {
     char path[GN_KEY_PATH_SIZE], text[256];
     const gn_node *node = gn_node_find(section->map, key);
@@ -53,7 +53,8 @@ static const char no_bonds[] = "no bonds are formed";
 static const char other_law[] = "this law.stiffness does not read it";
 static const char other_softening[] = "this law.softening does not read it";
 
-/* Reason why a key of a material is not read; NULL: it is read. `limits`: strengths are forces. */
+/* A key of a material and the reason why it is not read; NULL: it is read. `limits`: strengths are
+ * given as forces. */
 typedef struct material_row {
     const char *key;
     bool (*read_by_law)(const gn_scene *s); /* NULL: every law reads the key */
@@ -106,8 +107,8 @@ static const char *unread_by_material(const gn_scene *scene, const material_row 
     return NULL;
 }
 
-/* True if something consists of the material; files of particles and earlier runs may name any
- * material. */
+/* True if a particle or another object is of the material; files of particles and earlier runs may
+ * name any material. */
 static bool is_used(const gn_scene *scene, const char *name) {
     bool used = *scene->specimen.file || *scene->specimen.from ||
                 strcmp(scene->specimen.material, name) == 0 ||
@@ -140,8 +141,8 @@ static void note_materials(const gn_reader *reader, const gn_node *root, const g
     }
 }
 
-/* Keys of a pair that law.stiffness and law.softening do not read are refused (check_law.c).
- */
+/* Adds notes on the keys of pairs. Keys that law.stiffness and law.softening do not read are
+ * refused (check_law.c). */
 static void note_contacts(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
     for (size_t k = 0; !bonded(scene) && k < scene->contact_count; k++) {
         check c = gn_check_element(reader, root, "contacts", k);
@@ -189,11 +190,12 @@ static bool from_random_points(const gn_scene *scene) {
 static bool without_particles(const gn_scene *scene) {
     return !scene->has_specimen;
 }
-/* Bodies touch each other without particles, too. */
+/* Tells whether there are no contacts at all; bodies touch each other even without particles. */
 static bool without_contacts(const gn_scene *scene) {
     return without_particles(scene) && !scene->body_count;
 }
-/* Bodies without a material damp their contacts with each other by damping.contact. */
+/* Tells whether materials alone determine the damping of contacts; bodies without a material damp
+ * their contacts with each other by damping.contact. */
 static bool damped_by_materials(const gn_scene *scene) {
     if (!scene->has_law || !gn_scene_hertz(scene) || scene->body_count) return false;
     for (size_t k = 0; k < scene->material_count; k++)
@@ -259,7 +261,7 @@ static bool is_zero(const gn_table *table) {
     return true;
 }
 
-/* A plane that moves within itself, without friction, has no effect. */
+/* Adds notes on walls: a plane that moves within itself and has no friction has no effect. */
 static void note_walls(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
     static const char *const keys[] = {"motion.vx", "motion.vy", "motion.vz"};
     for (size_t k = 0; k < scene->wall_count; k++) {

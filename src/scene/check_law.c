@@ -70,7 +70,8 @@ static bool has_spring(const gn_scene *scene, const gn_material *first, const gn
                 : first->kratio > 0.0 && second->kratio > 0.0;
 }
 
-/* A pair of materials may have a spring where neither of them does. */
+/* Tells whether any pair with the material has a spring; a pair may have one although the material
+ * has none. */
 static bool has_spring_in_a_pair(const gn_scene *scene, const gn_material *material) {
     for (size_t k = 0; k < scene->contact_count; k++) {
         const gn_contact_def *contact = &scene->contacts[k];
@@ -93,9 +94,9 @@ bool gn_material_has_spring(const gn_scene *scene, const gn_material *material) 
     return has_spring(scene, material, material, NULL) || has_spring_in_a_pair(scene, material);
 }
 
-/* Later stages may add a spring, or friction to the springs of the base. Friction of the base may
- * therefore stand without a spring in a scene with stages; friction that a stage itself gives needs
- * a spring there. */
+/* Tells whether a missing spring may be added later. Later stages may add a spring, or friction to
+ * the springs of the base. In a scene with stages, friction of the base may therefore be given
+ * without a spring; friction that a stage gives requires a spring in that stage. */
 static bool may_come_later(const check *section, const gn_scene *scene, const char *key) {
     const gn_node *node = gn_node_find(section->map, key);
     return scene->stage_count && !(node && node->stage);
@@ -228,7 +229,7 @@ gneiss_status gn_check_gamma(const check *section, const gn_scene *scene) {
 
 /* ---- cross-key checks of bonds that soften, yield or carry moments ---- */
 
-/* Checks that the material has the values that softening reads. */
+/* Checks that the material has the values that softening requires. */
 static gneiss_status check_softening(const check *section, const gn_scene *scene,
                                      const gn_material *material) {
     switch (scene->softening) {
@@ -271,7 +272,7 @@ static gneiss_status check_yield(const check *section, const gn_material *materi
     return GNEISS_OK;
 }
 
-/* Checks laws of bonds that soften, yield or carry moments. */
+/* Checks the laws of bonds that soften, yield or carry moments. */
 gneiss_status gn_check_bonds_of(const check *section, const gn_scene *scene,
                                 const gn_material *material) {
     if (scene->bond_radius_multiplier > 0)
@@ -291,8 +292,8 @@ static bool frictional(const gn_scene *scene) {
     return found;
 }
 
-/* The bilinear curve divides an energy between two lines; no other curve reads the keys of its
- * kink. */
+/* Checks the curve of softening. The bilinear curve divides an energy between two lines; no other
+ * curve has the keys of a kink. */
 static gneiss_status check_curve(const check *section, const gn_scene *scene) {
     if (scene->softening_curve == GN_SOFTENING_BILINEAR) {
         if (scene->softening == GN_SOFTENING_ENERGY) return GNEISS_OK;
@@ -300,7 +301,7 @@ static gneiss_status check_curve(const check *section, const gn_scene *scene) {
                              "expected softening energy beside bilinear, found another");
     }
     if (scene->kink_stress > 0.0 &&
-        fabs(scene->kink_stress - 1.0 / 3.0) > 1e-12) /* 0: no law section */
+        fabs(scene->kink_stress - 1.0 / 3.0) > 1e-12) /* 0: the scene has no section `law` */
         return gn_check_fail(section, "law.kink_stress",
                              "expected softening_curve bilinear beside it, found linear");
     if (scene->initial_energy > 0.0 && scene->initial_energy != 0.6)
@@ -309,7 +310,7 @@ static gneiss_status check_curve(const check *section, const gn_scene *scene) {
     return GNEISS_OK;
 }
 
-/* Checks that a stress that mu_1 acts on comes with a mu_1. */
+/* Checks that a scene that gives the stress on which mu_1 acts also gives a mu_1. */
 gneiss_status gn_check_coupling(const check *section, const gn_scene *scene) {
     if (scene->fracture_energy_of == GN_FRACTURE_BODY && scene->softening != GN_SOFTENING_ENERGY)
         return gn_check_fail(section, "law.fracture_energy_of",
@@ -333,7 +334,7 @@ static const char *beside_moments(const gn_scene *scene) {
     return NULL;
 }
 
-/* Moments need spins, and are a separate law of bonds. */
+/* Checks bonds with moments, which require spins and are a separate law of bonds. */
 gneiss_status gn_check_moments(const check *section, const gn_scene *scene) {
     if (scene->bonds != GN_SWITCH_ON) return GNEISS_OK;
     if (!(scene->bond_radius_multiplier > 0)) {
@@ -399,7 +400,8 @@ static gneiss_status not_read(const check *section, const char *key, double valu
     return gn_check_fail(section, key, "expected none %s, found %g", why, value);
 }
 
-/* Contacts of a body with walls and other bodies have the body's own stiffness. */
+/* Checks springs of bodies: contacts of a body with walls and other bodies have the body's own
+ * stiffness. */
 static gneiss_status check_body_springs(const check *section, const gn_scene *scene,
                                         gn_side_keys side) {
     int m = *side.material ? gn_scene_find_material(scene, side.material) : -1;
@@ -412,7 +414,8 @@ static gneiss_status check_body_springs(const check *section, const gn_scene *sc
                : GNEISS_OK;
 }
 
-/* With Hertz's law a surface has a material or is rigid; otherwise it has a stiffness. */
+/* Checks the side of a surface: by Hertz's law it has a material or is rigid; otherwise it has a
+ * stiffness. */
 gneiss_status gn_check_side(const check *section, const gn_scene *scene, const char *prefix,
                             gn_side_keys side) {
     char stiffness[64], kratio[64], friction[64], material[64];
@@ -448,7 +451,8 @@ gneiss_status gn_check_side(const check *section, const gn_scene *scene, const c
 
 /* ---- checks that the sides of a periodic box can move as the scene states ---- */
 
-/* Refuses parts that a box with moving sides excludes: only particles follow its deformation. */
+/* Refuses parts that cannot be combined with a box whose sides move, because only particles follow
+ * its deformation. */
 static gneiss_status check_company(const check *section, const gn_scene *scene) {
     bool prescribed = false;
     for (size_t k = 0; k < scene->set_count; k++)
@@ -472,7 +476,7 @@ static gneiss_status check_company(const check *section, const gn_scene *scene) 
                          "expected double beside a periodic box whose sides move, found mixed");
 }
 
-/* Corners along an open axis are not checked. */
+/* Checks the corners of the box, except along an open axis. */
 static gneiss_status check_corners(const check *section, const gn_scene *scene) {
     double high[3];
     for (int a = 0; a < 3; a++)
@@ -489,7 +493,7 @@ static gneiss_status check_corners(const check *section, const gn_scene *scene) 
     return GNEISS_OK;
 }
 
-/* Refuses keys that only a servo reads, and sides without a motion. */
+/* Refuses keys that only servos have, and sides without a motion. */
 static gneiss_status check_idle(const check *section, const gn_box_side *side, const char *key) {
     const gn_node *given = gn_node_find(section->map, key);
     const char *idle = side->max_rate > 0 ? "max_rate" : side->relaxation > 0 ? "relaxation" : NULL;

@@ -152,7 +152,7 @@ static gneiss_status check_sink(const check *section, const gn_scene *scene, siz
     return GNEISS_OK;
 }
 
-/* Refuses keys that need the same particles from start to end. */
+/* Refuses keys that require the same particles from start to end. */
 static gneiss_status check_beside(const check *section, const gn_scene *scene) {
     const struct {
         bool found;
@@ -227,7 +227,7 @@ static gneiss_status check_body_shape(const check *section, const gn_scene *scen
                          *found ? found : "none");
 }
 
-/* Checks that one of density and mass is given, and that the inertia is physically possible. */
+/* Checks that either density or mass is given, and that the inertia is physically possible. */
 static gneiss_status check_weight(const check *section, const gn_scene *scene,
                                   const gn_body_def *body) {
     if (!(body->density > 0) && !(body->mass > 0))
@@ -248,8 +248,9 @@ static gneiss_status check_weight(const check *section, const gn_scene *scene,
     return GNEISS_OK;
 }
 
-/* A body without a closed surface, or turning about another point than the centre of the enclosed
- * volume, must state all that follows from a closed surface. */
+/* Checks bodies whose mass does not follow from a closed surface: a body without one, or one that
+ * rotates about another point than the centre of the enclosed volume, must give all values that
+ * would follow from it. */
 static gneiss_status check_centre(const check *section, const gn_body_def *body) {
     if (body->has_reference) {
         if (body->mass > 0 && body->has_inertia) return GNEISS_OK;
@@ -427,8 +428,8 @@ static gneiss_status check_mass_scaling(const check *section, const gn_scene *sc
     return GNEISS_OK;
 }
 
-/* Statics assume that loads are linear in time: a load that reverses between two states would be
- * missed. */
+/* Tells whether a load changes with time. The static analysis assumes that loads are linear in
+ * time, and would miss a load that reverses between two states. */
 static bool changes(const gn_table *table) {
     for (size_t k = 1; k < table->count; k++)
         if (table->value[k] != table->value[0]) return true;
@@ -491,7 +492,7 @@ static gneiss_status check_start_of_steps(const check *section, const gn_scene *
     const char *reason =
         scene->start == GN_START_FIRST_BREAK ? gn_scene_statics_refusal(scene) : NULL;
     if (reason) return gn_check_fail(section, "time.start", "first_break: expected %s", reason);
-    /* A written scene contains the default of every key. */
+    /* A scene that was written contains the default of every key. */
     if (scene->start == GN_START_REST && scene->start_fraction != 0.9)
         return gn_check_fail(section, "time.start_fraction",
                              "expected time.start: first_break beside it, found rest");
@@ -505,7 +506,8 @@ const char *gn_check_stop(const gn_scene *scene) {
                                         : NULL;
 }
 
-/* Stop conditions are evaluated in rows of the history; a single row is that of the start. */
+/* Checks stop conditions, which are evaluated in rows of the history; a single row is that of the
+ * start. */
 static gneiss_status check_stops(const check *section, const gn_scene *scene) {
     const char *stop = gn_check_stop(scene);
     if (!stop || scene->history_rows > 1 || !gn_check_is_valid(section, "output.history_rows"))

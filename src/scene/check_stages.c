@@ -21,7 +21,8 @@ static gneiss_status check_name(const check *section, const gn_scene *scene, siz
     return GNEISS_OK;
 }
 
-/* s, earliest start of a stage: the end of the stages before it that end by time alone. */
+/* Returns the earliest start of a stage, s: the sum of the stages before it that end by time alone.
+ */
 static double least_start(const gn_scene *scene, size_t stage) {
     double sum = 0.0;
     for (size_t k = 0; k < stage; k++)
@@ -86,13 +87,13 @@ static bool prescribed(const gn_motion *motion) {
     return given(motion->velocity) || given(motion->spin);
 }
 
-/* True if contacts may begin with a force: bonds that are free of stress at another distance, or
- * bonds of another run that were loaded. */
+/* True if contacts may have a force at the start: bonds that are free of stress at another
+ * distance, or loaded bonds of another run. */
 static bool prestressed(const gn_scene *scene) {
     return scene->specimen.from_bonds || (scene->bonds == GN_SWITCH_ON && !scene->passive_gaps);
 }
 
-/* True if anything but a load could change a specimen at rest. */
+/* True if anything other than a load could change a specimen at rest. */
 static bool anything_else_acts(const gn_scene *scene) {
     bool acts = prestressed(scene) || scene->source_count || scene->has_pulse ||
                 scene->random_velocity != 0;
@@ -106,8 +107,8 @@ static bool anything_acts(const gn_scene *scene) {
     return gn_scene_has_load(scene) || anything_else_acts(scene);
 }
 
-/* True if listed particles overlap each other, or a wall that does not take the overlap as free of
- * stress. */
+/* True if particles listed in the scene overlap each other, or overlap a wall for which the overlap
+ * is not free of stress. */
 static bool rows_overlap(const gn_scene *scene) {
     const gn_specimen *specimen = &scene->specimen;
     for (size_t i = 0; i < specimen->particle_count; i++) {
@@ -134,8 +135,8 @@ static bool may_overlap(const gn_scene *scene) {
            rows_overlap(scene);
 }
 
-/* After an earlier stage the specimen may still move, so that a prescribed zero velocity has an
- * effect as well. */
+/* True if the stage gives any motion. After an earlier stage the specimen may still move, so that a
+ * prescribed velocity of zero has an effect as well. */
 static bool anything_given(const gn_scene *scene) {
     bool any = anything_acts(scene);
     for (size_t k = 0; k < scene->wall_count; k++) any = any || prescribed(&scene->walls[k].motion);
@@ -200,7 +201,7 @@ static const char *strains_by(const gn_scene *scene) {
 }
 
 /* True if the motion of each part of an end is prescribed and none of them ever moves in the sense
- * of `sign`; counts the parts that move in the opposite sense. */
+ * of `sign`; *against counts the parts that move in the opposite sense. */
 static bool only_against(const gn_scene *scene, const gn_test_end *end, double sign, int *against) {
     for (size_t k = 0; k < end->count; k++) {
         const gn_table *velocity = velocity_of(scene, end->name[k]);
@@ -225,7 +226,7 @@ gneiss_status gn_check_separating_ends(const check *section, const gn_scene *sce
     if (!only_against(scene, &test->upper, sign, &against) ||
         !only_against(scene, &test->lower, -sign, &against))
         return GNEISS_OK;
-    if (!against) return GNEISS_OK; /* fixed ends may only observe */
+    if (!against) return GNEISS_OK; /* fixed ends may be there to observe only */
     return gn_check_fail(
         section, "test.upper",
         "expected ends that %s, found ends that only %s: the test would measure nothing",
@@ -236,8 +237,8 @@ static double largest_pressure(const gn_scene *scene) {
     return scene ? fmax(0.0, most(&scene->membrane.pressure, 1.0, -INFINITY)) : 0.0;
 }
 
-/* A specimen loaded by a membrane alone has its pressure as mean stress, and at most twice the
- * pressure if it is applied at once. */
+/* Tells whether a stress cannot be reached by a membrane alone: the mean stress of the specimen is
+ * then its pressure, and at most twice the pressure if that is applied at once. */
 static bool never_so_pressed(const gn_scene *before, const gn_scene *scene, double stress) {
     if (!gn_scene_test(scene)->isotropic || gn_scene_has_other_load(scene, true) ||
         anything_else_acts(scene))
@@ -253,7 +254,7 @@ static bool servo(const gn_scene *scene) {
     return false;
 }
 
-/* Returns the first condition that is evaluated only in rows of the history. */
+/* Returns the first condition that is evaluated in rows of the history only. */
 static const char *end_by_rows(const gn_stage *stage) {
     return stage->strain > 0       ? "end.strain"
            : stage->stress > 0     ? "end.stress"
@@ -282,7 +283,7 @@ static gneiss_status check_steps(const check *section, const gn_scene *scene,
                          scene->end, duration, scene->step);
 }
 
-/* Refuses a stage that can end only by strain or stress if neither can develop. */
+/* Refuses a stage that only strain or stress can end if neither can develop. */
 static gneiss_status check_growth(const check *section, const gn_scene *before,
                                   const gn_scene *scene, size_t stage, bool first) {
     const gn_stage *e = &scene->stages[stage];
@@ -314,7 +315,7 @@ static gneiss_status check_can_end(const check *section, const gn_scene *before,
                              (long long)scene->history_rows);
     gn_stage others = *e;
     others.held = 0.0;
-    /* A pressure of 0 that a stage gives belongs to a series; otherwise the membrane may begin
+    /* A pressure of 0 that a stage gives is part of a series; otherwise the membrane may begin
      * later. */
     const bool pressed = scene->has_membrane && (scene->membrane_stage > 0 ||
                                                  gn_table_is_nonzero(&scene->membrane.pressure));
@@ -358,7 +359,7 @@ static unsigned channels(const gn_motion *motion) {
 static const char fewer[] = "expected the same prescribed components as before this stage, %s "
                             "'%s': they are fixed for the whole run (a velocity may be 0)";
 
-/* True if two materials agree in everything but friction. */
+/* True if two materials are equal except for friction. */
 static bool same_bonds(const gn_material *first, const gn_material *second) {
     gn_material now = *second;
     now.friction = first->friction;
@@ -385,7 +386,7 @@ static gneiss_status check_damage(const check *section, const gn_scene *before,
     return GNEISS_OK;
 }
 
-/* The skin is determined once, when the run begins. */
+/* Refuses changes of the skin, which is determined once at the beginning of the run. */
 static gneiss_status check_skin(const check *section, const gn_scene *before, const gn_scene *now) {
     const gn_membrane_def *was = &before->membrane, *is = &now->membrane;
     const char *other = was->faces != is->faces       ? "membrane.faces"
@@ -399,7 +400,7 @@ static gneiss_status check_skin(const check *section, const gn_scene *before, co
         "expected the value before this stage: only pressure and ramp of a membrane may change");
 }
 
-/* Refuses changes of values that the parts of a world read only when they are created. */
+/* Refuses changes of values that parts of a world read only when they are created. */
 static gneiss_status check_kept(const check *section, const gn_scene *before, const gn_scene *now) {
     GN_TRY(check_skin(section, before, now));
     for (size_t k = 0; k < now->body_count; k++) {

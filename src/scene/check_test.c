@@ -54,11 +54,12 @@ static gneiss_status check_sides(const check *c, const gn_scene *s, const char *
     return GNEISS_OK;
 }
 
-/* Cosine from which a wall counts as standing across a direction. */
+/* Cosine from which a wall counts as normal to a direction. */
 static const double across = 0.9;
 
 /* Checks two walls at different ends: they must face each other along `way`, the lower one first.
- * Other ends are at the positions of their particles, nodes and bodies, which the world checks. */
+ * Other ends are at the positions of their particles, nodes and bodies, which are checked when the
+ * world is created. */
 static gneiss_status check_two_walls(const check *c, const gn_wall_def *lower,
                                      const gn_wall_def *upper, int way) {
     const double low = lower->normal[way], high = upper->normal[way];
@@ -76,8 +77,8 @@ static gneiss_status check_two_walls(const check *c, const gn_wall_def *lower,
                          lower -> point[way]);
 }
 
-/* A wall parallel to the direction of loading carries no load. A sheared specimen may be loaded by
- * walls normal to either direction. */
+/* Refuses a wall that is parallel to the direction of loading, because it carries no load. A
+ * sheared specimen may be loaded by walls normal to either direction. */
 static gneiss_status check_across(const check *c, const gn_scene *s, const char *key,
                                   const gn_test_end *end) {
     const int way = (int)s->test.axis;
@@ -111,7 +112,8 @@ static gneiss_status check_walls_of_ends(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* Walls that face the specimen press on it, and cannot pull. */
+/* Tells whether an end consists of walls that face the specimen, which can press on it but cannot
+ * pull. */
 static bool only_walls(const gn_scene *s, const gn_test_end *end, double sense) {
     for (size_t k = 0; k < end->count; k++) {
         const int wall = gn_scene_find_wall(s, end->name[k]);
@@ -160,7 +162,7 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
 static const char *const test_keys[] = {GN_TEST_KEYS(X)};
 #undef X
 
-/* A value above 0 is given. */
+/* Collects the values of keys; a value above 0 was given. */
 static void get_values(const gn_test *t, double value[GN_TEST_KEY_COUNT]) {
 #define X(name) value[GN_TEST_KEY_##name] = t->given.name;
     GN_TEST_SIZES(X)
@@ -198,7 +200,7 @@ static gneiss_status check_needed_keys(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* A size that is not given is 0 and passes. */
+/* Checks the sizes; one that is not given is 0 and passes. */
 static gneiss_status check_sizes(const check *c, const gn_scene *s) {
     const gn_test_sizes *x = &s->test.given;
     if (x->area > 0 && x->diameter > 0)
@@ -215,7 +217,7 @@ static gneiss_status check_sizes(const check *c, const gn_scene *s) {
                          x->thickness);
 }
 
-/* The deviator is the stress less the pressure of a membrane. */
+/* Checks confined tests, whose deviator is the stress less the pressure of a membrane. */
 static gneiss_status check_confined(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (!s->has_membrane)
@@ -228,7 +230,8 @@ static gneiss_status check_confined(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* Any other sides along the shear would have to be kept straight. */
+/* Checks periodic sides of a shear test; any other sides along the shear would have to be kept
+ * straight. */
 static gneiss_status check_periodic_sides(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (!s->has_periodic)
@@ -253,8 +256,8 @@ static gneiss_status check_shear(const check *c, const gn_scene *s) {
     return gn_scene_test(s)->periodic_sides ? check_periodic_sides(c, s) : GNEISS_OK;
 }
 
-/* A specimen that is not held at both sides across the axis has the stress of a compression test.
- */
+/* Checks the sides of an oedometer: a specimen that is not held at both sides across the axis has
+ * the stress of a compression test. */
 static gneiss_status check_sides_stand(const check *c, const gn_scene *s) {
     const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic"};
     for (int k = 0; k < 5; k++)
@@ -278,7 +281,7 @@ static bool driven_by_servo(const gn_scene *s, const gn_test_end *end) {
     return false;
 }
 
-/* Checks that a control has something that moves, and something to read. */
+/* Checks that a controlled test has an end that moves and a quantity to read. */
 static gneiss_status check_control(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (!t->has_control) return GNEISS_OK;
@@ -324,10 +327,10 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
     return d->sides_stand ? check_sides_stand(c, s) : GNEISS_OK;
 }
 
-/* The conditions of src/sweep/envelope.h. */
+/* Least number of confinements of an envelope, see src/sweep/envelope.h. */
 enum { LEAST_CONFINEMENTS = 3 };
 
-/* Reads a pressure; an invalid one is reported when a run with it is made. */
+/* Reads a pressure; an invalid one is reported later, when its run is prepared. */
 static bool read_pressure(const check *c, const gn_node *item, double *pressure) {
     char reason[96];
     return item->kind == GN_NODE_SCALAR &&
@@ -344,8 +347,8 @@ static gneiss_status check_different(const check *c, const gn_node *list) {
     return GNEISS_OK;
 }
 
-/* Checks the list and removes it from the scene; the values are read by the code that makes a run
- * of each. */
+/* Checks the list and removes it from the scene; its values are read by the code that makes a run
+ * for each. */
 static gneiss_status check_confinements(const check *c, gn_scene *s) {
     const gn_node *list = s->test.confinement;
     s->test.has_confinement = false;
@@ -410,7 +413,7 @@ gneiss_status gn_check_hydrostatic_load(const check *section, bool presses) {
         d->name);
 }
 
-/* Returns the key of an end, which tests without ends do not have; NULL: none is given. */
+/* Returns the key of an end, which tests without ends do not have; NULL: no end is given. */
 static const char *end_key(const gn_test *t) {
     return t->lower.count   ? "test.lower"
            : t->upper.count ? "test.upper"
@@ -419,7 +422,8 @@ static const char *end_key(const gn_test *t) {
                             : NULL;
 }
 
-/* The stress is the mean pressure and the strain the loss of volume, so that no end is needed. */
+/* Checks isotropic tests, whose stress is the mean pressure and whose strain is the loss of volume,
+ * so that they need no end. */
 static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const char *key = t->axis >= 0 ? "test.axis" : end_key(t);
@@ -455,7 +459,7 @@ static gneiss_status check_tool(const check *c, const gn_scene *s) {
                          "xyz"[t->axis], t -> tool);
 }
 
-/* Chips that fly away are a part of a cut: the test continues without them. */
+/* Checks a cutting test, which continues without chips that fly away. */
 static gneiss_status check_cutting(const check *c, gn_scene *s) {
     const gn_test *t = &s->test;
     if (!gn_check_given(c, "domain.lost")) s->lost = GN_LOST_REMOVE;

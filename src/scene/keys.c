@@ -11,11 +11,11 @@ typedef struct key_printer {
     bool markdown;
     const char *const *sought; /* [sought_count]; none: every key */
     size_t sought_count;
-    int rank; /* rank of the keys that are printed now */
+    int rank; /* rank of the keys that are printed at present */
     size_t count;
 } key_printer;
 
-/* "number in (0, inf) m, or auto", "one of square, hexagonal", ... */
+/* Writes "number in (0, inf) m, or auto", "one of square, hexagonal", ... */
 static void describe_numbers(char *text, size_t size, const char *noun, const gn_key *key) {
     const char *unit = key->unit && gn_unit_is_shown(key->unit) ? key->unit : "";
     if (strcmp(unit, GN_SLOPE) == 0)
@@ -98,7 +98,7 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
     }
 }
 
-/* A bar would end the cell of a Markdown table. */
+/* Escapes bars, which would end the cell of a Markdown table. */
 static void print_cell(FILE *out, const char *text) {
     fputs("| ", out);
     for (; *text; text++) {
@@ -137,7 +137,8 @@ static void print_key(key_printer *printer, const char *path, const gn_key *key)
             fallback, key->text);
 }
 
-/* Synonyms used in the field and by other programs, with the parts of key paths that they mean. */
+/* Synonyms used in the field and by other programs, with the parts of key paths to which they
+ * correspond. */
 static const struct {
     const char *word, *parts[4];
 } synonyms[] = {
@@ -190,7 +191,7 @@ static bool is_synonym(const char *word, const char *path) {
 
 enum { RANK_START, RANK_NAME, RANK_TEXT, RANKS };
 
-/* Returns the best match of a key with a word, the nearest first; RANKS: none. */
+/* Returns how well a key matches a word, 0 best; RANKS: not at all. */
 static int rank_of_word(const char *word, const char *path, const gn_key *key) {
     char type[GN_KEY_TYPE_SIZE];
     if (strncasecmp(path, word, strlen(word)) == 0) return RANK_START;
@@ -201,7 +202,7 @@ static int rank_of_word(const char *word, const char *path, const gn_key *key) {
                : RANKS;
 }
 
-/* Several words may form one term: "crack mouth". */
+/* Tells whether the words together are one term, such as "crack mouth". */
 static bool is_term(const key_printer *printer, const char *path) {
     char term[256] = "";
     for (size_t k = 0, used = 0; k < printer->sought_count && used < sizeof term; k++)
@@ -210,7 +211,7 @@ static bool is_term(const key_printer *printer, const char *path) {
     return printer->sought_count > 1 && is_synonym(term, path);
 }
 
-/* The rank of several words is their lowest one; a key must contain all of them. */
+/* A key must contain all of several words; its rank is the lowest one. */
 static int rank_of(const key_printer *printer, const char *path, const gn_key *key) {
     int rank = RANK_START;
     for (size_t k = 0; k < printer->sought_count; k++) {
@@ -274,8 +275,8 @@ static const gn_key *key_named(const gn_section *section, const char *name, size
     return NULL;
 }
 
-/* A path enters a section by the name of a key, a list by any element and a value of several
- * numbers by a component; "materials.rock.friction" and "materials[0].friction" are equal. */
+/* A step of a path is the name of a key in a section, any element of a list, or a component of a
+ * value of several numbers; "materials.rock.friction" and "materials[0].friction" are equal. */
 const gn_key *gn_scene_key_at(const char *path) {
     const gn_section *section = &gn_scene_section;
     const gn_key *key = NULL;
@@ -304,7 +305,7 @@ typedef struct key_slip {
     size_t size;
 } key_slip;
 
-/* The candidate is copied, because a path is temporary. */
+/* Offers a candidate, which is copied because a path is temporary. */
 static void offer(key_slip *slip, const char *name) {
     size_t least = slip->names.least;
     gn_names_add(&slip->names, name);

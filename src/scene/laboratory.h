@@ -9,7 +9,7 @@
 typedef struct gn_test_end {
     size_t count;
     char (*name)[GN_NAME_SIZE]; /* [count] */
-    gn_scene_place where;       /* set for ends of a test, not of a gauge */
+    gn_scene_place where;       /* set for the ends of a test, not for those of a gauge */
 } gn_test_end;
 
 /* The distance by which two parts of the specimen separate, such as the sides of a notch's mouth.
@@ -22,9 +22,11 @@ typedef struct gn_opening {
 /* Control of a test: the ends move at the speed at which a measured quantity grows at its given
  * rate. */
 typedef struct gn_control {
-    double opening, lateral_strain; /* m/s, 1/s: wanted rate of growth; the other one is 0 */
-    double response; /* s: the deviation, over the rate, at which the ends move at full speed */
-    double reverse;  /* largest reverse speed over the speed of the ends */
+    double opening, lateral_strain; /* m/s, 1/s: wanted rate of growth of the quantity; that of the
+                                       other one is 0 */
+    double
+        response;   /* s: ratio of the deviation to the rate at which the ends move at full speed */
+    double reverse; /* largest reverse speed over the speed of the ends */
 } gn_control;
 
 /* A laboratory test: its two ends and the definitions of stress and strain. */
@@ -33,17 +35,18 @@ typedef struct gn_test {
     int64_t axis; /* 0 1 2 */
     gn_test_end lower, upper;
     gn_test_sizes given; /* a 0 follows from the specimen (docs/scene.md) */
-    double centre;       /* radius over that of the disc within which its centre stress is read */
+    double
+        centre; /* radius of the region in which the centre stress is read, over that of the disc */
     int64_t normal; /* normal of the plane of a shear test, or of the surface that a tool cuts: 0 1
                        2, -1: not given */
     char tool[GN_NAME_SIZE];  /* the body that cuts; "": none */
-    int64_t blocks;           /* parts of the path of the means */
-    double pressure_exponent; /* psi of the pressure along the rim of a disc cutter */
+    int64_t blocks;           /* number of parts of the path over which means are taken */
+    double pressure_exponent; /* exponent psi of the pressure along the rim of a disc cutter */
     bool has_opening;
     gn_opening opening;
     bool has_control;
     gn_control control;
-    /* Only while reading: a scene has one confinement, and gneiss run makes a run for each
+    /* Only used while reading: a scene has one confinement, and gneiss run makes a run for each
      * (src/sweep/load.c). */
     bool has_confinement;
     const struct gn_node *confinement;
@@ -55,10 +58,10 @@ typedef enum gn_membrane_surface { GN_SURFACE_SHAPE, GN_SURFACE_PARTICLES } gn_m
 
 /* Pressure on the surface of the specimen. */
 typedef struct gn_membrane_def {
-    gn_table pressure;           /* Pa */
-    double ramp;                 /* s over which the pressure rises from 0; 0: at once */
-    gn_membrane_surface surface; /* kind of surface for specimens with a shape; others use the
-                                    surface of particles */
+    gn_table pressure; /* Pa */
+    double ramp;       /* s, time in which the pressure rises from 0; 0: it is applied at once */
+    gn_membrane_surface
+        surface; /* surface of specimens with a shape; others have the surface of their particles */
     gn_membrane_faces faces;
     int64_t axis; /* the sides face across this axis: 0 1 2; -1: the axis of the test */
     bool follow;  /* the membrane follows the deformation */
@@ -67,11 +70,12 @@ typedef struct gn_membrane_def {
 
 /* Motion of a pair of sides of a periodic box; without a table the pair is fixed. */
 typedef struct gn_box_side {
-    gn_table stress; /* target, compression positive, Pa; or */
-    gn_table rate;   /* 1/s, rate of the length over the length */
+    gn_table stress; /* Pa, target, compression positive; or */
+    gn_table rate;   /* 1/s, rate of change of the length over the length */
     gn_scene_place rate_where;
-    double max_rate;   /* 1/s, with stress */
-    double relaxation; /* share of the stress error corrected per step, (0, 1]; 0: 0.1 */
+    double max_rate;   /* 1/s, with `stress` */
+    double relaxation; /* share of the stress error that is corrected per step, (0, 1]; 0:
+                          automatic, 0.1 */
 } gn_box_side;
 
 #endif

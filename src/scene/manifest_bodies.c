@@ -20,7 +20,7 @@ static const gn_key cylinder_keys[] = {
 };
 TABLE_OF(cylinder);
 
-#define GN_WIDE_ANGLE    "(0, 3.14159265358979324]" /* rad, of the two faces of a tool */
+#define GN_WIDE_ANGLE    "(0, 3.14159265358979324]" /* rad, angle between the two faces of a tool */
 #define TOOL_FACET(TEXT) REAL("facet", gn_tool_def, facet, "m", GN_LENGTHS, OR("auto", 0), TEXT)
 #define TOOL_ROUNDING                                                                              \
     REAL("tip_radius", gn_tool_def, tip_radius, "m", "[0, 1e9]", BY("0"),                          \

@@ -4,10 +4,10 @@
 
 #include "scene/manifest.h"
 
-/* Ranges of quantities in SI units. They are wide enough for every meaningful scene, refuse errors
- * (a missing unit, an exponent that is too large) with the place of the key, and keep products far
- * from overflow. Limits (strengths, the velocity of a servo) may be large enough to have no effect.
- * */
+/* Ranges of quantities in SI units. They are wide enough for every meaningful scene, detect errors
+ * such as a missing unit or a too large exponent at the place of the key, and keep products far
+ * from overflow. Limits (strengths, the velocity of a servo) may be so large that they have no
+ * effect. */
 #define GN_AREAS         "[1e-18, 1e18]"  /* m2 */
 #define GN_SCALES        "[1e-12, 1e12]"  /* 1 */
 #define GN_DENSITIES     "[1e-9, 1e15]"   /* kg/m3 */
@@ -31,7 +31,7 @@
 /* Words that several tables use. */
 extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[];
 
-/* A key TYPE called NAME for FIELD of STRUCT. */
+/* A key TYPE called NAME for the member FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
     {                                                                                              \
         .name = NAME, .type = GN_KEY_##TYPE, .offset = offsetof(STRUCT, FIELD),                    \
@@ -62,10 +62,10 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
     KEY(KEY_NAME, NAME, STRUCT, FIELD, DEFAULT, .text = __VA_ARGS__)
 #define TEXT(KEY_NAME, STRUCT, FIELD, DEFAULT, ...)                                                \
     KEY(KEY_NAME, TEXT, STRUCT, FIELD, DEFAULT, .text = __VA_ARGS__)
-/* An array whose first element FIELD points to and whose count is COUNT. */
+/* An array to whose first element FIELD points, and whose count is COUNT. */
 #define ARRAY(NAME, TYPE, STRUCT, FIELD, COUNT, ...)                                               \
     KEY(NAME, TYPE, STRUCT, FIELD, .second = offsetof(STRUCT, COUNT), __VA_ARGS__)
-/* Keys one level down whose fields lie in the same struct. */
+/* Keys one level below, whose members are in the same struct. */
 #define SECTION(NAME, TABLE, ...)                                                                  \
     { .name = NAME, .type = GN_KEY_SECTION, .section = &TABLE, __VA_ARGS__ }
 #define PRESENT(KIND, STRUCT, FIELD)                                                               \
@@ -75,12 +75,12 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
 #define SHAPE(KIND, DIMENSION)                                                                     \
     .shape = GN_SHAPE_##KIND, .shape_dimension = (DIMENSION),                                      \
     PRESENT(SHAPE, gn_scene, specimen.pack.shape)
-/* A component of a motion or a load: a number, a table of times, or a word for none, the default.
- */
+/* A component of a motion or a load: a number, a table of times, or a word for none, which is the
+ * default. */
 #define CHANNEL(STRUCT, NAME, FIELD, UNIT, RANGE, WORD, TEXT)                                      \
     KEY(NAME, TABLE, STRUCT, FIELD, .unit = UNIT, .range = RANGE, .word = WORD, .fallback = WORD,  \
         .text = TEXT)
-/* The coefficients of friction of a side that particles touch: of walls and bodies. */
+/* The coefficients of friction of walls and bodies, which particles touch. */
 #define SIDE_FRICTIONS(STRUCT)                                                                     \
     REAL("friction", STRUCT, friction, GN_SLOPE, GN_FRICTIONS, BY("0"),                            \
          "Coulomb friction coefficient"),                                                          \
@@ -89,7 +89,7 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
         REAL("twisting_friction", STRUCT, twisting_friction, "1", GN_FRICTIONS, BY("0"),           \
              "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced "        \
              "radius; 0: no resistance")
-/* The section of a table: its keys, the size of an element of a list, the member that stores its
+/* The data of a section: its keys, the size of an element of a list, and the member that stores its
  * place in the file. */
 #define KEYS_OF(NAME)  NAME##_keys, sizeof NAME##_keys / sizeof(gn_key)
 #define TABLE_OF(NAME) static const gn_section NAME##_section = {KEYS_OF(NAME), 0, GN_NO_WHERE}
@@ -97,8 +97,8 @@ extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[
     static const gn_section NAME##_section = {KEYS_OF(NAME), sizeof(STRUCT),                       \
                                               offsetof(STRUCT, where)}
 
-/* Sections of the scene that other files hold; fields of those that are no lists lie in gn_scene.
- */
+/* Sections of the scene that other files define; members of sections that are not lists are in
+ * gn_scene. */
 extern const gn_section gn_couple_section, gn_elements_section, gn_membrane_section,
     gn_output_section, gn_sink_section, gn_source_section, gn_test_section, gn_time_section;
 

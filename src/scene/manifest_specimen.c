@@ -133,7 +133,9 @@ TABLE_OF(packing);
 static const gn_key specimen_keys[] = {
     KEY("file", FILE, gn_scene, specimen.file, .second = offsetof(gn_scene, specimen.path),
         PRESENT(TEXT, gn_scene, specimen.file),
-        .text = "text file of rows x y z r (2D: x y r); relative to the folder of the scene"),
+        .text = "text file of rows x y z r (2D: x y r), or of columns that its header names (id, "
+                "material, "
+                "group, density, velocities; units); relative to the folder of the scene"),
     KEY("from", FILE, gn_scene, specimen.from, .second = offsetof(gn_scene, specimen.from_path),
         PRESENT(TEXT, gn_scene, specimen.from), .in_folder = "results.h5",
         PLACED(gn_scene, specimen.from_where),

@@ -12,9 +12,9 @@ typedef struct gn_beam_def {
     double span;                      /* m between the supports; 0: the length */
     double notch_width, notch_depth;  /* m; depth 0: no notch */
     double cell;                      /* m, largest side of a cell */
-    int64_t notch_cells;              /* across half the width of the notch */
-    double growth;                    /* ratio of neighbouring cells away from the notch */
-    double origin[3];                 /* m, lower corner */
+    int64_t notch_cells;              /* number of cells across half the width of the notch */
+    double growth;    /* ratio of the sizes of successive cells away from the notch */
+    double origin[3]; /* m, lower corner */
     gn_diagonals diagonals;
 } gn_beam_def;
 

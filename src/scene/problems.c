@@ -41,7 +41,7 @@ static int by_place(const void *left, const void *right) {
     return (x > y) - (x < y);
 }
 
-/* Each message takes a line; messages without room are counted. */
+/* Each message takes a line; those for which there is no room are counted. */
 gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error) {
     enum { REST = 48 };
     const gn_problem *order[GN_PROBLEMS_MAX];
@@ -72,7 +72,7 @@ static int write_place(const gn_reader *reader, const gn_node *node, gn_scene_pl
     else
         snprintf(place, sizeof place, "%.*s:%d:%d", GN_PATH_SIZE, reader->name, where.line,
                  where.column);
-    /* The scene of a stage has the keys of a scene. */
+    /* Keys inside a stage are those of a scene. */
     if (node && node->stage && *path && strncmp(path, "stages", 6) != 0)
         snprintf(stage, sizeof stage, "stages[%zu].", node->stage - 1);
     snprintf(out, size, "%s: %s%.*s%s%s", place, same ? "" : stage, GN_KEY_PATH_SIZE,
@@ -138,7 +138,7 @@ gneiss_status gn_read_keep_problem(const gn_reader *reader, gneiss_status status
 
 /* --- keys in doubt --- */
 
-/* True if a path is `top` or below it. */
+/* True if a path is `top`, or below it. */
 static bool below(const char *path, const char *top) {
     size_t length = strlen(top);
     return strncmp(path, top, length) == 0 && (!path[length] || strchr(".[", path[length]));

@@ -9,9 +9,9 @@
 enum { GN_PROBLEMS_MAX = 12, GN_KEY_PATH_SIZE = 256 };
 
 typedef struct gn_problem {
-    gn_scene_place where;        /* line INT_MAX: of an override */
-    char path[GN_KEY_PATH_SIZE]; /* path of the key; for an unknown key, that of the probably
-                                    intended one */
+    gn_scene_place where;        /* line INT_MAX: it concerns an override */
+    char path[GN_KEY_PATH_SIZE]; /* path of the key; for an unknown key, of the key that was
+                                    probably intended */
     char text[GNEISS_MESSAGE_SIZE];
 } gn_problem;
 
@@ -30,9 +30,9 @@ void gn_problem_place(gn_problems *problems, gn_scene_place where, const char *p
  * none. */
 gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error);
 
-/* gn_problem_at: true if a problem concerns this very key; gn_problem_near: at, above or below it;
- * gn_problem_names: the names in a list. If there were more problems than are stored, the functions
- * return true for every key. */
+/* gn_problem_at: true if a problem concerns exactly this key; gn_problem_near: this key, or one
+ * above or below it; gn_problem_names: the names in a list. If there were more problems than are
+ * stored, the functions return true for every key. */
 bool gn_problem_at(const gn_problems *problems, const char *path);
 bool gn_problem_near(const gn_problems *problems, const char *path);
 bool gn_problem_names(const gn_problems *problems, const char *list);

@@ -11,7 +11,7 @@
 
 /* ---- messages ---- */
 
-/* Describes the value of a node, for "found ...". */
+/* Describes the value of a node, for use after "found". */
 static const char *found(const gn_node *node, char *buffer, size_t size) {
     if (node->kind == GN_NODE_NULL) return "nothing";
     if (node->kind == GN_NODE_LIST) return "a list";
@@ -34,8 +34,8 @@ static gneiss_status no_memory(const gn_reader *reader) {
                    reader->name, reader->path);
 }
 
-/* Each function appends to the path of the current key and returns the previous length, to restore
- * it. */
+/* Appends to the path of the current key and returns the previous length, with which it is
+ * restored. */
 static size_t path_push_name(gn_reader *reader, const char *name) {
     size_t before = reader->path_length;
     snprintf(reader->path + before, sizeof reader->path - before, "%s%s", before ? "." : "", name);
@@ -73,7 +73,7 @@ static bool is_word(const gn_key *key, const gn_node *node) {
     return key->word && node->kind == GN_NODE_SCALAR && strcmp(node->text, key->word) == 0;
 }
 
-/* " or 'off' or 'auto'". */
+/* Returns " or 'off' or 'auto'". */
 static const char *words_of(const gn_key *key, char text[80]) {
     const char *other = key->other_word;
     *text = '\0';
@@ -164,8 +164,7 @@ static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const
         snprintf(expected, sizeof expected, "at most %zu bytes of text", key->size - 1);
         return unexpected(reader, node, expected, "");
     }
-    /* An empty text of a key whose absence is an empty text would count as absent: refuse it as a
-     * slip. */
+    /* An empty text would mean that the key is absent, so that it is refused as a mistake. */
     if (!length && key->type == GN_KEY_TEXT && key->presence == GN_PRESENT_TEXT && node->key)
         return unexpected(reader, node, "a name, or the key left out", "");
     if (key->type == GN_KEY_TEXT && gn_has_control(node->text))
@@ -174,14 +173,14 @@ static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const
     return GNEISS_OK;
 }
 
-/* A name must be usable in an override (walls.top.motion.vz) and in the path of a data set of
- * results.h5 (history/wall_top_force_z). */
+/* Reads a name, which must be usable in an override (walls.top.motion.vz) and in the path of a data
+ * set of results.h5 (history/wall_top_force_z). */
 static gneiss_status read_name(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *name) {
     GN_TRY(read_text(reader, key, node, name));
     char *rest;
     (void)strtod(name, &rest);
-    /* A name that reads as a number, or an empty one, is refused. */
+    /* A name that could be read as a number, and an empty one, are refused. */
     if (*rest && !strpbrk(name, "./[]=\n\t") && !gn_has_control(name)) return GNEISS_OK;
     return unexpected(reader, node,
                       "a name (not empty, not a number, without . / [ ] = and control characters)",
@@ -209,7 +208,8 @@ static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, con
     return unexpected(reader, node, expected, advice);
 }
 
-/* The file is only opened here; its contents are read when the particles are created. */
+/* The file is only opened here, to test it; its contents are read when the particles are created.
+ */
 static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *file, char *path) {
     GN_TRY(read_text(reader, key, node, file));
@@ -296,7 +296,7 @@ static gneiss_status read_table(gn_reader *reader, const gn_key *key, const gn_n
 
 /* ---- arrays ---- */
 
-/* Stores a zeroed array and its count; the count lies at key->second. */
+/* Stores a zeroed array and its count, whose offset is key->second. */
 static gneiss_status make_array(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                 size_t size, char *base, void **array) {
     *array = gn_alloc_array(node->count, size);
@@ -322,7 +322,7 @@ static gneiss_status read_ids(gn_reader *reader, const gn_key *key, const gn_nod
     return GNEISS_OK;
 }
 
-/* A single name stands for a list of one; its node is then the item. */
+/* Reads a list of names; a single name stands for a list of one, whose node is then the item. */
 static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_node *node,
                                 char *base) {
     const gn_key name = {.size = GN_NAME_SIZE};
@@ -335,7 +335,7 @@ static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_n
     for (const gn_node *item = list.first ? list.first : node; item; item = item->next) {
         GN_TRY(read_text(reader, &name, item, names));
         names = (char *)names + GN_NAME_SIZE;
-        if (!list.first) break; /* the siblings of the element are other keys */
+        if (!list.first) break; /* a single name: the node's siblings are other keys */
     }
     return GNEISS_OK;
 }
@@ -356,7 +356,7 @@ static gneiss_status read_particle(gn_reader *reader, const gn_key *key, const g
     return GNEISS_OK;
 }
 
-/* Fails at a value that is neither a list nor a number in range. */
+/* Fails at a value that is neither a list nor a number in the range. */
 static gneiss_status no_particles(const gn_reader *reader, const gn_key *key, const gn_node *node) {
     char expected[96];
     snprintf(expected, sizeof expected, "a list of particles or a whole number in %s", key->range);
@@ -443,7 +443,8 @@ static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_no
 
 /* ---- keys and sections ---- */
 
-/* Fails before the value is read, because another dimension may not read it. */
+/* Refuses a shape of another dimension before its value is read, because the value may be invalid
+ * there. */
 static gneiss_status wrong_shape(const gn_reader *reader, const gn_key *key, const gn_node *node) {
     char names[GN_SHAPE_NAMES_SIZE];
     if (!key->shape)
@@ -456,7 +457,7 @@ static gneiss_status wrong_shape(const gn_reader *reader, const gn_key *key, con
                         (int)reader->scene->dimension, names, key->name);
 }
 
-/* Reads a section that is given by a word: each key takes its own word. */
+/* Reads a section that is given by a word: each key gets the value of its own word. */
 static gneiss_status read_words(gn_reader *reader, const gn_section *section, char *base) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
@@ -516,7 +517,7 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
     return GNEISS_OK;
 }
 
-/* A default passes through the same code as a value of the file. */
+/* Reads the default of a key by the same code as a value of the file. */
 static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *base) {
     if (key->presence == GN_PRESENT_AXIS) *(int64_t *)(base + key->present_at) = -1;
     if (key->type == GN_KEY_SECTION &&
@@ -530,7 +531,8 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
     return GNEISS_OK;
 }
 
-/* The key that was probably intended is in doubt, or else every key of the section. */
+/* Reports an unknown key. The key that was probably intended counts as having a problem, or else
+ * every key of the section. */
 static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
                                  const gn_node *node) {
     gn_names names = gn_names_for(node->key);
@@ -562,14 +564,14 @@ static gneiss_status repeated_key(gn_reader *reader, const gn_node *first, const
     return gn_read_keep_problem(reader, status);
 }
 
-/* Finds the node of each key of the section; unknown and repeated keys are left out. */
+/* Finds the node of each key of the section; unknown and repeated keys are skipped. */
 static gneiss_status match_keys(gn_reader *reader, const gn_section *section, const gn_node *map,
                                 const gn_node *nodes[]) {
     for (const gn_node *child = map ? map->first : NULL; child; child = child->next) {
         size_t k = 0;
         while (k < section->key_count && strcmp(section->keys[k].name, child->key) != 0) k++;
         if (k == section->key_count && section == &gn_stage_section && gn_scene_key_at(child->key))
-            continue; /* handled in stages.c */
+            continue; /* stages.c handles it */
         if (k == section->key_count)
             GN_TRY(unknown_key(reader, section, child));
         else if (nodes[k])
@@ -585,7 +587,7 @@ static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_
                                  const gn_node *map, char *base) {
     if (!node && key->required) {
         gn_scene_place where = map ? map->key_where : (gn_scene_place){1, 1};
-        if (gn_problem_at(reader->problems, reader->path)) return GNEISS_OK; /* misspelt */
+        if (gn_problem_at(reader->problems, reader->path)) return GNEISS_OK; /* a misspelt key */
         return gn_read_fail(reader, map, where, reader->path, "required, but not given");
     }
     /* The override that created the node could not be read. */
@@ -597,8 +599,8 @@ static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_
     return GNEISS_OK;
 }
 
-/* `map` NULL: the section was not given and its keys take their defaults. An empty section counts
- * as given. */
+/* Reads a section. With `map` NULL it was not given and its keys take their defaults; an empty
+ * section counts as given. */
 static gneiss_status read_section(gn_reader *reader, const gn_section *section, const gn_node *map,
                                   char *base) {
     const gn_node *nodes[GN_SECTION_KEYS_MAX] = {NULL};
@@ -613,7 +615,7 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         size_t mark = path_push_name(reader, key->name);
         GN_TRY(gn_read_keep_problem(reader, read_member(reader, key, nodes[k], map, base)));
         path_pop(reader, mark);
-        /* The number of components of a vector and the possible shapes are then unknown. */
+        /* Otherwise the number of components of vectors and the possible shapes are unknown. */
         if (gn_problem_at(reader->problems, "dimension")) return GNEISS_OK;
     }
     return GNEISS_OK;

@@ -1,4 +1,4 @@
-/* Effects that scenes need, before effects that are not built are removed. */
+/* Effects that scenes need are named even if this build omits them. */
 #define GN_EVERY_EFFECT
 #include "scene/scene.h"
 #include "scene/sides.h"
@@ -43,7 +43,7 @@ static bool within(const char *path, size_t length, const char *top, size_t top_
 }
 
 /* Finds the key on the command line that gave the value at a path or around it, or below it if no
- * file gave one; returns its length, 0: none. */
+ * file gave one; returns the length of the key, 0: none. */
 static size_t overriding(const gn_scene *scene, bool filed, const char *path, const char **key) {
     const size_t length = strlen(path);
     const bool below = !filed || strchr(path, '.');
@@ -88,7 +88,7 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
     return gn_problems_status(reader->problems, reader->error);
 }
 
-/* The reader stores messages even if the caller does not ask for them. */
+/* The reader has to store messages, even if the caller does not ask for them. */
 static gneiss_status parse_all(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
                                size_t override_count) {
     gneiss_error own = {0}, *error = reader->error;
@@ -128,7 +128,7 @@ static gneiss_status parse(gn_reader *reader, const char *text, size_t length,
     GN_TRY(check_length(text, length, name, reader->error));
     snprintf(scene->source, sizeof scene->source, "%s", name);
     gn_tree *tree = NULL;
-    /* Numbers have a decimal point in any locale of the calling program. */
+    /* During parsing numbers have a decimal point, whatever the locale of the calling program. */
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!c_locale) return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
     locale_t previous = uselocale(c_locale);
@@ -289,6 +289,7 @@ void gn_scene_free(gn_scene *scene) {
     if (!scene) return;
     free_section(&gn_scene_section, (char *)scene);
     gn_free(scene->specimen.packed);
+    gn_particle_columns_free(&scene->specimen.packed_columns);
     gn_free(scene->overridden);
     memset(scene, 0, sizeof *scene);
 }
@@ -337,6 +338,7 @@ gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *er
     *to = *from;
     to->specimen.packed = NULL;
     to->specimen.packed_count = 0;
+    to->specimen.packed_columns = (gn_particle_columns){0};
     const size_t size = from->overridden ? strlen(from->overridden) + 1 : 0;
     const bool held = own_array(&to->overridden, size, 1);
     if (own_section(&gn_scene_section, (char *)to) && held) return GNEISS_OK;
@@ -354,7 +356,7 @@ static bool bonds_possible(const gn_scene *scene) {
     return some;
 }
 
-/* Effects of bonds with tangential springs. */
+/* Returns the effects of bonds with tangential springs. */
 static gn_effects strength_effects(const gn_scene *scene) {
     bool frictional = false, yields = false;
     for (size_t k = 0; k < scene->material_count; k++) {
@@ -388,7 +390,7 @@ bool gn_scene_has_rolling(const gn_scene *scene) {
     return rolls;
 }
 
-/* Effects of friction and damping of any pair. */
+/* Returns the effects of friction and damping for Hertz's law, for any pair of materials. */
 static gn_effects hertz_effects(const gn_scene *scene) {
     bool friction = false, damping = scene->restitution >= 0 || scene->damping_fraction > 0;
     for (size_t k = 0; k < scene->material_count; k++) {
@@ -473,7 +475,7 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
     for (size_t k = 0; k < gn_scene_sides(scene); k++)
         if (mask & GN_FX_FRICTION && *gn_scene_surface_at(scene, k).material)
             mask |= GN_FX_WALL_SHEAR;
-    /* Its moments need the storage of tangential forces even if these are zero. */
+    /* Moments of rolling need the storage of tangential forces, even if these are zero. */
     if (scene->has_specimen && gn_scene_has_rolling(scene))
         mask |= GN_FX_ROLLING | GN_FX_SHEAR | GN_FX_FRICTION |
                 (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
@@ -484,7 +486,7 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
     if (scene->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (scene->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (scene->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
-    /* The world stores the data that any of the stages needs; background damping needs none. */
+    /* The world stores data for the effects of all stages; background damping needs none. */
     const gn_effects background =
         GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT;
     return mask | (scene->united & ~background) | background_effect(scene);
@@ -596,7 +598,7 @@ bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
     return false;
 }
 
-/* Nodes have no rotations, so that finite elements do not resist rolling. */
+/* Nodes do not rotate, so that finite elements do not resist rolling. */
 gn_scene_surface gn_scene_surface_at(const gn_scene *scene, size_t place) {
     const size_t walls = scene->wall_count, bodies = walls + scene->body_count;
     const gn_wall_def *wall = place < walls ? &scene->walls[place] : NULL;

@@ -1,12 +1,12 @@
-/* A scene as a plain struct holds the contents of a scene file in SI units, with defaults filled
- * in. The manifest in scene/manifest.h drives parsing, defaults, range checks and the key
- * reference. */
+/* A scene as a plain struct: the contents of a scene file in SI units, with defaults filled in. The
+ * manifest in scene/manifest.h drives parsing, defaults, range checks and the key reference. */
 #ifndef GN_SCENE_SCENE_H
 #define GN_SCENE_SCENE_H
 
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/instruction_sets.h"
+#include "base/particle_columns.h"
 #include "scene/couple_def.h"
 #include "scene/flow_def.h"
 #include "scene/laboratory.h"
@@ -20,10 +20,9 @@
 static const double GN_PLACE_MOST = 1e9;    /* m, on either side of the origin */
 static const double GN_LENGTH_LEAST = 1e-9; /* m */
 
-/* The model says how normal stiffness and bond strength follow from the radii (Rojek et al. 2012,
- * sec. 2). */
+/* Relation of normal stiffness and bond strength to the radii (Rojek et al. 2012, sec. 2). */
 typedef enum gn_stiffness_model {
-    GN_STIFFNESS_UNIFORM,         /* given k_n, R_n, R_t, the same for every contact */
+    GN_STIFFNESS_UNIFORM,         /* given k_n, R_n and R_t, the same for every contact */
     GN_STIFFNESS_ARITHMETIC,      /* model 1: mean radius of the pair */
     GN_STIFFNESS_HARMONIC,        /* model 2: harmonic mean radius of the pair */
     GN_STIFFNESS_MEAN_RADIUS,     /* model 3a: uniform, from the mean over particles */
@@ -34,13 +33,13 @@ typedef enum gn_stiffness_model {
     GN_STIFFNESS_HERTZ            /* no bonds: stiffness from the overlap of spheres, E and nu */
 } gn_stiffness_model;
 
-/* The rule gives gamma when the scene does not state it. */
+/* How gamma is determined if the scene does not give it. */
 typedef enum gn_gamma_rule {
     GN_GAMMA_VOLUME,  /* sum of sections times lengths = dimension times volume */
     GN_GAMMA_POROSITY /* 40 e/n_c (Santasusana 2013, 4.5) */
 } gn_gamma_rule;
 
-/* Distribution of the random factor, of mean 1, that multiplies a property of each bond. */
+/* Distribution of the random factor, with mean 1, that multiplies a property of each bond. */
 typedef enum gn_scatter_kind {
     GN_SCATTER_NONE,
     GN_SCATTER_WEIBULL, /* Weibull of modulus m, scale 1/Gamma(1 + 1/m) */
@@ -58,7 +57,7 @@ typedef enum gn_background_damping {
     GN_BACKGROUND_NONVISCOUS_COMPONENT, /* coefficient is a fraction in [0, 1) */
 } gn_background_damping;
 
-/* The velocity whose sign nonviscous_component damping opposes. */
+/* The velocity whose sign determines the direction of nonviscous_component damping. */
 typedef enum gn_damped_velocity {
     GN_VELOCITY_HALF_STEP, /* the velocity of the last half step */
     GN_VELOCITY_INSTANT /* the velocity at the instant: that of the last half step plus dt F/(2 m)
@@ -104,29 +103,32 @@ typedef enum gn_contact_arm {
 /* Effect of tension on the strength of a bond in shear. */
 typedef enum gn_coupling {
     GN_COUPLING_NONE,
-    GN_COUPLING_QUADRATIC, /* the bond breaks when the squares of both shares add up to 1 */
-    GN_COUPLING_LINEAR /* the strength falls by mu_1 f_n under tension as it rises under pressure */
+    GN_COUPLING_QUADRATIC, /* the bond breaks when the squares of both ratios of force to strength
+                              add up to 1 */
+    GN_COUPLING_LINEAR /* the strength decreases by mu_1 f_n under tension, as it increases under
+                          pressure */
 } gn_coupling;
 typedef enum gn_confinement { GN_CONFINEMENT_OWN, GN_CONFINEMENT_MEAN } gn_confinement;
-/* The rule gives the elongation (slip in shear) at which a bond has lost all its strength. */
+/* How the elongation (in shear: the slip) is determined at which a bond has lost all of its
+ * strength. */
 typedef enum gn_softening {
     GN_SOFTENING_NONE,   /* the bond breaks at once */
     GN_SOFTENING_ENERGY, /* the bond breaks when it has dissipated a given energy per area */
-    GN_SOFTENING_STRAIN, /* the bond breaks at a given strain of its length (in shear: of the root
-                            of its area) */
+    GN_SOFTENING_STRAIN, /* the bond breaks at a given strain, relative to its length (in shear: to
+                            the root of its area) */
     GN_SOFTENING_RATIO   /* the bond breaks at a given multiple of the elastic limit */
 } gn_softening;
-/* Shape of the curve from the strength of a bond down to zero. */
+/* Shape of the curve along which the strength of a bond decreases to zero. */
 typedef enum gn_softening_curve {
     GN_SOFTENING_LINEAR,
-    GN_SOFTENING_BILINEAR /* steep first, then flat (Petersson 1981) */
+    GN_SOFTENING_BILINEAR /* first steep, then flat (Petersson 1981) */
 } gn_softening_curve;
 typedef enum gn_fracture { GN_FRACTURE_CONTACT, GN_FRACTURE_BODY } gn_fracture;
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
 /* State at which explicit steps begin. */
 typedef enum gn_start { GN_START_REST, GN_START_FIRST_BREAK } gn_start;
 typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
-/* Gravity on particles with scaled mass: refused, or the weight of their own mass. */
+/* Gravity on particles with raised mass: refused, or acting on their own mass. */
 typedef enum gn_scaled_gravity { GN_GRAVITY_REFUSED, GN_GRAVITY_OWN } gn_scaled_gravity;
 typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
 typedef enum gn_lost_policy { GN_LOST_STOP, GN_LOST_REMOVE } gn_lost_policy;
@@ -136,23 +138,24 @@ typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch
 typedef struct gn_material {
     char name[GN_NAME_SIZE];
     double density;          /* kg/m3 */
-    double contact_modulus;  /* E_c, Pa; size-dependent and packing-derived models */
-    double normal_stiffness; /* k_n, N/m; uniform model */
-    double kratio;           /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
-    double young, poisson;   /* E, Pa, nu; laws by area, Hertz */
-    double alpha, beta;      /* factors of E in k_n and of G in k_t; laws by area */
+    double contact_modulus;  /* E_c, Pa; for models that depend on size or packing */
+    double normal_stiffness; /* k_n, N/m; for the uniform model */
+    double kratio;           /* kappa = k_n/k_t, as in PFC; 0: no tangential spring */
+    double young, poisson;   /* E, Pa, and nu; for laws by area and Hertz's law */
+    double alpha, beta;      /* factors of E in k_n and of G in k_t; for laws by area */
     double friction, rolling_friction, twisting_friction; /* mu, mu_r, mu_t */
-    double restitution;                                   /* Hertz; negative: that of the scene */
-    double tensile_strength;   /* sigma_c of the contact, Pa; size-dependent models */
+    double restitution;        /* for Hertz's law; negative: that of the scene */
+    double tensile_strength;   /* sigma_c of the contact, Pa; for models that depend on size */
     double shear_strength;     /* tau_c of the contact, Pa */
-    double bond_tension_limit; /* R_n, N; uniform model */
-    double bond_shear_limit;   /* R_t, N; uniform model */
+    double bond_tension_limit; /* R_n, N; for the uniform model */
+    double bond_shear_limit;   /* R_t, N; for the uniform model */
     gn_scatter strength_scatter, stiffness_scatter;
     double bond_friction;                          /* mu_1 of intact bonds */
     double fracture_energy, shear_fracture_energy; /* J/m2, per area of a bond; 0: none */
     double fracture_strain, shear_fracture_strain;
     double fracture_ratio;
-    double yield_stress[3], yield_ratio[3]; /* Pa; k_n over the stiffness beyond yield; 0: none */
+    double yield_stress[3],
+        yield_ratio[3]; /* Pa; ratio of k_n to the stiffness beyond yield; 0: none */
     gn_scene_place where;
 } gn_material;
 
@@ -174,103 +177,106 @@ typedef struct gn_lattice {
     double radius;    /* m */
     int64_t cells[3]; /* unit cells along x, y, z (z ignored in 2D) */
     double origin[3]; /* m, lower corner of the first cell */
-    double spacing;   /* distance of nearest neighbours over 2 radius; 1: just touching */
-    double jitter;    /* random shift of each centre, uniform in a cube of +- jitter * radius */
+    double spacing;   /* distance of nearest neighbours over twice the radius; 1: they just touch */
+    double
+        jitter; /* random shift of each centre, uniform in a cube of +- jitter times the radius */
 } gn_lattice;
 
-/* A packing has smaller particles inside and near a box, or near the boundary. */
+/* Refinement of a packing: particles are smaller inside and near a box, or near the boundary. */
 typedef struct gn_refinement {
     bool has_region;
     double lower[3], upper[3]; /* corners of the box, which may have zero lengths, m */
-    bool boundary;             /* instead of a box */
-    double size;               /* size of particles there over that elsewhere, (0, 1] */
-    double distance;           /* m, over which the size grows back */
+    bool boundary;             /* near the boundary instead of a box */
+    double size;               /* size of particles there over the size elsewhere, (0, 1] */
+    double distance;           /* m, distance over which the size grows to that elsewhere */
     gn_scene_place where;
 } gn_refinement;
 
 /* A shape that is filled with particles, and the settings of the fit. */
 typedef struct gn_pack_def {
     gn_shape_kind shape;
-    double size[3];  /* rectangle (two lengths) and box, m */
-    double diameter; /* disc and cylinder, m */
-    double height;   /* cylinder, m */
+    double size[3];  /* m, of rectangle (two sides) and box */
+    double diameter; /* m, of disc and cylinder */
+    double height;   /* m, of cylinder */
     size_t corner_count;
-    double *corners;            /* polygon, [corner_count][2], m */
-    char surface[GN_PATH_SIZE]; /* path as written; "" when the shape is another */
+    double *corners;            /* [corner_count][2], m, of polygon */
+    char surface[GN_PATH_SIZE]; /* path as written; "" if the shape is another one */
     char surface_path[GN_PATH_SIZE];
-    char mesh[GN_PATH_SIZE]; /* path as written; "" when the shape is another */
+    char mesh[GN_PATH_SIZE]; /* path as written; "" if the shape is another one */
     char mesh_path[GN_PATH_SIZE];
-    bool has_region; /* Only the part inside a box is packed, to which rectangles and boxes are cut
-                        once they are read (check.c). The box is in coordinates of the scene, not
-                        shifted. */
+    bool has_region; /* Only the part inside a box is packed; rectangles and boxes are cut to it
+                        once they are read (check.c). The box is in coordinates of the scene and is
+                        not shifted. */
     double region_min[3], region_max[3]; /* m */
-    double origin[3];   /* m, see docs/scene.md; 0 with a polygon. With a surface or mesh: added to
-                           the coordinates in the file, see gn_scene_shift */
-    int64_t count;      /* number of particles; 0: not given */
-    double mean_radius; /* m; 0: not given */
-    double size_ratio;  /* largest over smallest radius */
+    double origin[3]; /* m, see docs/scene.md; 0 with a polygon. With a surface or mesh it is added
+                         to the coordinates in the file, see gn_scene_shift */
+    int64_t count;    /* number of particles; 0: not given */
+    double mean_radius;    /* m; 0: not given */
+    double size_ratio;     /* largest over smallest radius */
     double size_variation; /* standard deviation of the radii over their mean; -1: automatic */
     gn_pack_sizes sizes;
     size_t sieve_count;
     double *sieve; /* [sieve_count][2]: size over the largest, share of the mass that passes */
     gn_overlap_kind overlap;
     double overlap_size; /* over r_i + r_j; -1: automatic */
-    double gap;          /* pairs up to this gap over r_i + r_j are closed; -1: automatic */
+    double gap;          /* largest gap over r_i + r_j of pairs that are closed; -1: automatic */
     gn_pack_start start;
-    double jiggle; /* random shift of mesh nodes over their spacing */
+    double jiggle; /* random shift of nodes of the mesh over their spacing */
     size_t refinement_count;
     gn_refinement *refinements;
     int64_t iterations; /* largest number of iterations of the fit; 0: automatic */
-    double residual;    /* sufficient root mean square gap over r_i + r_j; 0: automatic */
-    double time_limit;  /* s of wall time; 0: none */
+    double residual;   /* root mean square gap over r_i + r_j at which the fit ends; 0: automatic */
+    double time_limit; /* s of wall time; 0: none */
 } gn_pack_def;
 
-/* `gneiss pack` writes this file into its folder; the file identifies a specimen as a packing. */
+/* `gneiss pack` writes this file to its folder; it identifies a specimen as a packing. */
 #define GN_PACKING_FILE "packing.h5"
 
 typedef struct gn_specimen {
-    char file[GN_PATH_SIZE]; /* path as written; "" when another source is used */
+    char file[GN_PATH_SIZE]; /* path as written; "" if there is another source */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
     /* Results of another run, or a packing, as written and resolved. */
     char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE];
     gn_scene_place from_where;
-    bool from_velocities, from_bonds; /* additional quantities to take over */
-    double scale; /* lengths in a file, surface or mesh times this give metres */
+    bool from_velocities, from_bonds; /* further quantities that are taken over */
+    double scale; /* factor by which lengths in a file, surface or mesh are multiplied to give
+                     metres */
     bool scale_given;
     gn_lattice lattice;
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
     gn_pack_def pack;
-    /* Particles of a file or shape that is already read or packed (no key): as `particles`, but
+    /* Particles of a file or shape after reading or packing (not a key): like `particles`, but
      * relative to the scene's origin. */
     size_t packed_count;
     double *packed;
-    double packed_volume; /* m3 (2D: m2), volume of that shape; 0: a file or run */
+    gn_particle_columns packed_columns; /* of a file */
+    double packed_volume;               /* m3 (2D: m2), volume of that shape; 0: the source is a file or run */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
-    gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
-    double porosity;                /* with bulk; negative: it is measured */
+    gn_density_basis density_basis; /* bulk: the density of particles is density/(1 - porosity) */
+    double porosity;                /* with `bulk`; negative: it is measured */
     gn_scene_place where;
 } gn_specimen;
 
-/* A named selection of particles and the actions on it. Selections are conjunctions: each given
- * condition must hold. Where two sets state the same property, the later one holds. */
+/* A named selection of particles, and the actions on it. All given conditions must hold for a
+ * particle to be selected. If two sets give the same property, the later one applies. */
 typedef struct gn_set_def {
     char name[GN_NAME_SIZE];
     bool all;
     bool has_box;
-    double box_min[3], box_max[3]; /* centres inside, m */
+    double box_min[3], box_max[3]; /* m, box that contains the centres */
     size_t id_count;
-    int64_t *ids;                /* index base 0, order of the specimen file */
-    int64_t end_axis;            /* -1 none, else 0 1 2 */
-    bool end_upper;              /* upper end instead of lower */
-    double end_depth;            /* m */
-    bool end_by_surface;         /* the surface, not the centre, lies within the depth */
-    char material[GN_NAME_SIZE]; /* "" keep */
-    int64_t group;               /* negative: keep */
+    int64_t *ids;        /* indices from 0, in the order of the specimen file */
+    int64_t end_axis;    /* -1 none, else 0 1 2 */
+    bool end_upper;      /* the upper end instead of the lower one */
+    double end_depth;    /* m */
+    bool end_by_surface; /* the surface of the particle, not its centre, must be within the depth */
+    char material[GN_NAME_SIZE]; /* "": unchanged */
+    int64_t group;               /* negative: unchanged */
     double initial_velocity[3], initial_spin[3];
     bool has_initial_velocity, has_initial_spin;
-    double force[3]; /* total, distributed by mass, N */
+    double force[3]; /* N in total, distributed by mass */
     bool has_force;
     gn_motion motion;
     gn_scene_place where;
@@ -280,17 +286,18 @@ typedef struct gn_servo {
     bool active;
     gn_table force;      /* target normal force, compression positive, N; or */
     gn_table stress;     /* Pa, target stress on the area */
-    double area;         /* m2 (2D: m x 1 m); 0: section between the walls that face each other */
+    double area;         /* m2 (2D: m x 1 m); 0: the section between walls that face each other */
     double max_velocity; /* m/s */
-    double relaxation;   /* fraction of the force error corrected per step, (0, 1] */
+    double relaxation;   /* share of the force error that is corrected per step, (0, 1] */
 } gn_servo;
 
 typedef struct gn_wall_def {
-    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* with a material: Hertz contact; "": rigid */
-    double point[3];                                 /* m */
-    double normal[3]; /* towards the particles; any length in the file, a unit vector here */
+    char name[GN_NAME_SIZE],
+        material[GN_NAME_SIZE]; /* with a material: contacts by Hertz's law; "": rigid */
+    double point[3];            /* m */
+    double normal[3]; /* towards the particles; of any length in the file, a unit vector here */
     double stiffness; /* penalty k_n, N/m */
-    double kratio;    /* k_n/k_t; used when friction > 0 */
+    double kratio;    /* k_n/k_t; used if friction > 0 */
     double friction, rolling_friction, twisting_friction;
     bool passive; /* particles that overlap the wall at the start are stress-free there */
     gn_motion motion;
@@ -307,8 +314,9 @@ typedef struct gn_body_cylinder {
 
 /* A rigid body: its surface, its contact parameters and its motion. */
 typedef struct gn_body_def {
-    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* with a material: Hertz contact; "": rigid */
-    char surface[GN_PATH_SIZE]; /* path as written; "" when the shape is another */
+    char name[GN_NAME_SIZE],
+        material[GN_NAME_SIZE]; /* with a material: contacts by Hertz's law; "": rigid */
+    char surface[GN_PATH_SIZE]; /* path as written; "" if the shape is another one */
     char surface_path[GN_PATH_SIZE];
     bool has_box, has_cylinder;
     double box_size[3]; /* m */
@@ -317,24 +325,25 @@ typedef struct gn_body_def {
     gn_tool_def tool;
     size_t polygon_count, polyline_count;
     double *polygon, *polyline; /* [count][2], m */
-    double scale;               /* lengths of the shape times this give metres */
+    double scale; /* factor by which lengths of the shape are multiplied to give metres */
     bool scale_given;
     double origin[3]; /* m, position of the shape's own origin */
     bool has_rotation;
-    double rotation[3]; /* rad, rotation vector about the shape's origin, applied before the
+    double rotation[3]; /* rad, rotation vector about the shape's own origin, applied before the
                            translation */
     double stiffness;   /* penalty k_n, N/m */
-    double kratio;      /* k_n/k_t; used when friction > 0 */
+    double kratio;      /* k_n/k_t; used if friction > 0 */
     double friction, rolling_friction, twisting_friction;
     bool has_reference;
-    double reference[3];  /* m: centre of rotation of a prescribed spin */
-    bool free;            /* components without prescribed motion follow the forces */
-    double density, mass; /* kg/m3, kg, of free bodies; exactly one is nonzero */
+    double reference[3];  /* m: centre of rotation for a prescribed spin */
+    bool free;            /* components without a prescribed motion follow the forces */
+    double density, mass; /* kg/m3; kg; of a free body; exactly one of them is nonzero */
     bool has_inertia;
-    double inertia[3]; /* kg m2 about the centre of mass, along x y z at the start; 2D: the third */
+    double inertia[3]; /* kg m2 about the centre of mass, for rotation about x y z at the start; 2D:
+                          the third */
     bool has_initial_velocity, has_initial_spin;
     double initial_velocity[3], initial_spin[3];
-    double force[3]; /* N on the centre of mass of a free body, along directions that are free */
+    double force[3]; /* N, on the centre of mass of a free body, in its free directions */
     bool has_force;
     gn_motion motion;
     gn_scene_place where;
@@ -365,8 +374,8 @@ typedef struct gn_region {
     double box_min[3], box_max[3]; /* m, boundary included */
 } gn_region;
 
-/* Nodes with a prescribed motion, or, if no component is prescribed, nodes whose mean displacement
- * is recorded. */
+/* Nodes with a prescribed motion. If no component is prescribed, the mean displacement of the nodes
+ * is only recorded. */
 typedef struct gn_element_motion {
     char name[GN_NAME_SIZE];
     gn_region region;
@@ -378,8 +387,8 @@ typedef struct gn_element_load {
     char name[GN_NAME_SIZE]; /* "": none */
     gn_region region;
     bool has_traction, has_force; /* exactly one is true */
-    gn_table traction[3];         /* Pa on facets, of fixed direction */
-    gn_table force[3];            /* N in total; distributed by area (facets) or mass */
+    gn_table traction[3];         /* Pa, of fixed direction, on facets */
+    gn_table force[3]; /* N in total; distributed by area (facets) or by mass (other nodes) */
     gn_scene_place where;
 } gn_element_load;
 
@@ -391,26 +400,26 @@ typedef struct gn_element_contact_def {
     gn_scene_place group_where;
     char material[GN_NAME_SIZE]; /* material of the surface, as for walls */
     double stiffness;            /* penalty k_n, N/m */
-    double kratio;               /* k_n/k_t; used when friction > 0 */
+    double kratio;               /* k_n/k_t; used if friction > 0 */
     double friction;
 } gn_element_contact_def;
 
 /* A body of finite elements: exactly one of mesh, rectangle, box, beam. */
 typedef struct gn_element_def {
-    char mesh[GN_PATH_SIZE]; /* path as written; "" when another source is used */
+    char mesh[GN_PATH_SIZE]; /* path as written; "" if there is another source */
     char mesh_path[GN_PATH_SIZE];
     gn_scene_place mesh_where;
-    double scale; /* lengths in the file times this give metres */
+    double scale; /* factor by which lengths in the file are multiplied to give metres */
     bool scale_given;
     bool has_rectangle, has_box, has_beam;
     double size[3], origin[3]; /* m, of a rectangle or box */
     int64_t cells[3];
     double distortion;      /* random shift of inner nodes over the sides of a cell */
-    gn_diagonals diagonals; /* rectangle or box */
+    gn_diagonals diagonals; /* of a rectangle or box */
     gn_beam_def beam;
     gn_formulation formulation;
     size_t material_count;
-    gn_element_material *materials; /* for an element the last entry that names it applies */
+    gn_element_material *materials; /* to an element applies the last material that names it */
     size_t motion_count;
     gn_element_motion *motions; /* a later motion overrides an earlier one */
     size_t load_count;
@@ -420,7 +429,7 @@ typedef struct gn_element_def {
     gn_scene_place where;
 } gn_element_def;
 
-/* Notes on a valid scene whose meaning is probably not the intended one: "FILE:LINE:COLUMN: KEY:
+/* Notes on a valid scene that probably does not mean what was intended: "FILE:LINE:COLUMN: KEY:
  * ...", each once. `idle` notes are about keys that change nothing in the scene; `key_at` is the
  * offset at which KEY begins. */
 enum { GN_SCENE_NOTES_MAX = 12, GN_SCENE_NOTE_SIZE = 480 };
@@ -431,8 +440,8 @@ typedef struct gn_scene_notes {
     char text[GN_SCENE_NOTES_MAX][GN_SCENE_NOTE_SIZE];
 } gn_scene_notes;
 
-/* Changes particles of a specimen before masses, bonds and lists are made: a program's (no key).
- * `position` [count][4] m, relative to `origin`: centre x y z, radius. */
+/* A function of a program that changes the particles of a specimen before masses, bonds and lists
+ * are made (not a key). `position` [count][4] m: centre x y z relative to `origin`, and radius. */
 typedef struct gn_preparation {
     gneiss_status (*act)(void *context, size_t count, double *position, int32_t *material,
                          int32_t *group, const double origin[3], gneiss_error *error);
@@ -442,14 +451,14 @@ typedef struct gn_preparation {
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
     char *overridden;          /* keys given on the command line, one per line, for messages */
-    bool allow_gmsh; /* the user permits gmsh to mesh a geometry, which may execute commands (no
-                        key: a file cannot permit it) */
+    bool allow_gmsh; /* the user permits gmsh, which may execute commands, to mesh a geometry (not a
+                        key, because a file cannot permit it) */
     gn_preparation preparation; /* act NULL: none */
     gn_scene_notes notes;       /* notes for the user */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;
-    double origin[3]; /* m: positions are computed relative to it */
+    double origin[3]; /* m: positions in computations are relative to it */
 
     bool has_specimen;   /* particles exist, at the start or later */
     bool specimen_given; /* particles exist at the start */
@@ -457,7 +466,7 @@ typedef struct gn_scene {
     size_t material_count;
     gn_material *materials;
     size_t contact_count;
-    gn_contact_def *contacts; /* each pair of materials at most once */
+    gn_contact_def *contacts; /* at most one for each pair of materials */
     bool has_elements;
     gn_element_def elements;
     bool has_couple;
@@ -470,28 +479,29 @@ typedef struct gn_scene {
     gn_gamma_rule gamma_rule;
     gn_contact_arm contact_arm;
     gn_coupling coupling;
-    gn_confinement confinement; /* stress that mu_1 of a bond acts on */
+    gn_confinement confinement; /* stress on which the friction mu_1 of a bond depends */
     gn_softening softening;
     gn_softening_curve softening_curve;
     double kink_stress;             /* bilinear: share of the strength at the kink */
     double initial_energy;          /* bilinear: share of the energy under the first line */
-    gn_fracture fracture_energy_of; /* area that fracture energies refer to */
-    bool pull;                      /* Hertz: the dashpot may exert tension */
+    gn_fracture fracture_energy_of; /* area to which fracture energies refer */
+    bool pull;                      /* Hertz's law: the dashpot may cause tension */
     gn_switch rotation;             /* auto: on */
 
-    gn_switch bonds;               /* on when the scene has a `bonds` section */
-    double interaction_range;      /* beta: bonds at gaps up to beta (r_i + r_j) */
-    double overlap_range;          /* bonds at overlaps up to this times (r_i + r_j) */
+    gn_switch bonds;               /* on if the scene has a `bonds` section */
+    double interaction_range;      /* beta: pairs with gaps up to beta (r_i + r_j) are bonded */
+    double overlap_range;          /* pairs with overlaps up to this times (r_i + r_j) are bonded */
     double bond_radius_multiplier; /* beam radius over the smaller radius; 0: no moments */
     double bond_moment_share;      /* share of moments in the strength of a bond */
     bool passive_gaps;             /* bonds are stress-free at the distance where they form */
 
     gn_background_damping background;
     double background_coefficient;
-    double background_spin; /* coefficient for spins; -1: that of velocities */
+    double background_spin; /* coefficient for spins; -1: that for velocities */
     gn_damped_velocity background_velocity;
-    double restitution;      /* c_r in [0, 1]; negative: contact damping by fraction */
-    double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
+    double restitution;      /* c_r in [0, 1]; negative: contact damping is given by a fraction */
+    double damping_fraction; /* alpha, fraction of critical damping; 0 and restitution < 0: no
+                                contact damping */
 
     double gravity[3];      /* m/s2 */
     double random_velocity; /* m/s, components uniform in +- this at the start */
@@ -504,7 +514,7 @@ typedef struct gn_scene {
     int64_t periodic_open;                   /* axis along which the box is open: 0 1 2; -1: none */
     gn_scene_place periodic_where;
     bool has_domain;
-    double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
+    double domain_min[3], domain_max[3]; /* m; default: ten times the specimen's box */
     gn_lost_policy lost;
 
     size_t set_count;
@@ -522,28 +532,28 @@ typedef struct gn_scene {
 
     gn_scene_place time_where;
     double step;          /* dt, s; 0: automatic */
-    double safety;        /* share of 2/w_max */
+    double safety;        /* fraction of 2/w_max */
     double contact_steps; /* least duration of a collision in steps; 0: GN_STEPS_PER_CONTACT */
     gn_step_estimate estimate;
     bool has_mass_scaling;
     double scaled_step;   /* s, target of mass scaling; 0: scaled_factor */
-    double scaled_factor; /* target over the step without mass scaling */
+    double scaled_factor; /* ratio of the target to the step without mass scaling */
     gn_scaled_gravity scaled_gravity;
     gn_scene_place scaling_where;
     gn_policy on_unstable; /* reaction to a step above its limit */
     double end;            /* s */
-    gn_start start;        /* the start: at rest, or where the static analysis ends */
+    gn_start start;        /* the run begins at rest, or where the static analysis ends */
     gn_scene_place start_where;
     double start_fraction;  /* fraction of the time of the first break; with GN_START_FIRST_BREAK */
-    double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off,
-                               below 0: the scene states no end (scene/stages.h) */
+    double stop_peak_drop;  /* stop once the stress has fallen by this fraction of its peak; 0: off,
+                               below 0: the scene gives no end (scene/stages.h) */
     double stop_strain;     /* 0: off */
-    double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
+    double stop_unbalanced; /* stop once the unbalanced force ratio is below this; 0: off */
 
     gn_switch energy, orientation, events, contact_rows;
-    double burst_reach; /* mean diameters of bonded particles */
+    double burst_reach; /* in mean diameters of bonded particles */
     size_t field_count;
-    char (*fields)[GN_NAME_SIZE]; /* fields requested besides the default ones */
+    char (*fields)[GN_NAME_SIZE]; /* fields requested in addition to the default ones */
     unsigned asked;               /* the same fields as bits GN_ASKED(name) (base/asked.h) */
 
     double skin; /* m; 0: automatic */
@@ -560,11 +570,12 @@ typedef struct gn_scene {
     double residual_warning; /* residual of the energy ledger above which a run warns; 0: off */
     double residual_limit;   /* residual of the energy ledger above which a run stops; 0: off */
 
-    size_t stage_count; /* 0: the run is one stage */
+    size_t stage_count; /* 0: the run has no stages */
     struct gn_stage *stages;
-    size_t bonds_stage;    /* base 1: the last stage that changes bonds; 0: none */
-    size_t membrane_stage; /* base 1: the last stage that changes the membrane; 0: none */
-    gn_effects united;     /* effects of any stage */
+    size_t bonds_stage;    /* number of the last stage, from 1, that changes bonds; 0: none does */
+    size_t membrane_stage; /* number of the last stage, from 1, that changes the membrane; 0: none
+                              does */
+    gn_effects united;     /* effects of all stages together */
 } gn_scene;
 
 /* One override from the command line: `--set time.end=2ms` is {"time.end", "2ms"}. */
@@ -590,8 +601,8 @@ gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_
                                    size_t override_count, gn_scene *scene, gneiss_error *error);
 
 /* Reads only the keys of a packing: `title`, `dimension`, `specimen`, `output` and `run`. The
- * specimen must be a shape; its material is not searched. Of other sections only the names are
- * checked; their fields stay zero. */
+ * specimen must be a shape; its material is not looked up. Of other sections only the names are
+ * checked; their members stay zero. */
 gneiss_status gn_scene_load_specimen(const char *path, const gn_override *overrides,
                                      size_t override_count, gn_scene *scene, gneiss_error *error);
 
@@ -614,30 +625,30 @@ void gn_scene_shift(gn_scene *scene);
  */
 char *gn_scene_write(const gn_scene *scene);
 
-/* Writes `dimension`, `specimen` and `run.seed` alone, as gn_scene_load_specimen needs them. */
+/* Writes only `dimension`, `specimen` and `run.seed`, which gn_scene_load_specimen needs. */
 char *gn_scene_write_specimen(const gn_scene *scene);
 
-/* The first returns the effects that the scene needs, the second those of them that this build
- * omits. */
+/* gn_scene_effects returns the effects that the scene needs; the second function returns those of
+ * them that this build omits. */
 gn_effects gn_scene_effects(const gn_scene *scene);
 gn_effects gn_scene_not_built(const gn_scene *scene);
 
 /* Prints the key reference: plain text for the terminal, or Markdown for docs/keys.md. The words
- * `sought` [sought_count] (none: every key) restrict it to keys that contain all of them in any
- * case: first the keys that begin with them, then those with them in their name, then in their text
- * or a synonym. Returns the number of keys printed. */
+ * `sought` [sought_count] (none: every key) restrict it to keys that contain all of them, in upper
+ * or lower case: first keys that begin with them, then keys with them in the name, then keys with
+ * them in the text or a synonym. Returns the number of keys printed. */
 size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
                            size_t sought_count);
 
-/* Finds the key, by its name alone or with its full path, that `sought` is probably a misspelling
- * of. Returns false and "" if none is near enough. */
+/* Finds the key of which `sought`, a name or a full path, is probably a misspelling. Returns false
+ * and "" if none is similar enough. */
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 
-/* Each find function returns the index of the entry with a name; -1: none. */
+/* Return the index of the entry with a name; -1: there is none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
-/* A body's rotation is given by its motion alone; by forces alone; or by forces about some axes of
- * space while the motion prescribes it about the others. */
+/* A body's rotation follows its prescribed motion alone; forces alone; or forces about some axes of
+ * space and the motion about the others. */
 typedef enum gn_spins { GN_SPINS_PRESCRIBED, GN_SPINS_FREE, GN_SPINS_SOME } gn_spins;
 gn_spins gn_body_spin_kind(const gn_scene *scene, const gn_body_def *body);
 /* True if mass, centre and inertia of a body are those of its closed surface. */
@@ -661,9 +672,9 @@ static inline bool gn_scene_membrane_on_shape(const gn_scene *scene) {
 static inline int gn_scene_membrane_axis(const gn_scene *scene) {
     return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
 }
-/* A message begins with this text: "FILE:LINE:COLUMN: PATH", or "--set KEY: PATH" where the command
- * line gave the value at the path or around it (with the path of a key also the values below it).
- */
+/* The place with which a message begins: "FILE:LINE:COLUMN: PATH", or "--set KEY: PATH" if the
+ * command line gave the value at the path or around it (if the path is that of a key, also values
+ * below it). */
 typedef struct gn_place_text {
     char text[GN_PATH_SIZE + 512];
 } gn_place_text;
@@ -697,12 +708,12 @@ static inline bool gn_scene_has_flow(const gn_scene *scene) {
 }
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
 
-/* Returns the reason why the scene cannot have time.start: first_break; NULL: none is visible in
- * the scene. */
+/* Returns the reason why the scene cannot have time.start: first_break; NULL: the scene shows none.
+ */
 const char *gn_scene_statics_refusal(const gn_scene *scene);
 
 /* Returns the reason why a small loading of the scene's test cannot be followed by equilibria
- * without steps (static/first_break.h); NULL: none is visible in the scene. */
+ * without steps (static/first_break.h); NULL: the scene shows none. */
 const char *gn_scene_loading_refusal(const gn_scene *scene);
 
 /* True if specimen.from is a packing, not the results of a run. */

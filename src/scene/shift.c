@@ -1,5 +1,5 @@
 /* Shift of a scene to coordinates relative to its origin. Every key that is a point in space has a
- * line here, except for the boxes that select particles and nodes. */
+ * line here, except the boxes that select particles and nodes. */
 #include "scene/scene.h"
 
 static void shift(const gn_scene *scene, double *point) {

@@ -1,6 +1,6 @@
 /* Stages: the changes of a stage are merged into the tree of the previous scene, and the result is
- * read as a whole. Every key that may change thus keeps its one meaning, its checks and its place
- * in the file. */
+ * read as a whole. A key that may change therefore keeps its meaning, its checks and its place in
+ * the file. */
 #include "scene/stages.h"
 
 #include "base/memory.h"
@@ -19,7 +19,7 @@
 gn_stops gn_scene_stops(const gn_scene *scene) {
     gn_stops stops = {.peak_drop = scene->stop_peak_drop > 0.0 ? scene->stop_peak_drop : 0.0,
                       .strain = scene->stop_strain};
-    /* Conditions are evaluated in rows of the history, so that none holds without a history. A
+    /* Conditions are evaluated in rows of the history, so that there is none without a history. A
      * controlled test continues past its peak. */
     if (scene->stop_peak_drop >= 0.0 || scene->stage_count || !scene->history_rows ||
         scene->test.has_control)
@@ -73,7 +73,7 @@ const char *gn_stops_text(const gn_scene *scene, char *text, size_t size) {
 
 /* ---- keys that may change ---- */
 
-/* A path that begins with these components may change; a star matches any component. */
+/* Paths that may change are those that begin with one of these; a star stands for any component. */
 static const char *const may_change[] = {
     "gravity",
     "damping",
@@ -113,7 +113,7 @@ static const char *const may_change[] = {
     "membrane.pressure",
     "membrane.ramp",
     "membrane.surface",
-    "membrane.faces", /* must equal those at the start, see check_stages.c */
+    "membrane.faces", /* must stay as at the start, see check_stages.c */
     "membrane.axis",
     "membrane.follow",
     "elements.motions.*.motion",
@@ -157,7 +157,7 @@ static const struct {
     {"", "it is fixed for the whole run"},
 };
 
-/* True if a path and a pattern agree over the length of the shorter one; advances both past the
+/* True if a path and a pattern agree over the length of the shorter one; advances both beyond the
  * common part. */
 static bool alike(const char **path, const char **pattern) {
     while (**path && **pattern) {
@@ -199,7 +199,7 @@ static const char *reason_of(const char *path) {
 typedef struct stage_layer {
     gn_reader *reader;
     gn_tree *tree;
-    size_t stage; /* base 0 */
+    size_t stage; /* index from 0 */
     char path[GN_KEY_PATH_SIZE];
 } stage_layer;
 
@@ -208,7 +208,7 @@ static gneiss_status no_memory(const gn_reader *reader) {
                    reader->name);
 }
 
-/* Messages state the stage in addition to the place. */
+/* Fails with a message that gives the stage in addition to the place. */
 static gneiss_status fail_at_key(const stage_layer *layer, const gn_node *node, const char *format,
                                  const char *what, const char *more) {
     char path[GN_KEY_PATH_SIZE + 32], text[512];
@@ -240,7 +240,7 @@ static void drop(gn_node *map, const char *key) {
 
 static gneiss_status merge_map(stage_layer *layer, gn_node *base, const gn_node *over);
 
-/* Merges elements by name: of a map its keys, of a list the value of `name`. */
+/* Merges elements by name: in a map by their keys, in a list by the value of `name`. */
 static gneiss_status merge_list(stage_layer *layer, gn_node *base, const gn_node *over) {
     for (const gn_node *item = over->first; item; item = item->next) {
         const gn_node *said = over->kind == GN_NODE_LIST ? gn_node_child(item, "name") : NULL;
@@ -296,15 +296,16 @@ static gneiss_status merge_section(stage_layer *layer, gn_node *base, const gn_n
     return old ? merge_map(layer, old, over) : no_memory(layer->reader);
 }
 
-/* A wall has either `motion` or `servo`, and a servo either `force` or `stress`: the later key
- * replaces the other. */
+/* Removes the alternative of a new key: a wall has either `motion` or `servo`, and a servo either
+ * `force` or `stress`. */
 static void drop_alternative(gn_node *base, const gn_node *over) {
     const gn_node *motion = gn_node_child(over, "motion"), *servo = gn_node_child(over, "servo");
     if (motion && !servo) drop(base, "servo");
     if (servo && !motion && servo->kind == GN_NODE_MAP) drop(base, "motion");
 }
 
-/* Sides of a periodic box follow either a stress or a rate. */
+/* Removes the alternative of a new key: sides of a periodic box follow either a stress or a rate.
+ */
 static void drop_box_alternative(gn_node *base, const gn_node *over) {
     const gn_node *stress = gn_node_child(over, "stress"), *rate = gn_node_child(over, "rate");
     if (stress && !rate) drop(base, "rate");
@@ -322,7 +323,8 @@ static void drop_servo_alternative(gn_node *base, const gn_node *over) {
     drop(base, "area");
 }
 
-/* The first of several keys of one name counts; the others are reported. */
+/* Tells whether a key has occurred before: the first of several keys of one name counts, and the
+ * others are reported. */
 static bool seen(const gn_node *map, const gn_node *child) {
     for (const gn_node *other = map->first; other != child; other = other->next)
         if (strcmp(other->key, child->key) == 0) return true;
@@ -356,7 +358,7 @@ static gneiss_status merge_map(stage_layer *layer, gn_node *base, const gn_node 
     return GNEISS_OK;
 }
 
-/* The stage's own keys (name, end) are no changes. */
+/* Merges a stage; its own keys (name, end) are not changes. */
 static gneiss_status merge_stage(stage_layer *layer, gn_node *root, const gn_node *stage) {
     for (const gn_node *child = stage->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0 || strcmp(child->key, "end") == 0) continue;
@@ -389,8 +391,8 @@ static gneiss_status keep_changes(gn_reader *reader, const gn_node *node, gn_sta
     return size == 1 || stage->changes ? GNEISS_OK : no_memory(reader);
 }
 
-/* Reads the current tree as a scene. Its messages concern keys that the stage changed, or keys that
- * conflict with them. */
+/* Reads the present tree as a scene. Its messages concern keys that the stage changed, or that
+ * conflict with these. */
 static gneiss_status read_whole(const gn_reader *reader, const gn_node *root, gn_scene *scene) {
     gn_reader own = *reader;
     memset(scene, 0, sizeof *scene);
@@ -415,7 +417,7 @@ static void point_at_elements(const gn_key *key, const char *from, char *to, gn_
                  stage);
 }
 
-/* Copies the places in the file to the scene of a stage, which was read from another text; values
+/* Copies the places in the file to the scene of a stage, which was read from other text; values
  * that only stages have get the place of the stage. */
 static void point_at(const gn_section *section, const char *from, char *to, gn_scene_place stage) {
     if (section->where != GN_NO_WHERE) {
@@ -434,7 +436,7 @@ static void point_at(const gn_section *section, const char *from, char *to, gn_s
     }
 }
 
-/* Sets the places for messages during the run to those of the stage. */
+/* Sets the places used by messages during the run to that of the stage. */
 static void point_at_stage(gn_scene *scene, gn_scene_place where) {
     scene->time_where = where;
     for (size_t k = 0; k < scene->wall_count; k++) scene->walls[k].where = where;
@@ -444,7 +446,7 @@ static void point_at_stage(gn_scene *scene, gn_scene_place where) {
         scene->elements.motions[k].where = where;
 }
 
-/* Returns the last stage that gave a value under the node. */
+/* Returns the number of the last stage that gave a value below the node. */
 static size_t last_stage_in(const gn_node *node) {
     size_t stage = node ? node->stage : 0;
     for (const gn_node *child = node ? node->first : NULL; child; child = child->next) {
@@ -472,8 +474,8 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     return gn_check_stage(reader, root, before, now, stage);
 }
 
-/* The base is checked separately before. Problems that a later stage inherits are not repeated: the
- * first stage with a problem ends the loop. */
+/* Reads all stages. The base has been checked separately. Problems that a later stage inherits are
+ * not repeated, because the first stage with a problem ends the loop. */
 static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before, gn_scene *now) {
     gn_scene *base = reader->scene;
     const gn_node *list = gn_node_child(gn_tree_root(tree), "stages");

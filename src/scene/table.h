@@ -6,14 +6,14 @@
 
 #include <stddef.h>
 
-/* Piecewise linear in time; held constant before the first and after the last point. `count` 1 is a
- * constant, 0 means the channel is free (not prescribed). */
+/* Values over time, piecewise linear, constant before the first and after the last point. `count` 1
+ * is a constant; 0 means that the channel is free (not prescribed). */
 typedef struct gn_table {
     size_t count;
     double *time;  /* [count], s, strictly increasing */
     double *value; /* [count] */
-    size_t
-        stage; /* base 1: times count from the start of this stage; 0: from the start of the run */
+    size_t stage; /* number of the stage, from 1, from whose start times count; 0: from the start of
+                     the run */
 } gn_table;
 
 /* Motion of a set, a wall or a body. Walls use the first three channels only. */
@@ -22,9 +22,9 @@ typedef struct gn_motion {
     gn_table spin[3];     /* rad/s */
 } gn_motion;
 
-/* Value of a table at a time; 0 for an empty table. */
+/* Returns the value of a table at a time; 0 for an empty table. */
 double gn_table_at(const gn_table *table, double time);
-/* Integral of a table over time. */
+/* Returns the integral of a table over time. */
 double gn_table_between(const gn_table *table, double from, double to);
 
 #endif

@@ -11,7 +11,7 @@
 
 enum { CHUNK_SIZE = 1 << 16, DEPTH_LIMIT = 32 };
 
-/* Nodes and texts live in chunks that are freed together, so that no failure can leak one. */
+/* Nodes and texts are stored in chunks that are freed together, so that no failure can leak one. */
 typedef struct chunk {
     struct chunk *next;
     size_t used, size;
@@ -88,7 +88,7 @@ typedef struct tree_builder {
     struct fy_parser *parser;
     struct fy_diag *diag;
     gneiss_error *error;
-    const char *set; /* the current override, NULL for the file */
+    const char *set; /* present override; NULL: the file */
     int depth;
 } tree_builder;
 
@@ -133,7 +133,7 @@ static gneiss_status read_scalar(tree_builder *builder, struct fy_event *event, 
     enum fy_scalar_style style = token ? fy_token_scalar_style(token) : FYSS_PLAIN;
     gn_scene_place where = event_where(event);
     if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED)
-        where.column--; /* the opening quote */
+        where.column--; /* the place of the opening quote */
     if (event->scalar.tag) return fail_at(builder, where, "YAML tags are not part of a scene");
     size_t length = 0;
     const char *text = token ? fy_token_get_text(token, &length) : "";
@@ -141,7 +141,7 @@ static gneiss_status read_scalar(tree_builder *builder, struct fy_event *event, 
     if (memchr(text, 0, length))
         return fail_at(builder, where, "expected text, found a NUL character in it");
     bool nothing =
-        length == 0 && style == FYSS_PLAIN; /* the library reports no place for this error */
+        length == 0 && style == FYSS_PLAIN; /* for this error the library reports no place */
     *node = tree_node(builder->tree, nothing ? GN_NODE_NULL : GN_NODE_SCALAR, where);
     if (!*node) return fail_memory(builder);
     (*node)->set = builder->set;
@@ -209,20 +209,20 @@ static gneiss_status read_node(tree_builder *builder, struct fy_event *event, gn
     case FYET_SEQUENCE_START:
         return read_open(builder, event, node);
     case FYET_ALIAS:
-        where.column--; /* the reported place is after the star */
+        where.column--; /* the place of the star */
         return fail_at(builder, where, "YAML aliases are not part of a scene; repeat the value");
     default:
         return fail_at(builder, where, "expected a value, found the end of the document");
     }
 }
 
-/* Reads the whole stream, which has one document or none (then *node remains NULL). */
+/* Reads the whole stream, which has one document or none (*node then remains NULL). */
 static gneiss_status read_stream(tree_builder *builder, gn_node **node) {
     *node = NULL;
     for (;;) {
         struct fy_event *event = fy_parser_parse(builder->parser);
-        /* After the last event the parser returns NULL too: only a diagnostic indicates an error.
-         */
+        /* The parser also returns NULL after the last event; only a diagnostic tells that there was
+         * an error. */
         if (!event)
             return fy_parser_get_stream_error(builder->parser) || fy_diag_got_error(builder->diag)
                        ? fail_syntax(builder)
@@ -260,7 +260,7 @@ static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, c
         status = fail_memory(&b);
     else
         status = read_stream(&b, node);
-    /* The library reports lack of memory as any other error, or as a shorter text. */
+    /* The library reports lack of memory like any other error, or as a shorter text. */
     if (errno == ENOMEM) status = fail_memory(&b);
     if (b.parser) fy_parser_destroy(b.parser);
     fy_diag_destroy(b.diag);
@@ -402,7 +402,7 @@ gn_node *gn_node_element(const gn_node *list, const char *name) {
     return list_element(list, name, strlen(name));
 }
 
-/* Fails with a list of the names of the list's elements. */
+/* Fails with a message that lists the names of the list's elements. */
 static gneiss_status no_such_element(const gn_node *list, const char *step, int shown,
                                      const gn_override *override, gneiss_error *error) {
     char wanted[96], advice[GN_ADVICE_SIZE] = "";
@@ -418,12 +418,12 @@ static gneiss_status no_such_element(const gn_node *list, const char *step, int 
                    override->key, wanted, advice);
 }
 
-/* Goes one step down the key of an override; creates missing sections. */
+/* Descends by one step of the key of an override; creates missing sections. */
 static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size_t length,
                              const gn_override *override, gneiss_error *error) {
     gn_node *node = *at, *child = NULL;
     int shown = length < 80 ? (int)length : 80;
-    /* A section that is empty in the file, or switched off. */
+    /* The section is empty in the file, or switched off. */
     const bool none = node->kind == GN_NODE_SCALAR && strcmp(node->text, "none") == 0;
     if (node->kind == GN_NODE_NULL || (none && *step != '[')) node->kind = GN_NODE_MAP;
     if (node->kind == GN_NODE_SCALAR)
@@ -450,8 +450,8 @@ static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size
     return GNEISS_OK;
 }
 
-/* Lists and sections are parsed as YAML; anything else is taken literally, so that the shell needs
- * no nested quotes. */
+/* Makes the value of an override. Lists and sections are parsed as YAML; all other values are taken
+ * literally, so that the shell needs no nested quotes. */
 static gneiss_status override_value(gn_tree *tree, const gn_override *override, gn_node **value,
                                     gneiss_error *error) {
     const char *set = tree_text(tree, override->key, strlen(override->key));
@@ -474,7 +474,7 @@ static gneiss_status override_value(gn_tree *tree, const gn_override *override, 
     return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
 }
 
-/* One component overrides a list that the file omits: the others keep their defaults. */
+/* Makes a list of defaults if the file omits it, because an override changes only one component. */
 static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step,
                                   const gn_override *override, gneiss_error *error) {
     char path[256];
@@ -497,7 +497,8 @@ static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step
     return GNEISS_OK;
 }
 
-/* Returns the step of a key that begins at `from` and moves `from` past it; false: not a key. */
+/* Returns the step of a key that begins at `from`, and advances `from` beyond it; returns false if
+ * the text is not a key. */
 static bool next_step(const char *key, const char **from, const char **step, size_t *length) {
     const char *at = *from;
     bool bracket = *at == '[' && at > key;
@@ -528,7 +529,7 @@ void gn_tree_place(const gn_tree *tree, const char *key, char *place, size_t siz
     }
 }
 
-/* Places in the text of an override are no places in the file. */
+/* Removes places, because those in the text of an override are not places in the file. */
 static void forget_places(gn_node *node) {
     node->where = node->key_where = (gn_scene_place){0, 0};
     for (gn_node *child = node->first; child; child = child->next) forget_places(child);
@@ -554,7 +555,7 @@ gneiss_status gn_tree_override(gn_tree *tree, const gn_override *override, gneis
     GN_TRY(override_value(tree, override, &value, error));
     if (!value) return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: no value", override->key);
     forget_places(value);
-    /* The new value replaces the old one in the list of its parent. */
+    /* The new value replaces the old one in its parent. */
     at->kind = value->kind;
     at->text = value->text;
     at->set = value->set;

@@ -11,11 +11,11 @@ typedef struct gn_node {
     gn_node_kind kind;
     const char *key;  /* NULL unless the parent is a map */
     const char *text; /* text of a scalar */
-    const char *set;  /* key of the override that gave it; NULL: from the file */
-    /* key_where: place of the key in a map, otherwise equal to `where` */
+    const char *set;  /* key of the override that gave it; NULL: it is from the file */
+    /* key_where: place of the key in a map, else equal to `where` */
     gn_scene_place where, key_where;
-    size_t stage; /* stage that gave it, base 1; 0: none */
-    size_t count; /* children */
+    size_t stage; /* number of the stage, from 1, that gave it; 0: none */
+    size_t count; /* number of children */
     struct gn_node *first, *last, *next;
 } gn_node;
 
@@ -36,7 +36,7 @@ gn_node *gn_tree_add_map(gn_tree *tree, gn_node *map, const gn_node *like);
  * gravity[2]. Elements of lists are addressed by index, base 0, or by their `name`. */
 gneiss_status gn_tree_override(gn_tree *tree, const gn_override *override, gneiss_error *error);
 
-/* Writes the place that an override of this key changes in a canonical spelling:
+/* Writes in a canonical spelling the place that an override of this key changes:
  * materials.0.friction for materials[0].friction and for materials.rock.friction. Steps to missing
  * nodes stay as written. */
 void gn_tree_place(const gn_tree *tree, const char *key, char *place, size_t size);

@@ -26,9 +26,9 @@ struct gn_units {
     conversion cache[CACHE_SIZE];
 };
 
-/* Units of keys. If a unit is named in this table alone, `si` is its name in UDUNITS-2. A number
- * with a unit of the same dimension and another kind is refused with `hint`: angles by the power of
- * the radian, others by a word of `refused`. */
+/* Units of keys. If only this table has the name of a unit, `si` is its name in UDUNITS-2. A number
+ * whose unit has the same dimension but is of another kind is refused with `hint`: angles are
+ * recognised by the power of the radian, others by a word in `refused`. */
 typedef struct unit_kind {
     const char *unit, *text, *si, *hint;
     const char *refused[8];
@@ -163,8 +163,8 @@ static int angle_power(const ut_unit *unit) {
 
 /* ---- factors ---- */
 
-/* Finds the factor between two units; false and a reason for an unknown unit, another dimension, or
- * a scale with an offset or a logarithm, which a factor cannot express. */
+/* Finds the factor between two units; returns false and a reason for an unknown unit, another
+ * dimension, or a scale with an offset or a logarithm, which no factor can express. */
 static bool find_factor(ut_system *system, const char *from, const char *to, double *factor,
                         const char **reason) {
     ut_unit *source = ut_parse(system, from, UT_UTF8);
@@ -188,11 +188,13 @@ static bool find_factor(ut_system *system, const char *from, const char *to, dou
     return ok;
 }
 
-/* The library crashes without memory. Its database takes 0.6 MB. */
+/* Memory that must be available, because the library crashes without it. Its database takes 0.6 MB.
+ */
 enum { SYSTEM_BYTES = 2 << 20, PARSER_BYTES = 1 << 17 };
 
-/* The database has "degree" but not the common "deg". When memory is lacking the library may omit
- * units and report success: min would be a milli-inch. Only errno shows it. */
+/* Opens the system of units. The database has "degree" but not the common "deg". If memory is
+ * lacking, the library may omit units and report success, so that "min" would be a milli-inch; only
+ * errno shows this. */
 static ut_system *open_system(bool *exhausted) {
     *exhausted = !gn_memory_is_left(SYSTEM_BYTES);
     if (*exhausted) return NULL;
@@ -241,7 +243,8 @@ static bool is_letter(char letter) {
            (unsigned char)letter >= 0x80 || letter == '%' || letter == '_';
 }
 
-/* Skips one factor of a unit, "mm" or "m-3" or "s^2", and returns its end; NULL: there is none. */
+/* Skips one factor of a unit, "mm" or "m-3" or "s^2", and returns its end; NULL: there is no
+ * factor. */
 static const char *skip_factor(const char *text) {
     static const char *const words[] = {"since", "after", "from", "ref", "per"};
     const char *start = text;
@@ -258,8 +261,9 @@ static const char *skip_factor(const char *text) {
     return text;
 }
 
-/* Only products and quotients of powers reach the parser of UDUNITS-2: "23 10 mm" is a slip, not
- * 230 mm; times since a date have no use here; and the parser leaks memory on bad syntax. */
+/* Tells whether a text is a product or quotient of powers, which alone reach the parser of
+ * UDUNITS-2: "23 10 mm" is a mistake, not 230 mm; times since a date are of no use here; and the
+ * parser leaks memory on bad syntax. */
 static bool looks_like_unit(const char *text) {
     if (strlen(text) >= UNIT_SIZE) return false;
     if (strncmp(text, "1/", 2) == 0) text += 2;
@@ -283,8 +287,9 @@ static bool starts_a_number(const char *text) {
     return *text >= '0' && *text <= '9';
 }
 
-/* The factor itself is rounded. 46 mm must give the double nearest to 0.046, and 2.65 g/cm3 must
- * give 2650: a factor near a whole number, or near one over a whole number, is replaced by it. */
+/* Returns a number times a factor. The factor itself is rounded, but 46 mm must give the double
+ * nearest to 0.046, and 2.65 g/cm3 must give 2650: a factor near a whole number, or near the
+ * inverse of one, is replaced by it. */
 static double scaled(double number, double factor) {
     double whole = nearbyint(factor), inverse = nearbyint(1.0 / factor);
     if (factor > 0.5 && fabs(whole / factor - 1.0) < 1e-14) return number * whole;
@@ -293,7 +298,7 @@ static double scaled(double number, double factor) {
     return number * factor;
 }
 
-/* True if `word` occurs in the text of a unit, by itself or after a prefix ("kHz"). */
+/* True if `word` occurs in the text of a unit, alone or after a prefix ("kHz"). */
 static bool has_word(const char *text, const char *word) {
     for (; *text; text++) {
         if (!is_letter(*text)) continue;
@@ -376,7 +381,7 @@ bool gn_units_read_slope(gn_units *units, const char *text, double *value, char 
     return false;
 }
 
-/* True if a word of a unit is `name`, with a prefix or in the plural. */
+/* True if a word of a unit is `name`, possibly with a prefix or in the plural. */
 static bool is_named(const char *word, size_t length, const char *name) {
     static const char *const prefixes[] = {"", "k", "M", "kilo", "mega"};
     size_t own = strlen(name);

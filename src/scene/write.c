@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* %.17g reproduces the same double. */
+/* Writes a number; %.17g reproduces the same double. */
 static void write_number(FILE *out, double value) {
     fprintf(out, "%.17g", value);
 }
@@ -62,7 +62,7 @@ static void write_points(FILE *out, const double *points, size_t count) {
     fputc(']', out);
 }
 
-/* Writes rows, or their requested number. */
+/* Writes rows of particles, or their requested number. */
 static void write_particles(FILE *out, const gn_key *key, const char *base, bool plane,
                             int indent) {
     const double *particles;
@@ -177,7 +177,7 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
     case GN_KEY_POINTS:
         write_points(out, array, *(const size_t *)(base + key->second));
         break;
-    case GN_KEY_TREE: /* no key of a scene has this type */
+    case GN_KEY_TREE: /* no key of a scene is of this type */
     case GN_KEY_CHANGES:
     case GN_KEY_SECTION:
     case GN_KEY_LIST:
@@ -197,7 +197,7 @@ static void write_list(FILE *out, const gn_key *key, const char *base, bool plan
         write_section(out, key->section, array + k * key->section->size, plane, indent + 4, true);
 }
 
-/* Writes changes on separate lines, indented as the other keys of the element. */
+/* Writes changes on separate lines, indented like the other keys of the element. */
 static void write_changes(FILE *out, const gn_key *key, const char *base, int indent) {
     const char *line;
     memcpy(&line, base + key->offset, sizeof line);
@@ -205,7 +205,7 @@ static void write_changes(FILE *out, const gn_key *key, const char *base, int in
         fprintf(out, "%*s%.*s\n", indent, "", (int)strcspn(line, "\n"), line);
 }
 
-/* `element`: the first key follows the dash of a list. */
+/* Writes a section; `element`: its first key follows the dash of a list. */
 static void write_section(FILE *out, const gn_section *section, const char *base, bool plane,
                           int indent, bool element) {
     for (size_t k = 0; k < section->key_count; k++) {

@@ -117,7 +117,7 @@ static size_t block_at(const gn_deal_list *list, int32_t particle) {
     return low;
 }
 
-/* Returns the list with more items, by which the others are cut. */
+/* Returns the list with the most items, which determines the cuts of the others. */
 static int lead_of(const gn_deal *deal) {
     size_t most = 0;
     int lead = 0;
@@ -137,8 +137,8 @@ static size_t cut_wanted(const gn_deal *deal, const gn_deal_list *leading, int t
     return (size_t)lround(deal->share[t] * (double)block_count(leading));
 }
 
-/* Cuts a list: the longer one by blocks, the shorter one at the same particles, so that few
- * particles have items on both sides. */
+/* Returns the cut of a list: the leading list is cut at a block, the others at the same particle,
+ * so that few particles have items on both sides. */
 static size_t cut_of(const gn_deal_list *list, const gn_deal_list *leading, size_t cut) {
     if (list == leading || cut == 0) return cut;
     if (cut >= block_count(leading) || !block_count(list)) return block_count(list);
@@ -155,8 +155,9 @@ static void cut_lists(gn_deal *deal, int lead, int threads) {
     deal->team = threads;
 }
 
-/* Tells whether the present cuts still serve. A cut that would move by less than a fiftieth of a
- * share stays: moving it changes caches, and threads take work from each other anyway. */
+/* Tells whether the present cuts are good enough. A cut that would move by less than a fiftieth of
+ * a share stays: moving it changes the contents of caches, and threads take work from each other
+ * anyway. */
 static bool cuts_hold(const gn_deal *deal, int lead, int threads) {
     const gn_deal_list *leading = &deal->list[lead];
     if (deal->team != threads) return false;
@@ -178,7 +179,8 @@ static int64_t first_touch(const gn_deal_list *list, size_t particles) {
 
 /* Returns the thread whose share contains block b of a list. */
 static int32_t holder(const gn_deal *deal, int l, int64_t b) {
-    int32_t low = 0, high = deal->team - 1; /* the last one whose cut is not above b */
+    int32_t low = 0,
+            high = deal->team - 1; /* search for the last thread whose cut is not above b */
     while (low < high) {
         int32_t mid = (low + high + 1) / 2;
         if ((int64_t)deal->cut[l][mid] <= b)
@@ -192,7 +194,7 @@ static int32_t holder(const gn_deal *deal, int l, int64_t b) {
 /* The first and the last thread with items of a block of particles. */
 typedef struct span {
     int32_t first, last;
-    bool shared; /* the block is not bound to one thread's share */
+    bool shared; /* no single thread owns the block */
 } span;
 
 static span threads_of(const gn_deal *deal, size_t p) {
@@ -225,8 +227,8 @@ static size_t task_of(const gn_deal *deal, int l, size_t block) {
     return block;
 }
 
-/* A thread's tasks while they are ordered. `next` is the first block of each list that is not yet
- * included. */
+/* The tasks of a thread while they are put in order. `next` is the first block of each list that is
+ * not yet included. */
 typedef struct sequence {
     int t;
     size_t next[GN_LISTS_MOST];
@@ -241,8 +243,8 @@ static void append(gn_deal *deal, sequence *order, int l, size_t end) {
     }
 }
 
-/* Orders the tasks of a thread: those that its particles need directly precede them, the others are
- * at the end. */
+/* Orders the tasks of a thread: those that a block of its particles needs precede that block
+ * directly, and the rest comes last. */
 static void put_in_order(gn_deal *deal, int t) {
     sequence s = {.t = t};
     for (int l = 0; l < deal->lists; l++) s.next[l] = deal->cut[l][t];
@@ -255,8 +257,8 @@ static void put_in_order(gn_deal *deal, int t) {
     deal->task_first[t + 1] = deal->task_first[t] + s.length;
 }
 
-/* Converts counts at [t + 2] into first places at [t + 1], which filling in advances to the end of
- * each thread. */
+/* Converts counts at [t + 2] into starts at [t + 1], which filling then advances to the start of
+ * the next thread. */
 static void add_up(size_t *first, int threads) {
     for (int t = 0; t < threads; t++) first[t + 2] += first[t + 1];
 }
@@ -266,8 +268,8 @@ static size_t count_of(const size_t *first, int t) {
     return first[t + 1] - first[t];
 }
 
-/* Defers as many of a thread's last owned blocks as it has fewer shared blocks than the thread with
- * most. */
+/* Defers the last owned blocks of a thread, as many as it has fewer shared blocks than the thread
+ * with the most. */
 static void defer_last_blocks(gn_deal *deal) {
     size_t most = 0;
     for (int t = 0; t < deal->team; t++)
@@ -280,10 +282,9 @@ static void defer_last_blocks(gn_deal *deal) {
     }
 }
 
-/* Assigns blocks of particles to threads. A block whose items belong to one thread is owned by
- * that; the others are assigned to their last thread. Hence every owned block comes after at least
- * one task, and if its thread does not begin that task, the block is late and another thread takes
- * it. */
+/* Assigns blocks of particles to threads. A block whose items all belong to one thread is owned by
+ * it; the others are assigned to the last thread with items of theirs. Every owned block therefore
+ * follows at least one task; if another thread does that task, the block is late. */
 static void deal_out(gn_deal *deal) {
     for (int t = 0; t < deal->team + 2; t++) deal->owned_first[t] = deal->shared_first[t] = 0;
     for (size_t p = 0; p < deal->particle_blocks; p++) {
@@ -306,14 +307,15 @@ static void deal_out(gn_deal *deal) {
 
 /* --- a sweep --- */
 
-/* A word of a mark: the number of the sweep, and a count below 2^24. */
+/* Words of a mark hold the number of the sweep and a count below 2^24. */
 enum { COUNT_BITS = 24 };
 static uint64_t stamped(uint64_t sweep, uint64_t number) {
     return (sweep << COUNT_BITS) + number;
 }
 
 /* Tasks [front, back) of a share that no thread has taken, stored with the last bits of the sweep
- * number. These may repeat: a share with tasks is begun in every sweep between two cuts. */
+ * number. These bits may repeat, because a share with tasks is begun in every sweep between two
+ * cuts. */
 typedef struct range {
     uint64_t front, back;
 } range;
@@ -337,7 +339,7 @@ void gn_deal_begin(gn_deal *deal) {
     for (int t = 0; t < threads; t++) deal->mark[t].open = packed(deal->sweeps, (range){0, 0});
 }
 
-/* A thread of a sweep. */
+/* State of a thread in a sweep. */
 typedef struct worker {
     gn_deal *deal;
     const gn_deal_work *work;
@@ -381,7 +383,7 @@ static void work_on_task(worker *thread, size_t task) {
     thread->tasks++;
 }
 
-/* Does the tasks of the worker's own share, until the rest has been taken by others. */
+/* Does the tasks of the worker's own share until none is left. */
 static void work_on_share(worker *thread) {
     const gn_deal *deal = thread->deal;
     gn_deal_mark *mark = &thread->deal->mark[thread->me];
@@ -422,8 +424,8 @@ static double await(const _Atomic uint64_t *word, uint64_t wanted) {
     return gn_now() - start;
 }
 
-/* Returns the number of thread t's tasks after which all those of its share that touch a block of
- * particles are done. */
+/* Returns the number of tasks of thread t's share that must be done before all items of that share
+ * that touch a block of particles are done. */
 static uint64_t needed(const gn_deal *deal, int t, size_t p) {
     uint64_t wanted = 0;
     for (int l = 0; l < deal->lists; l++) {
@@ -435,8 +437,8 @@ static uint64_t needed(const gn_deal *deal, int t, size_t p) {
     return wanted;
 }
 
-/* Waits until all items of a block of particles are done; all tasks of all shares have been
- * taken. */
+/* Waits until all items of a block of particles are done; every task has been taken by some thread.
+ */
 static void await_items(worker *thread, size_t p) {
     const gn_deal *deal = thread->deal;
     const span s = threads_of(deal, p);
@@ -482,7 +484,7 @@ static int64_t draw(_Atomic uint64_t *drawn, uint64_t sweep, uint64_t count) {
     }
 }
 
-/* Moves shared and late blocks of particles, whose items were distributed over several threads. */
+/* Moves shared and late blocks, whose items several threads processed. */
 static void work_on_the_rest(worker *thread) {
     const gn_deal *deal = thread->deal;
     for (int turn = 0; turn < deal->team; turn++) {
@@ -511,9 +513,9 @@ void gn_deal_sweep(gn_deal *deal, int pass, const gn_deal_work *work, void *cont
     deal->mark[k.me].worked += k.tasks;
 }
 
-/* Returns the number of tasks that a thread did beyond its own, or (negative) the number of its own
- * that others did, as a fraction of its own. A difference of one per sweep is not significant: it
- * depends on the order of arrival. */
+/* Returns the number of tasks that a thread did beyond its own (negative: others did some of its
+ * own), as a fraction of its own. A difference of one per sweep is due to the order of arrival and
+ * counts as zero. */
 static double surplus(const gn_deal *deal, int t, int sweeps) {
     static const double most = 0.5;
     const double own = (double)count_of(deal->task_first, t) * sweeps;
@@ -522,7 +524,7 @@ static double surplus(const gn_deal *deal, int t, int sweeps) {
     return fmin(most, fmax(-most, more / fmax(own, 1.0)));
 }
 
-/* Enlarges the share of a thread that did more than its share. */
+/* Adapts the shares: a thread that did more than its share gets a larger one. */
 static void follow_pace(gn_deal *deal, int sweeps) {
     static const double pace = 0.05;
     double before = 0.0, total = 0.0;

@@ -34,10 +34,10 @@
 
 #include <stdatomic.h>
 
-/* A list of items; it is empty without partial sums. */
+/* A list of items; without partial sums it is empty. */
 typedef struct gn_deal_list {
     const gn_partials *partials;
-    /* [items] a particle of each item, in ascending order; only for more than one list */
+    /* [items] a particle of each item, in ascending order; needed only with several lists */
     const int32_t *leader;
 } gn_deal_list;
 
@@ -64,7 +64,7 @@ typedef struct gn_deal {
     int team;                   /* threads of the present cuts; 0: cuts are to be made */
     uint64_t sweeps;            /* number of sweeps so far */
 
-    /* Blocks of items are tasks, those of one list after those of another. */
+    /* Tasks are blocks of items, list after list. */
     size_t tasks, room;
     int32_t *task;      /* [tasks] by threads, in the order in which their particles need them */
     size_t *task_first; /* [threads + 1] */

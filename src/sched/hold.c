@@ -24,7 +24,7 @@ void gn_hold_clear(gn_hold *hold) {
     hold->count = 0;
 }
 
-/* Enlarges the storage. Loads are those of one step, so that old ones need not be copied. */
+/* Enlarges the storage. Loads are those of one step, so that they need not be copied. */
 static gneiss_status make_room(gn_hold *hold, gneiss_error *error) {
     size_t room = 2 * hold->count + 4;
     double *load = NULL;

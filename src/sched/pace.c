@@ -10,19 +10,20 @@ static void lengthen(gn_pace *pace) {
     pace->interval = 2 * pace->interval < pace->longest ? 2 * pace->interval : pace->longest;
 }
 
-/* Threads always wait a little, since shares are never equal. */
+/* Fraction of the threads' time from which waiting is long. Threads always wait a little, since
+ * shares are never equal. */
 static const double waiting_enough = 0.3;
 
-/* Tells whether a trial of all threads has already taken twice the time of all its rounds on one
- * thread: on a busy machine a single round may take as long as a hundred. */
+/* Tells whether a trial of all threads has already taken twice the time that all its rounds take on
+ * one thread: on a busy machine a single round may take as long as a hundred. */
 static bool is_lost(const gn_pace *pace) {
     return pace->single &&
            pace->seconds > 2.0 * pace->cost * pace->work / pace->rounds * pace->trial_rounds;
 }
 
-/* Tells whether one thread is to be tried again. While threads wait for long, the time since the
- * last trial, which may have been disturbed, must be that of sixteen trials; all threads together
- * can be a hundred times as slow as one. */
+/* Tells whether one thread should be tried again. If threads wait for long, this requires that the
+ * time since the last trial, which may have been disturbed, is that of sixteen trials, because all
+ * threads together can be a hundred times as slow as one. */
 static bool is_long(const gn_pace *pace) {
     return !pace->single && pace->single_seconds > 0.0 && pace->rounds >= pace->shortest &&
            pace->waiting > waiting_enough * pace->rounds &&

@@ -81,7 +81,7 @@ void gn_soa_destroy(const gn_record *record, void *soa) {
     head->count = head->capacity = 0;
 }
 
-/* One component stream of a field: where it starts, the distance between items and their size. */
+/* One component of a field in memory: its start, the distance between items and their size. */
 typedef struct stream {
     size_t base, stride, size;
 } stream;
@@ -125,7 +125,7 @@ static inline void gather_items(char *to, const char *from, size_t size, const i
         if (place[k] >= 0) memcpy(to + k * size, from + (size_t)place[k] * size, size);
 }
 
-/* With a constant size, the compiler turns a copy into one move. */
+/* Copies items; if `size` is constant, the compiler turns each copy into one move. */
 static void gather(char *to, const char *from, size_t size, const int32_t *place, size_t count) {
     switch (size) {
     case 8:

@@ -25,7 +25,7 @@ typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
  * positions, last forces for output). SCRATCH is rebuilt from the others. */
 typedef enum gn_role { GN_STATE, GN_SAVED, GN_SCRATCH } gn_role;
 
-/* How rebuilding a list treats a column of contacts, see records.h. */
+/* Flags for columns of contacts: how rebuilding a list treats them, see records.h. */
 enum { GN_KEPT = 1, GN_ODD = 2 };
 
 typedef struct gn_field {

@@ -162,7 +162,7 @@
     Y(X, looked, float, GN_F32, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, NONE, 0, 0, "1",        \
       "normal at the last check of the step; 0: not yet")
 
-/* Work columns of contacts, filled by lists and kernels. */
+/* Work columns of contacts, which lists and kernels fill. */
 #define GN_CONTACT_WORK(Y, X)                                                                      \
     Y(X, branch_f, float, GN_F32, 3, GN_COLUMNS, GN_SCRATCH, 0, NONE, GN_FX_MIXED, 0, "m",         \
       "vector from i to j when the lists were built")                                              \

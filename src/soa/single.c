@@ -37,8 +37,8 @@ static void contact_to_single(gn_contacts *list, const gn_particles *particles,
     list->stretch_f[c] = (float)(sqrt(square) - free);
 }
 
-/* Finds a column in single precision and the double column from which it is converted; returns
- * false if one is absent, as the double is where the single replaces it. */
+/* Finds a column in single precision and the double column from which it is converted. Returns
+ * false if either is absent; the double column is absent if the single one replaces it. */
 static bool find_twins(const gn_record *record, const gn_field *field, const void *single_holder,
                        const void *double_holder, float **single, double **wide) {
     if (!field->single_of) return false;

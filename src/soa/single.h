@@ -11,8 +11,8 @@ void gn_particles_to_single(const gn_particles *particles, const double *origin,
 /* Fills the single precision columns that exist beside a double one. */
 void gn_elements_to_single(gn_elements *elements);
 
-/* Fills these columns of contacts, and branch_f and stretch_f from the particles' `ref`. `period`
- * per axis (0: none); nearest images are used. */
+/* Fills the single precision columns of contacts, and branch_f and stretch_f from the particles'
+ * `ref`. `period` per axis (0: none); nearest images are used. */
 void gn_contacts_to_single(gn_contacts *contacts, const gn_particles *particles,
                            const double period[3], int threads);
 

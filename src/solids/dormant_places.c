@@ -14,7 +14,7 @@ size_t gn_elements_left_count(const gn_solids *solids) {
     return gn_coupled_solid(solids)->elements.soa.count;
 }
 
-/* Finds the position of a dormant particle in the elements; false without their places. */
+/* Finds the position of a dormant particle in the elements; returns false without `places`. */
 static bool find_dormant(const gn_dem *dem, const gn_solids *solids, const int32_t *places,
                          size_t p, gn_tie *tie, gn_ties *one) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
@@ -42,7 +42,7 @@ void gn_particle_travel(const gn_dem *dem, const gn_solids *solids, const int32_
     gn_ties one;
     for (size_t a = 0; a < 3; a++) u[a] = q->pos[4 * p + a] - q->start[4 * p + a];
     if (!gn_is_dormant(dem, p)) return;
-    u[0] = u[1] = u[2] = NAN; /* memory is lacking */
+    u[0] = u[1] = u[2] = NAN; /* without memory */
     if (find_dormant(dem, solids, places, p, &tie, &one))
         gn_tie_travel(&one, 0, &gn_coupled_solid(solids)->nodes, u);
 }

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- which nodes belong together --- */
+/* --- nodes of a body --- */
 
 /* Numbers the bodies of nodes [nodes] from 0 in ascending order; *count: number of bodies. */
 static void number_bodies(const gn_fem_solid *b, int32_t *body, size_t *count) {
@@ -23,13 +23,13 @@ static void number_bodies(const gn_fem_solid *b, int32_t *body, size_t *count) {
                          gn_elements_node(&b->elements, a)[e]);
     for (size_t v = 0; v < n; v++) body[v] = gn_set_root(body, (int32_t)v);
     *count = 0;
-    /* A root has the smallest index of its set, so that its number is known before the others need
-     * it. */
+    /* A root has the smallest index of its set, so that it is numbered before the other nodes refer
+     * to it. */
     for (size_t v = 0; v < n; v++)
         body[v] = body[v] == (int32_t)v ? (int32_t)(*count)++ : body[body[v]];
 }
 
-/* --- their masses --- */
+/* --- masses --- */
 
 typedef struct body_sums {
     double mass, first[3], second[9]; /* kg, kg m, kg m2 about the centre */
@@ -108,8 +108,8 @@ gneiss_status gn_element_bodies_find(gn_element_model *q, gneiss_error *error) {
 
 /* --- frames of facets --- */
 
-/* Unit vectors along the first side of a facet, along its normal, and across both; false: the facet
- * has no area. */
+/* Computes unit vectors along the first side of a facet, along its normal, and across both; returns
+ * false if the facet has no area. */
 static bool find_frame(const double *const x[3], int corners, double frame[9]) {
     double side[2][3] = {{0}, {0}};
     for (int a = 0; a < 3; a++) {
@@ -127,7 +127,7 @@ static bool find_frame(const double *const x[3], int corners, double frame[9]) {
     return true;
 }
 
-/* Rotates a direction back with the facet, to its initial orientation. */
+/* Rotates a direction back, as the facet has rotated since the start. */
 static void turn_back(const gn_surface *s, const int32_t *corner, const double n[3],
                       double turned[3]) {
     const gn_particles *nodes = &s->elements->solid.nodes;

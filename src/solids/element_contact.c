@@ -1,6 +1,6 @@
-/* Contacts of particles with the surface of a solid of finite elements: its facets become a surface
- * of the world, and the forces of particles on nodes are added to theirs, as wall forces are added
- * to those of particles. */
+/* Contacts of particles with the surface of a solid of finite elements. Its facets become a surface
+ * of the world, and the forces of particles on nodes are added to the loads of nodes, as wall
+ * forces are added to those of particles. */
 #include "base/error.h"
 #include "base/new.h"
 #include "base/vec3.h"
@@ -18,7 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A row of force for each node of a facet, in the order of the nodes. */
+/* Makes a row of force for each node of a facet, in the order of the nodes. */
 static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneiss_error *error) {
     size_t n = q->solid.nodes.soa.count, count = 0;
     gn_element_contact *k = &q->contact;
@@ -34,7 +34,8 @@ static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneis
     return GNEISS_OK;
 }
 
-/* m, mean over facets at the start: lengths, of triangles the side of a square cut in two. */
+/* Returns the mean size of facets at the start, m: their length, for triangles the side of a square
+ * of twice the area. */
 static double facet_size(const gn_fem_solid *b, const gn_facet_set *f) {
     double sum = 0.0;
     for (size_t k = 0; k < f->count; k++) {
@@ -57,7 +58,8 @@ static void refer(gn_element_model *q) {
     memcpy(nodes->ref, nodes->pos, nodes->soa.count * 4 * sizeof *nodes->ref);
 }
 
-/* Returns a bound on the path of any node since then, m; `exact`: from the present positions. */
+/* Returns a bound on the path of any node since the lists were made, m; `exact`: from the present
+ * positions. */
 static double travel(gn_element_model *q, bool exact) {
     const gn_particles *nodes = &q->solid.nodes;
     double most = 0.0;

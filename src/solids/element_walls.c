@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Distance of nodes on a wall over the longest side of the body. */
+/* Largest distance of nodes that are on a wall, over the longest side of the body. */
 static const double on_wall = 1e-6;
 
 /* A plane on which nodes are held. */

@@ -10,9 +10,9 @@
 #include <math.h>
 #include <stdio.h>
 
-/* m: overlap beyond which a sphere presses GN_PATCH_FACETS triangles: with f of area h^2/2 and
- * perimeter (2 + sqrt 2) h, a circle c intersects (pi c^2 + (2 + sqrt 2) h c)/f + 1 of them on
- * average. */
+/* Returns the overlap, m, beyond which a sphere presses more than GN_PATCH_FACETS triangles: of
+ * triangles with the area f = h^2/2 and the perimeter (2 + sqrt 2) h, a circle of radius c
+ * intersects (pi c^2 + (2 + sqrt 2) h c)/f + 1 on average. */
 static double full_overlap(double radius, double h) {
     const double pi = 3.14159265358979323846, perimeter = 2.0 + sqrt(2.0);
     const double area = 0.5 * (GN_PATCH_FACETS - 1);
@@ -20,8 +20,8 @@ static double full_overlap(double radius, double h) {
     return 0.5 * circle * h * (circle * h / radius);
 }
 
-/* Finds the largest particle, if a hundredth of its radius of overlap presses more facets than
- * there is room for: the run would end at that overlap. */
+/* Finds the largest particle for which an overlap of a hundredth of its radius presses more facets
+ * than its list can hold: the run would end at that overlap. */
 static size_t doubt_facets(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, char *text, size_t size) {
     const double usual = 0.01;

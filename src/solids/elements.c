@@ -27,8 +27,8 @@
 
 /* --- messages --- */
 
-/* Puts the place in the scene before a message about the mesh; `group`: place of the group that the
- * message is about, NULL: it is about the whole section. */
+/* Writes the place in the scene before a message about the mesh; `group`: place of the group that
+ * the message is about, NULL: it is about the whole section. */
 static gneiss_status at(const gn_step_context *ctx, gn_scene_place where,
                         const gn_scene_place *group, const char *list, size_t index,
                         gneiss_status status, gneiss_error *error) {
@@ -82,7 +82,8 @@ static gneiss_status make_mesh(const gn_step_context *ctx, const gn_element_def 
     return at(ctx, e->where, NULL, NULL, 0, status, error);
 }
 
-/* Files, origins and scales that are each valid may together give positions that no key allows. */
+/* Checks positions, because files, origins and scales that are each valid may together give some
+ * that no key allows. */
 static gneiss_status check_places(const gn_step_context *ctx, const gn_element_def *e,
                                   const gn_mesh *mesh, gneiss_error *error) {
     for (size_t n = 0; n < mesh->node_count; n++) {
@@ -128,7 +129,7 @@ static gneiss_status check_groups(const gn_step_context *ctx, const gn_element_d
     return GNEISS_OK;
 }
 
-/* Takes over the mesh. */
+/* Creates the solid and takes over the mesh. */
 static gneiss_status make_body(const gn_step_context *ctx, gn_element_model *q, gn_mesh *mesh,
                                gneiss_error *error) {
     const gn_element_def *e = q->def;
@@ -198,7 +199,7 @@ static gneiss_status make_motion(const gn_step_context *ctx, gn_element_model *q
     return gn_fem_prescribe(&q->solid, &q->motion_set[k], mask, velocity, &q->motion[k], error);
 }
 
-/* A force on a group of facets is distributed by area, on other nodes by mass. */
+/* Makes a load. A force on a group of facets is distributed by area, on other nodes by mass. */
 static gneiss_status make_load(gn_element_model *q, size_t k, gneiss_error *error) {
     const gn_element_load *l = &q->def->loads[k];
     const gn_region *r = &l->region;
@@ -231,7 +232,8 @@ static bool varies(const gn_table tables[3]) {
     return tables[0].count > 1 || tables[1].count > 1 || tables[2].count > 1;
 }
 
-/* Sets constant ones with `all`, once, unless the test is controlled. */
+/* Sets the velocities of motions at a time. Constant ones are set once (`all`), unless the test is
+ * controlled. */
 static void set_velocities(const gn_step_context *ctx, gn_element_model *q, double time, bool all) {
     const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->motion_count; k++) {
@@ -383,7 +385,7 @@ gn_element_totals gn_elements_totals(const gn_solids *solids) {
 
 /* --- step --- */
 
-/* Called after the step: stresses are those at its end. */
+/* Computes forces after the step; stresses are those at its end. */
 static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
     const gn_fem_solid *b = &q->solid;
     double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
@@ -424,8 +426,8 @@ static gneiss_status move_body(gn_element_model *q, double dt, bool measure, gne
     return measure_forces(q, error);
 }
 
-/* Adds the energy of a change of the step, as of particles (frame/step_change.h). In a measured
- * step the reading has been taken before. */
+/* Adds the energy of a change of the step (frame/step_change.h). In a measured step the reading has
+ * been taken before. */
 static void book_change(const gn_step_context *ctx, gn_ledger *ledger, gn_element_model *q,
                         bool measure) {
     double halves[2] = {0.0, 0.0};
@@ -464,7 +466,7 @@ void gn_elements_book(const gn_solids *solids, gn_energy *ledger) {
 
 /* --- readings --- */
 
-/* Averages over the solids, by volume; does nothing if all elements were converted. */
+/* Returns the weight of a solid in averages, by volume; 0 if all elements were converted. */
 static double share_of(const gn_solids *solids, size_t k) {
     const double all = gn_elements_totals(solids).volume;
     return all > 0.0 ? solids->elements[k]->solid.volume / all : 0.0;
@@ -593,8 +595,8 @@ static gneiss_status body_limit(const gn_step_context *ctx, const gn_solids *sol
                                 gn_element_model *q, bool full, bool *due, gneiss_error *error) {
     const double factor = ctx->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
     bool changed = full || factor > 1.02 * q->stiffening;
-    /* The remaining elements of a converted solid are checked against the bound, in later stages
-     * too. */
+    /* The remaining elements of a converted solid are checked against the bound, also in later
+     * stages. */
     const bool begun = full && gn_converts(ctx) && gn_elements_have_left(solids);
     if (begun) GN_TRY(gn_elements_converted(q, error));
     if (full && !begun) GN_TRY(full_limit(ctx, q, error));
@@ -618,7 +620,7 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
     GN_TRY(gn_fem_bound_update(&q->solid, &q->limit, error));
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
-    q->stiffening = 0.0; /* the next check finds which bodies are due */
+    q->stiffening = 0.0; /* the next check finds which bodies have to be evaluated */
     return GNEISS_OK;
 }
 
@@ -641,7 +643,7 @@ double gn_elements_stable(const gn_solids *solids) {
     return limit;
 }
 
-/* Named by its id, together with its position at the start. */
+/* Writes the id of the element and its position at the start. */
 const char *gn_elements_culprit(const gn_step_context *ctx, const gn_element_model *q, char *text,
                                 size_t size) {
     const gn_fem_solid *b = &q->solid;

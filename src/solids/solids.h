@@ -21,12 +21,13 @@
 
 /* Contacts of particles with the surface (element_contact.c). */
 typedef struct gn_element_contact {
-    int32_t *corner;       /* corners of facets, by indices of nodes */
-    const double *force;   /* [nodes][4], N, forces of the surface; NULL: nothing touches it */
-    gn_wall_contacts rows; /* slots of the nodes of facets, for the motion kernel */
-    int32_t *first;        /* [nodes + 1] */
-    double travel;         /* m, as gn_rigid.travel */
-    int32_t *body;         /* [nodes] of `bodies` */
+    int32_t *corner;     /* corners of facets, by indices of nodes */
+    const double *force; /* [nodes][4], N, forces on the surface; NULL: no particle can touch it */
+    gn_wall_contacts
+        rows;       /* Contacts of particles with the surface of a solid (element_contact.c). */
+    int32_t *first; /* [nodes + 1] */
+    double travel;  /* m, see gn_rigid.travel */
+    int32_t *body;  /* [nodes] index in `bodies` */
     struct gn_element_body *bodies;
 } gn_element_contact;
 
@@ -34,24 +35,25 @@ typedef struct gn_element_contact {
 typedef struct gn_element_model {
     const gn_element_def *def; /* its definition in the scene; borrowed */
     gn_fem_solid solid;
-    gn_mesh_joints joints; /* messages about a mesh from a file when it was read */
+    gn_mesh_joints joints; /* messages about the mesh from when its file was read */
     gn_element_contact contact;
     gn_fem_set *motion_set;  /* [def->motion_count] nodes */
     int32_t *motion;         /* [motions] index in `solid`, -1: the motion only records */
     gn_fem_load *load;       /* [def->load_count] */
-    double (*load_value)[3]; /* [loads] Pa or N, present values */
+    double (*load_value)[3]; /* [loads] Pa or N, present value of each */
     bool loads_vary;
     double (*weight)[3]; /* [nodes] weights in the mean strain */
 
     gn_fem_limit limit; /* limits of the solid at its start */
-    double stiffening; /* factor by which the limit fell since (gn_fem_stiffening), when it was last
+    double stiffening; /* factor by which the limit has decreased since (gn_fem_stiffening), as last
                           applied */
     double stable;     /* s: sharp limit or bound, divided by `stiffening` */
 
-    double *vel_past;  /* [nodes][4] velocities before a step whose length differs from the last;
-                          else NULL */
-    double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
-    double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
+    double *vel_past; /* [nodes][4] velocities before a step whose length differs from the last;
+                         else NULL */
+    double stress[9]; /* Pa, mean over the solid at the last measured step, tension positive */
+    double
+        unbalanced; /* mean resultant on a free node over the mean force of an element on a node */
     bool carries, falls; /* see gn_balance */
 } gn_element_model;
 
@@ -74,27 +76,29 @@ gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids, g
 void gn_elements_free(gn_solids *solids);
 
 /* A step of ctx->dt in two parts. gn_elements_forces computes velocities, loads and forces, and
- * moves the nodes that no exchange holds; */
+ * moves the nodes that no feature holds; */
 void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *seconds,
                         bool measure);
-/* gn_elements_move moves the others; with `measure` it also computes stress and unbalanced forces.
- * */
+/* gn_elements_move moves the held nodes; with `measure` it also computes stress and unbalanced
+ * forces. */
 gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn_ledger *ledger,
                                double *seconds, bool measure, gneiss_error *error);
-/* Adds their ledgers of the last measured step. */
+/* Adds the energies of the solids at the last measured step. */
 void gn_elements_book(const gn_solids *solids, gn_energy *ledger);
 
-/* Updates the stability limits: `full`: from the start, otherwise only the effect of strain since.
- * *due: a limit has changed. */
+/* Updates the stability limits: with `full` from the start, otherwise only by the effect of strain
+ * since then. *due: a limit has changed. */
 gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, bool full, bool *due,
                                 gneiss_error *error);
-/* To be called after elements were removed: the bound holds for the rest, for any weights. */
+/* To be called after elements were removed: the bound still holds for the remaining ones, for any
+ * weights. */
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
-/* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
+/* Use of a node by motions and loads; gn_elements_driven writes the strongest one for each node
+ * [nodes], where 0 stood before. */
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
-double gn_elements_stable(
-    const gn_solids *solids); /* Returns the smallest limit, s; INFINITY: there are no solids. */
+/* Returns the smallest limit, s; INFINITY: there are no solids. */
+double gn_elements_stable(const gn_solids *solids);
 /* Writes warnings: points where elements of one part touch without being joined (one sentence for
  * double nodes and one for hanging nodes, in meshes from files), and particles that may touch more
  * facets than their list can hold; "": none. Returns `text`. */
@@ -113,8 +117,8 @@ typedef struct gn_element_totals {
 } gn_element_totals;
 gn_element_totals gn_elements_totals(const gn_solids *solids);
 
-/* Means over all solids by volume: of the displacement gradient, of the stress at the last measured
- * step; the largest of the solids' `unbalanced`. */
+/* Compute means over all solids by volume, of the displacement gradient and of the stress at the
+ * last measured step; the last function returns the largest of the solids' `unbalanced`. */
 void gn_elements_strain(const gn_solids *solids, double gradient[9]);
 void gn_elements_stress(const gn_solids *solids, double stress[9]);
 void gn_elements_balance(const gn_solids *solids, gn_balance *balance);
@@ -124,12 +128,12 @@ void gn_elements_extent(const gn_solids *solids, double lower[3], double upper[3
 void gn_elements_sides(const gn_solids *solids, double side[3]);
 double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *solids);
 
-/* Motions are numbered over all solids: return the mean displacement of the nodes, m, and the force
- * that it supplies, N, unless it only records. */
+/* Motions are numbered over all solids. The functions return the mean displacement of a motion's
+ * nodes, m, and the force that it supplies, N, unless it only records. */
 size_t gn_elements_motions(const gn_solids *solids);
 const char *gn_elements_motion_name(const gn_solids *solids, size_t motion);
 bool gn_elements_motion_drives(const gn_solids *solids, size_t motion);
-/* Returns the nodes of a motion; their positions. */
+/* Returns the nodes of a motion and their positions. */
 const gn_fem_set *gn_elements_motion_set(const gn_solids *solids, size_t motion,
                                          const gn_particles **nodes);
 void gn_elements_travel(const gn_solids *solids, size_t motion, double travel[3]);
@@ -137,13 +141,14 @@ void gn_elements_reaction(const gn_solids *solids, size_t motion, double force[3
 
 /* --- contact with particles (element_contact.c) --- */
 
-/* Makes the surfaces that particles touch, where the scene wants them: after solids. */
+/* Creates the surfaces that particles touch, where the scene requests them; solids must exist. */
 gneiss_status gn_element_contact_create(const gn_step_context *ctx, gn_boundary *boundary,
                                         gn_solids *solids, gneiss_error *error);
 /* Transfers the forces of particles to the nodes, and records how far nodes moved in a step. */
 void gn_element_contact_load(gn_element_model *q);
 void gn_element_contact_moved(gn_element_model *q, double dt);
-/* Returns the speed of the fastest node in the last step, m/s; 0 if nothing touches them. */
+/* Returns the speed of the fastest node in the last step, m/s; 0 if no particle can touch the
+ * solid. */
 double gn_element_contact_speed(const gn_element_model *q);
 void gn_element_contact_free(gn_element_contact *k);
 

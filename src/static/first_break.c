@@ -40,10 +40,10 @@ enum {
     HALVINGS_MOST = 30
 };
 
-/* Mean unbalanced load of a particle over the mean contact force at which a state counts as
- * equilibrium: for the first, which only determines the range, for those on the path, and for the
- * start. The largest unbalanced load may be `balanced_worst` times that. Tests run with 1e-3 and
- * more. */
+/* Ratio of the mean unbalanced load of a particle to the mean contact force at which a state counts
+ * as equilibrium: for the first state, which only determines the range, for states on the path, and
+ * for the start. The largest unbalanced load may be `balanced_worst` times that. Tests run with
+ * 1e-3 and more. */
 static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_start = 1e-5;
 static const double balanced_worst = 300.0;
 /* Tolerance of states from which elastic constants are read. */
@@ -52,19 +52,19 @@ static const double balanced_loading = 1e-6;
 static const double strengthened = 1e9;
 /* Ratio of the duration of initial loads to time.end. */
 static const double slowness = 1e6;
-/* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
- * most to these fractions of its load. */
+/* Tolerance of a linear solution as a fraction of the wanted unbalanced load, and its upper and
+ * lower bounds as fractions of the load of the system. */
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
 /* Path of the first increment over the smallest radius. */
 static const double first_path = 1e-5;
-/* Initial loads whose displacements are below this fraction of the smallest radius are rounding. */
+/* Fraction of the smallest radius below which displacements by initial loads are rounding. */
 static const double no_path = 1e-9;
 /* Largest speed of a free particle over the largest prescribed one: a lever ratio of 1000. */
 static const double rates_most = 1e3;
-/* Below this fraction of the weakest strength, the mean contact force is no scale for loads; the
- * fraction is used instead. */
+/* If the mean contact force is below this fraction of the weakest strength, it is no scale for
+ * loads, and the fraction of the strength is used instead. */
 static const double strength_part = 1e-2;
-/* A start nearer to time 0 saves nothing. */
+/* Least number of steps that a start must save. */
 static const double steps_least = 2.0;
 /* Relative tolerance of the fraction at the start. */
 static const double near_enough = 1e-3;
@@ -79,11 +79,11 @@ typedef struct search {
     gn_trial trial;
     const gn_first_break_watch *watch;
     gn_first_break *found;
-    double *path, *rate;      /* [particles][6] of the increment; their rates in the previous one */
+    double *path, *rate;      /* [particles][6] of the increment; rates of the previous increment */
     double *shorter;          /* [particles][6] path before the last correction; NULL: not stored */
     bond_force *before, *now; /* [bonds] at both ends of the last increment */
     double span;              /* s, of the last increment; 0: none yet */
-    double scale;             /* N, scale of forces: see in_balance */
+    double scale;             /* N, scale of forces, see in_balance */
     double speed;             /* m/s, of the prescribed motion */
 } search;
 
@@ -111,7 +111,8 @@ static void read_bonds(search *run) {
         run->now[c].holds = gn_trial_bond(&run->trial, c, &run->now[c].normal, run->now[c].shear);
 }
 
-/* Returns the value of a bond's failure criterion `share` increments after the last one. */
+/* Returns the value of a bond's failure criterion, extrapolated by `share` times the last
+ * increment. */
 static double criterion(const search *run, size_t c, double share) {
     const gn_contacts *list = &run->w->dem.bonds.contacts;
     const bond_force *a = &run->before[c], *b = &run->now[c];
@@ -140,7 +141,7 @@ static double increments_left(const search *run, double most, size_t *bond) {
     return any ? least : INFINITY;
 }
 
-/* Returns the time of the first failure, s; INFINITY: not before the end. */
+/* Returns the time of the first failure, s; INFINITY: no bond fails before the end. */
 static double time_of_break(search *run) {
     const gn_contacts *list = &run->w->dem.bonds.contacts;
     size_t c = 0;
@@ -161,8 +162,8 @@ static double time_of_break(search *run) {
 
 typedef enum outcome { BALANCED, BROKE, STUCK } outcome;
 
-/* Tells whether the state is in equilibrium. If almost nothing is loaded, contact forces are no
- * scale for the residual; a fraction of the bond strengths is used. */
+/* Tells whether the state is in equilibrium. If hardly anything is loaded, contact forces are no
+ * scale for the residual, and a fraction of the bond strengths is used. */
 static bool in_balance(const search *run, double balanced) {
     const gn_trial *t = &run->trial;
     double most = balanced * fmax(t->mean_force, run->scale);
@@ -181,8 +182,8 @@ static gneiss_status correct(search *run, double balanced, gn_equilibrium *linea
 }
 
 /* Contacts that close and open alternately make Newton's method cycle. If the loads have grown by
- * the last correction, half of it is undone; returns false if they have not, or several halvings
- * were in vain. */
+ * the last correction, half of it is undone. Returns false if they have not grown, or after several
+ * halvings without success. */
 static bool shorten(search *run, double before, int *halves) {
     if (!run->shorter || !(run->trial.mean_load > before) || *halves == HALVES_MOST) {
         *halves = 0;
@@ -194,7 +195,7 @@ static bool shorten(search *run, double before, int *halves) {
     return true;
 }
 
-/* Runs Newton's method from the present path. */
+/* Applies Newton's method, starting from the present path. */
 static gneiss_status balance(search *run, double span, bool loads, double balanced, outcome *what,
                              gn_equilibrium *linear, gneiss_error *error) {
     gn_trial *t = &run->trial;
@@ -236,9 +237,9 @@ static gneiss_status tell(const search *run, gneiss_error *error) {
     return run->watch->state(run->watch->context, run->found, error);
 }
 
-/* Detects mechanisms, which have almost no stiffness, so that displacements are arbitrary: no
- * particle of a held body, or a rotation at its surface, is many times as fast as the prescribed
- * motion. */
+/* Refuses mechanisms, which have almost no stiffness, so that displacements are arbitrary. In a
+ * held body no particle, and no rotation at the surface of one, is many times as fast as the
+ * prescribed motion. */
 static gneiss_status check_rates(const search *run, double span, gneiss_error *error) {
     const gn_particles *p = &run->w->dem.particles;
     for (size_t k = 0; k < run->trial.count; k++)
@@ -272,7 +273,8 @@ static bool moves(const search *run) {
     return most > no_path * run->w->dem.radius_min;
 }
 
-/* Applies gravity, applied forces and initially compressed contacts. */
+/* Brings the specimen into equilibrium with gravity, applied forces and initially compressed
+ * contacts. */
 static gneiss_status take_up_loads(search *run, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what;
@@ -303,8 +305,8 @@ static bool beyond_lists(const search *run, double span) {
     return 2.0 * own > v->skin || own + other > v->skin;
 }
 
-/* Makes an increment of up to `span` s; it is shorter if bonds would fail, or if contact lists must
- * be rebuilt. */
+/* Makes an increment of up to `span` s; it is shorter if bonds would fail, or if the lists must be
+ * rebuilt. */
 static gneiss_status increment(search *run, double span, double balanced, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what = BALANCED;
@@ -348,8 +350,8 @@ static double fastest(const gn_step_context *ctx, const gn_dem *dem) {
     return most;
 }
 
-/* Returns the next increment: twice the last one while no failure is predicted, then a fraction of
- * the time to the target. */
+/* Returns the duration of the next increment: twice the last one while no failure is predicted,
+ * then a fraction of the time to the target. */
 static double next_span(const search *run, double breaks, double first) {
     const gn_world *w = run->w;
     if (breaks == INFINITY)
@@ -369,7 +371,7 @@ static gneiss_status follow(search *run, gneiss_error *error) {
         if (breaks < INFINITY && span <= near_enough * w->ctx.scene.start_fraction * breaks)
             return GNEISS_OK;
         if (!(span > 0.0)) break;
-        if (k > 0) GN_TRY(tell(run, error)); /* the first step reports the last one */
+        if (k > 0) GN_TRY(tell(run, error)); /* the first step reports the last state */
         bool last =
             breaks < INFINITY && w->ctx.time + span >= 0.99 * w->ctx.scene.start_fraction * breaks;
         double wanted = breaks < INFINITY ? balanced_on_the_way : balanced_first;
@@ -381,7 +383,7 @@ static gneiss_status follow(search *run, gneiss_error *error) {
     return refuse(w, error, "first_break: expected a bond that breaks before time.end, found none");
 }
 
-/* Sets the velocities of steady loading from a short increment by the tangent alone. */
+/* Computes the velocities of steady loading from a short increment by the tangent alone. */
 static gneiss_status leave(search *run, gneiss_error *error) {
     gn_trial *t = &run->trial;
     gn_equilibrium linear;
@@ -457,7 +459,7 @@ static double prescribed_path(const gn_scene *scene, double time) {
     return most;
 }
 
-/* Finds the time at which the prescribed displacement is `path`, s; motions may continue after the
+/* Finds the time, s, at which the prescribed displacement is `path`; motions may continue after the
  * end of the scene. */
 static gneiss_status time_of_path(const search *run, double path, double *time,
                                   gneiss_error *error) {
@@ -476,7 +478,7 @@ static gneiss_status time_of_path(const search *run, double path, double *time,
     return GNEISS_OK;
 }
 
-/* Makes a motion up to `time` one at constant velocity that takes until `end`. */
+/* Replaces a motion up to `time` by one of constant velocity that ends at `end`. */
 static void spread_motion(gn_motion *motion, double time, double end) {
     for (int k = 0; k < N; k++) {
         gn_table *table = k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
@@ -486,8 +488,8 @@ static void spread_motion(gn_motion *motion, double time, double end) {
     }
 }
 
-/* Replaces the prescribed motions by steady ones with the same displacements, so slow that dashpots
- * and drag have no part. */
+/* Replaces the prescribed motions by steady ones with the same displacements, which are so slow
+ * that dashpots and drag have no effect. */
 static gneiss_status slow_down(search *run, double path, gneiss_error *error) {
     gn_scene *scene = &run->w->ctx.scene;
     const double end = slowness * scene->end;
@@ -500,7 +502,7 @@ static gneiss_status slow_down(search *run, double path, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Advances to a time, in several increments if contact lists have to be rebuilt on the way. */
+/* Advances to a time, in several increments if the lists have to be rebuilt. */
 static gneiss_status go_to(search *run, double time, double path, gneiss_error *error) {
     const double near = 1e-9;
     for (int k = 0; k < INCREMENTS_MOST; k++) {

@@ -16,9 +16,9 @@
 
 enum { N = GN_COMPONENTS, SOLUTIONS_MOST = 60, ROUNDING = 2 };
 
-/* Each linear solution is found to this fraction of its load; the load that is left in double
- * precision, relative to the forces of bonds, ends the iteration or, above the second, is an
- * error. */
+/* Tolerance of each linear solution, as a fraction of its load. The iteration ends when the
+ * residual load in double precision, relative to the forces of bonds, is below the second number;
+ * above the third one it is an error. */
 static const double solved = 1e-4, balanced = 1e-11, balanced_most = 1e-6;
 
 typedef struct network {
@@ -28,8 +28,8 @@ typedef struct network {
     gn_springs y;
     uint8_t *fixed;      /* [particles] components of boundary particles */
     gn_stiff_bond *bond; /* [springs] */
-    /* [particles][6]: displacements beside the strain, loads, the solution of them, the direction
-     * of search and the loads by it */
+    /* [particles][6]: displacements relative to the strain, loads, solution for the loads,
+     * direction of search, and its loads */
     double *u, *load, *solution, *search, *pull;
     gn_preconditioner made;
 } network;
@@ -138,7 +138,7 @@ static gneiss_status mark_boundary(network *x, gn_network *found, gneiss_error *
         found->depth = fmax(found->depth, q->pos[4 * p + 3]);
         count++;
     }
-    found->depth *= 1.0 + 1e-9; /* equal particles on a plane are all of the boundary */
+    found->depth *= 1.0 + 1e-9; /* equal particles on a plane all belong to the boundary */
     GN_TRY(gn_hull_triangles(points, count, d, &hull, error));
     if (hull.count) mark_near(x, &hull, points, d, found);
     const bool none = !hull.count;
@@ -162,7 +162,7 @@ static gneiss_status hold_boundary(network *x, gn_network *found, gneiss_error *
                        "%d of %d",
                        periodic, d);
     GN_TRY(mark_boundary(x, found, error));
-    /* The degrees of freedom of the springs know which are fixed. */
+    /* The springs are rebuilt, because they store which degrees of freedom are fixed. */
     gn_springs_free(&x->y);
     return gn_springs_build(&x->spectrum, NULL, &x->y, error);
 }
@@ -170,7 +170,7 @@ static gneiss_status hold_boundary(network *x, gn_network *found, gneiss_error *
 /* --- equilibrium --- */
 
 /* Computes the force of a spring on its first particle, and the moment by its bending, for a
- * uniform strain of its branch (row < 0: none) and the displacements u beside it. */
+ * uniform strain of its branch (row < 0: none) plus the displacements u relative to it. */
 static void spring_force(const network *x, size_t s, int row, const double *u, double q[3],
                          double m[3]) {
     const gn_spring *p = &x->y.spring[s];
@@ -193,7 +193,7 @@ static void spring_force(const network *x, size_t s, int row, const double *u, d
 }
 
 /* Computes the unbalanced loads of all free components; returns their root mean square, N, and that
- * of the forces of bonds. */
+ * of the bonds' forces. */
 static double unbalanced(const network *x, int row, const double *u, double *load, double *force) {
     const gn_particles *particles = x->assembly.particles;
     double forces = 0.0, loads = 0.0;
@@ -228,7 +228,8 @@ static double dot(const network *x, const double *a, const double *b) {
     return sum;
 }
 
-/* Solves for the loads and moves along the solution, made conjugate to the direction before. */
+/* Solves for the loads, and moves along the solution after it was made conjugate to the last
+ * direction. */
 static gneiss_status correct(network *x, gn_network *found, gneiss_error *error) {
     gn_equilibrium linear;
     double unused, before = -dot(x, x->search, x->pull);
@@ -246,9 +247,9 @@ static gneiss_status correct(network *x, gn_network *found, gneiss_error *error)
     return GNEISS_OK;
 }
 
-/* Finds the displacements beside a uniform strain. The linear solutions are of a system in single
- * precision with a small resistance to every motion; they precondition conjugate gradients in
- * double precision, which need one or two of them for most packings. */
+/* Finds the displacements relative to a uniform strain. Linear solutions are those of a system in
+ * single precision with a small resistance to every motion; they precondition conjugate gradients
+ * in double precision, which need one or two of them for most packings. */
 static gneiss_status relax(network *x, int row, gn_network *found, gneiss_error *error) {
     const size_t bytes = N * x->y.particles * sizeof *x->u;
     double scale, force, left, least = INFINITY;
@@ -271,8 +272,8 @@ static gneiss_status relax(network *x, int row, gn_network *found, gneiss_error 
                    left / scale, SOLUTIONS_MOST);
 }
 
-/* Computes the mean stresses of the present state as a row of the stiffness: works of the forces on
- * uniform strains. */
+/* Computes the mean stresses of the present state as a row of the stiffness, by the works of the
+ * forces on uniform strains. */
 static void add_stresses(const network *x, int row, double volume, double *c) {
     const int n = gn_voigt_size(x->assembly.dimension);
     for (size_t s = 0; s < x->y.springs; s++) {

@@ -51,7 +51,7 @@ void gn_trial_free(gn_trial *t) {
     *t = (gn_trial){0};
 }
 
-/* --- the state gone out from --- */
+/* --- the reference state --- */
 
 static gneiss_status copy_lists(gn_trial *t, gneiss_error *error) {
     const gn_world *w = t->world;
@@ -93,7 +93,7 @@ static void restore_lists(gn_trial *t) {
         gn_soa_take(&gn_wall_contact_record, &w->boundary.contacts, &t->touches);
 }
 
-/* --- places and velocities --- */
+/* --- positions and velocities --- */
 
 static void put_particles(gn_trial *t, const double *path, double rate) {
     gn_world *w = t->world;
@@ -153,8 +153,8 @@ static unsigned held_mask(const gn_dem *dem, size_t p) {
     return slot < 0 ? 0u : dem->prescribed.mask[slot];
 }
 
-/* Reads the loads from the velocities that the engine gave in a second; viscous damping acts on
- * those of the path. */
+/* Computes the loads from the velocities that they caused within a second; viscous damping acts on
+ * the velocities of the path. */
 static void read_loads(gn_trial *t, const double *path, double rate) {
     gn_world *w = t->world;
     const gn_particles *q = &w->dem.particles;
@@ -171,13 +171,13 @@ static void read_loads(gn_trial *t, const double *path, double rate) {
     }
 }
 
-/* Compares loads with contact forces. */
+/* Computes means of loads and of contact forces. */
 static void weigh_loads(gn_trial *t) {
     const gn_world *w = t->world;
     const gn_dem_sums *s = &w->dem.done;
     double sum = 0.0, most = -1.0, contacts = s->contacts.carrying;
     const unsigned places = w->ctx.effects & GN_FX_SPACE ? 0x7u : 0x3u;
-    size_t free = 0; /* free in some direction */
+    size_t free = 0; /* number of particles that are free along some direction */
     for (size_t p = 0; p < t->count; p++) {
         double square = 0.0, r = w->dem.particles.pos[4 * p + 3];
         for (size_t k = 0; k < N; k++) {
@@ -201,8 +201,8 @@ static void note_losses(gn_trial *t) {
     t->broken += s->contacts.broken_tension + s->contacts.broken_shear;
 }
 
-/* The path is evaluated first and loads the tangential springs along its length; contacts that
- * closed or opened on it acted for a part of it. Then the forces of the state alone are
+/* The path is evaluated first: it loads the tangential springs along its length, and contacts that
+ * closed or opened on it acted for a part of it. Then the forces of the end state alone are
  * evaluated. */
 void gn_trial_go(gn_trial *t, const double *path, double span, bool loads) {
     gn_world *w = t->world;
@@ -274,8 +274,8 @@ static uint8_t *find_slips(const gn_step_context *ctx, const gn_dem *dem,
     return slips;
 }
 
-/* An unsupported particle may be displaced without bound: no particle moves by more than a part of
- * its radius at a time. */
+/* Adds corrections to the path. An unsupported particle may be displaced without bound, so that no
+ * particle moves by more than a part of its radius at a time. */
 static void add_corrections(const gn_trial *t, const double *u, double *path,
                             gn_equilibrium *found) {
     const double part = 0.02;
@@ -364,7 +364,7 @@ static void book_loads(const gn_trial *t, const double *path, double span, bool 
     }
 }
 
-/* Energy that the terms do not explain yet. */
+/* Returns the energy that the terms of the ledger do not explain yet. */
 static double missing(const gn_trial *t) {
     const gn_energy *e = &t->world->ledger.energy;
     double in = 0.0, lost = 0.0;
@@ -380,10 +380,10 @@ static double missing(const gn_trial *t) {
     return gn_energy_stored(e) - t->stored + lost - in;
 }
 
-/* In equilibrium prescribed motions supply the stored and lost energy. Trapezoidal sums of their
- * works miss a part of it when contacts close on the path, and the difference is distributed in the
- * same proportions. Dead loads supply more than is stored; the excess counts as damping, as if the
- * system came to rest under them. */
+/* Closes the ledger. In equilibrium prescribed motions supply the stored and lost energy.
+ * Trapezoidal sums of their works miss a part of it if contacts close on the path; the difference
+ * is distributed in the proportions of the sums. Dead loads supply more than is stored; the excess
+ * counts as damping, as if the system came to rest under them. */
 static void close_ledger(gn_trial *t, double walls, double prescribed, bool loads) {
     gn_energy *e = &t->world->ledger.energy;
     e->work_walls += walls;
@@ -408,7 +408,7 @@ gneiss_status gn_trial_begin(gn_world *w, gn_trial *t, gneiss_error *error) {
     return go_out_from_here(t, error);
 }
 
-/* --- going on from there --- */
+/* --- continuation by steps --- */
 
 static void turn_orientations(gn_particles *q, const double *path) {
     for (size_t p = 0; q->orientation && p < q->soa.count; p++) {
@@ -436,7 +436,7 @@ gneiss_status gn_trial_take(gn_trial *t, const double *path, double span, bool l
     read_state(w);
     close_ledger(t, walls, prescribed, loads);
     w->ledger.reading = w->ledger.energy;
-    /* The next increment may extend to the reach of the lists. */
+    /* The next increment may be as long as the lists allow. */
     gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
     double own = w->dem.verlet.drift, other = gn_boundary_travel(&w->ctx, &w->boundary, true);
     if (fmax(2.0 * own, own + other) > 0.5 * w->dem.verlet.skin) {

@@ -53,7 +53,7 @@ static gneiss_status make_box(const double size[3], gn_mesh *mesh, gneiss_error 
     return GNEISS_OK;
 }
 
-/* Makes two rings of corners; end faces are fans about their centres. */
+/* Makes a cylinder: two rings of corners, and end faces that are fans about their centres. */
 static gneiss_status make_cylinder(const gn_body_cylinder *cylinder, gn_mesh *mesh,
                                    gneiss_error *error) {
     int32_t n = (int32_t)cylinder->sides;
@@ -123,8 +123,8 @@ static void place(const gn_body_def *def, const double *local, double *x) {
         x[a] = def->origin[a] + (def->has_rotation ? gn_dot3(m + 3 * a, scaled) : scaled[a]);
 }
 
-/* Tells whether a triangle's height is below rounding of its longest side, or a segment has no
- * length. */
+/* Tells whether a facet is degenerate: the height of a triangle is below the rounding of its
+ * longest side, or a segment has no length. */
 static bool is_degenerate(const gn_body_shape *shape, const int32_t *corner, int corners) {
     const double *x[3] = {0};
     double e[3][3], normal[3], longest = 0.0;
@@ -209,7 +209,7 @@ static void add_cone(const double x[3][3], int corners, integrals *sum) {
     }
     for (int c = 0; c < corners; c++)
         for (int a = 0; a < 3; a++) total[a] += x[c][a];
-    double n = corners + 1.0; /* corners of the cone, whose tip is the origin */
+    double n = corners + 1.0; /* the corners of the cone include its tip, the origin */
     sum->volume += part;
     for (int a = 0; a < 3; a++) sum->first[a] += part * total[a] / n;
     for (int a = 0; a < 3; a++)
@@ -237,7 +237,7 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
             }
         add_cone((const double(*)[3])x, corners, &sum);
     }
-    /* the volume is negative for a polygon of the opposite orientation */
+    /* The volume is negative for a polygon of opposite orientation. */
     double sign = sum.volume < 0.0 ? -1.0 : 1.0;
     shape->volume = sign * sum.volume;
     if (!(shape->volume > 1e-12 * pow(size, corners)))
@@ -255,7 +255,7 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
     return GNEISS_OK;
 }
 
-/* A file and a scale that are both valid may give coordinates that no key may have. */
+/* Checks coordinates, because a valid file and a valid scale may give some that no key may have. */
 static gneiss_status check_places(const gn_body_shape *shape, gneiss_error *error) {
     for (size_t v = 0; v < shape->vertices; v++) {
         const double *x = shape->vertex + 4 * v;

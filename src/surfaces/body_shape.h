@@ -6,17 +6,17 @@
 
 /* A shape with vertices in the scene's frame; facets are segments (2D) or triangles. */
 typedef struct gn_body_shape {
-    size_t vertices, facets, dropped; /* dropped: facets without area (2D: length) */
-    size_t cavities;                  /* closed surfaces inside others */
+    size_t vertices, facets, dropped; /* dropped: facets without area (2D: without length) */
+    size_t cavities;                  /* number of closed surfaces inside others */
     double *vertex;                   /* [vertices][4], m, the fourth 0 */
     int32_t *corner;                  /* [facets][2 or 3] */
-    double volume;                    /* m3, of closed shapes; 2D: m2 x 1 m */
+    double volume;                    /* m3 (2D: m2 x 1 m), of closed shapes */
     double centre[3];                 /* centre of mass, m */
     double moment[9];                 /* m5: inertia about the centre over density */
 } gn_body_shape;
 
-/* Makes the shape of body `index` of the scene. With `free`, the shape must be closed, and volume,
- * centre and moment are computed (GNEISS_ERROR_INPUT names the open edge). */
+/* Makes the shape of body `index` of the scene. With `free`, the shape must be closed, and its
+ * volume, centre and moment are computed (GNEISS_ERROR_INPUT names the open edge). */
 gneiss_status gn_body_shape_make(const gn_scene *scene, size_t index, gn_body_shape *shape,
                                  gneiss_error *error);
 void gn_body_shape_free(gn_body_shape *shape);

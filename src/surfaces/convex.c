@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Tolerances of the distance of vertices from the plane of their face, over the size of the body:
- * as computed, and after storage with six digits or in single precision, possibly far from the
- * origin. */
+/* Tolerances of the distance of a vertex from the plane of its face, over the size of the body: for
+ * coordinates as computed, and for those stored with six digits or in single precision, possibly
+ * far from the origin. */
 static const double exact = 1e-12, rounded = 3e-5;
-/* Ratio of height to longest side above which a triangle defines its plane by itself. */
+/* Ratio of height to longest side above which a triangle determines its plane by itself. */
 static const double slender = 1e-3;
 
 /* --- closed --- */
@@ -33,7 +33,7 @@ static int by_value(const void *a, const void *b) {
     return (*p > *q) - (*p < *q);
 }
 
-/* Gives vertices at one position the same number. */
+/* Gives vertices at the same position the same number. */
 static void weld(const gn_facet_set *set, size_t vertices, welded *vertices_by_place,
                  int32_t *number) {
     for (size_t v = 0; v < vertices; v++) {
@@ -115,7 +115,7 @@ static bool normal_of(const gn_facet_set *set, size_t facet, double n[3]) {
     return set->corners == 2 || size > slender * longest;
 }
 
-/* Context of the search for planes; `off`, m, is the tolerance of a vertex's distance from its
+/* Context of the search for planes; `off`, m, is the tolerance of the distance of a vertex from its
  * plane. */
 typedef struct search {
     const gn_facet_set *set;
@@ -145,8 +145,9 @@ static bool lies_on(const gn_facet_set *set, size_t facet, const double plane[4]
     return true;
 }
 
-/* Averages the normals of all facets that are nearly in the plane of this one: the error of a small
- * facet's normal is that of its corners over its height, that of the mean over the size of all. */
+/* Averages the normals of all facets that lie nearly in the plane of this one. The error of a small
+ * facet's normal is the error of its corners over its height; that of the mean is the same error
+ * over the size of all facets. */
 static void mean_normal(const search *state, size_t facet, double n[3]) {
     double near[4], sum[3] = {0, 0, 0}, size;
     normal_of(state->set, facet, near);
@@ -168,7 +169,7 @@ static void mean_normal(const search *state, size_t facet, double n[3]) {
     for (int k = 0; k < 3; k++) n[k] = size > 0.0 ? sum[k] / size : near[k];
 }
 
-/* Finds the plane of a facet: a known one on which it lies, or a new one. */
+/* Finds the plane of a facet: a known one that contains it, or a new one. */
 static bool find_plane(const search *state, size_t facet, gn_convex *convex) {
     double plane[4];
     for (size_t k = 0; k < convex->planes; k++)
@@ -193,7 +194,7 @@ static double size_of(const gn_facet_set *set, size_t vertices) {
     return size;
 }
 
-/* Finds all planes; slender facets come last, after those that define their plane. */
+/* Finds all planes; slender facets come last, because others define their planes. */
 static bool find_planes(const search *state, gn_convex *convex) {
     double n[3];
     convex->planes = 0;
@@ -216,7 +217,7 @@ static void put_corners(const gn_facet_set *set, gn_convex *convex) {
 
 /* --- faces of planes --- */
 
-/* Puts a square on a plane around the first vertex; in 2D a strip between both ends. */
+/* Places a square on a plane around the first vertex; in 2D a strip between both ends. */
 static void put_square(const gn_facet_set *set, const double plane[4], double half, double *to) {
     double e[2][3] = {{0}}, off = plane[3] - gn_dot3(plane, set->pos);
     int least = 0;
@@ -236,7 +237,8 @@ static void put_square(const gn_facet_set *set, const double plane[4], double ha
                             (c < 2 ? -1.0 : 1.0) * e[1][a];
 }
 
-/* Cuts the face on a plane by all other planes, in one of two buffers; returns its corners. */
+/* Cuts the face on a plane by all other planes, in one of two buffers; returns its number of
+ * corners. */
 static size_t face_of(const gn_facet_set *set, const gn_convex *convex, size_t plane, double half,
                       double *buffer[2], int *in) {
     size_t count = 4;
@@ -251,9 +253,9 @@ static size_t face_of(const gn_facet_set *set, const gn_convex *convex, size_t p
     return count;
 }
 
-/* Replaces the facets by those of the body that its planes bound, so that they lie on the planes to
- * the bit. Without `convex->corner` it only counts them. Returns false if the planes bound no body.
- */
+/* Replaces the facets by those of the body that its planes bound, so that they lie on the planes
+ * exactly. Without `convex->corner` they are only counted. Returns false if the planes bound no
+ * body. */
 static bool cut_faces(const gn_facet_set *set, double size, double *memory, gn_convex *convex) {
     double *buffer[2] = {memory, memory + 3 * (convex->planes + 8)};
     convex->polygons = 0;

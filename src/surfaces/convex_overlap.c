@@ -6,22 +6,21 @@
 #include <stdint.h>
 #include <string.h>
 
-/* --- room --- */
+/* --- work space --- */
 
-/* A face of the overlap: its points among all points, and the plane of its body on which it
- * lies. */
+/* A face of the overlap: its range among all points, and the plane of its body that contains it. */
 typedef struct face {
     size_t begin, count;
     int32_t plane;
 } face;
 
-/* One of the bodies in its pose, and the part of its surface that lies in the other. */
+/* One of the bodies in its pose, and the part of its surface that lies in the other body. */
 typedef struct side {
     const gn_convex *shape;
     double *plane, *corner; /* planes and corners as in the shape */
     face *faces;
     size_t count;
-    int32_t *near; /* planes that are the nearest for some point of the overlap */
+    int32_t *near; /* planes that are the nearest ones for some point of the overlap */
     size_t near_count;
 } side;
 
@@ -35,7 +34,8 @@ typedef struct work {
     int dimension;
 } work;
 
-/* Points of all faces: twelve per facet; faces of triangles in space have six on average. */
+/* Room for the points of all faces: twelve per facet; faces of triangles in space have six points
+ * on average. */
 enum { MOST_POINTS = 12, MORE_POINTS = 64 };
 
 static size_t buffer_points(const gn_convex_room *room) {
@@ -77,7 +77,7 @@ static void share_out(gn_convex_room *room, work *task) {
     task->most = 2 * MOST_POINTS * room->polygons + MORE_POINTS;
 }
 
-/* --- in place --- */
+/* --- bodies in their pose --- */
 
 static void turn(const double axes[9], const double x[3], double y[3]) {
     for (int a = 0; a < 3; a++) y[a] = gn_dot3(axes + 3 * a, x);
@@ -114,7 +114,8 @@ size_t gn_polygon_cut(const double *from, size_t count, const double n[3], doubl
     return kept > 2 ? kept : 0;
 }
 
-/* Cuts the polygon in buffer[*in]; *in changes if anything was cut off. */
+/* Cuts the polygon in buffer[*in]; the result is in the other buffer, and *in changes, if a part
+ * was cut off. */
 static size_t cut_there(work *task, int *in, size_t count, const double n[3], double at) {
     bool cuts = false;
     for (size_t k = 0; k < count && !cuts; k++) cuts = gn_dot3(n, task->buffer[*in] + 3 * k) > at;
@@ -125,11 +126,11 @@ static size_t cut_there(work *task, int *in, size_t count, const double n[3], do
 }
 
 /* Computes the half space n.x <= at to which a plane of one body cuts a face of the other. Two
- * faces of the same direction are separated where their planes have equal distances; the second is
- * moved inward by `slack`, m, so that exactly one of two coincident faces counts. For both bodies
- * that is one plane to the bit: if each face were cut at the plane of the other, faces that differ
- * by rounding would be separated anywhere, and the surface of the overlap would have gaps or count
- * twice. */
+ * faces of the same direction are separated where the distances of their planes are equal; the
+ * second one is moved inward by `slack`, m, so that exactly one of two coincident faces counts. For
+ * both bodies this is the same plane to the bit: if each face were cut at the plane of the other,
+ * faces that differ by rounding would be separated at arbitrary places, and the surface of the
+ * overlap would have gaps or count twice. */
 static void part_at(const double mine[4], const double other[4], double slack, double n[3],
                     double *at) {
     bool same_way = gn_dot3(mine, other) > 0.9;
@@ -161,14 +162,14 @@ static void find_faces(work *task, int mine, double slack) {
     }
 }
 
-/* --- which faces are near --- */
+/* --- nearest planes --- */
 
 static double depth_at(const side *body, size_t plane, const double x[3]) {
     return body->plane[4 * plane + 3] - gn_dot3(body->plane + 4 * plane, x);
 }
 
-/* Tells whether plane a is farther than plane b at every corner of the overlap, and hence
- * everywhere. */
+/* Tells whether plane a is farther away than plane b at every corner of the overlap, and therefore
+ * everywhere in it. */
 static bool is_behind(const work *task, const side *body, size_t a, size_t b) {
     for (size_t v = 0; v < task->points; v++)
         if (depth_at(body, a, task->point + 3 * v) < depth_at(body, b, task->point + 3 * v))
@@ -203,14 +204,15 @@ static void find_near(const work *task, side *body) {
 
 /* --- integrals --- */
 
-/* Derivatives by displacement of the second body and by its rotation about the origin. */
+/* Derivatives by the displacement of the second body and by its rotation about the origin. */
 typedef struct sums {
     double volume, whole; /* V, W */
     double by_volume[6], by_whole[6];
     double weight, first[3], second[9]; /* integrals over faces, weighted by depth */
 } sums;
 
-/* Midpoints of the sides of a triangle, which integrate quadratic functions exactly. */
+/* A point of a triangle with its weight. The midpoints of the sides integrate quadratic functions
+ * exactly. */
 typedef struct spot {
     double x[3], area; /* position relative to the origin; m2 */
 } spot;
@@ -252,14 +254,14 @@ static void add_face(const work *task, int mine, const face *polygon, sums *tota
     }
 }
 
-/* Returns the depth below a plane of a point from the origin, m. */
+/* Returns the depth, m, below a plane of a point that is given relative to the origin. */
 static double depth_of(const work *task, const double plane[4], const double x[3]) {
     return plane[3] - gn_dot3(plane, task->origin) - gn_dot3(plane, x);
 }
 
-/* Adds the second moment of a triangle, weighted by depth. It is of third order, so that corners
- * and the centroid count as well (exact to that order). With the midpoints of sides alone it
- * depended on the triangulation of faces. */
+/* Adds the second moment of a triangle, weighted by depth. The integrand is of third order, so that
+ * corners and the centroid are used as well, which makes it exact. With the midpoints of sides
+ * alone it would depend on how faces are divided into triangles. */
 static void add_second(const work *task, const double plane[4], const spot spots[3],
                        double sum[9]) {
     double x[7][3];
@@ -278,7 +280,7 @@ static void add_second(const work *task, const double plane[4], const spot spots
     }
 }
 
-/* Adds the part of a face to which plane `p` of the other body is the nearest. */
+/* Adds the part of a face for which plane `p` of the other body is the nearest one. */
 static void add_part(const work *task, int mine, const face *polygon, const double *point,
                      size_t count, size_t p, sums *total) {
     const double *n = task->of[mine].plane + 4 * polygon->plane,
@@ -299,7 +301,7 @@ static void add_part(const work *task, int mine, const face *polygon, const doub
     }
 }
 
-/* Cuts the polygon in buffer[*in] to the region where plane `p` of a body is the nearest. */
+/* Cuts the polygon in buffer[*in] to the region where plane `p` of a body is the nearest one. */
 static size_t cut_to_nearest(work *task, const side *body, size_t p, size_t but, int *in,
                              size_t count) {
     const double *mine = body->plane + 4 * p;
@@ -325,7 +327,7 @@ static void add_parts(work *task, int mine, const face *polygon, sums *total) {
     }
 }
 
-/* Puts a square on the plane n.x = at that covers the overlap; n need not be a unit vector. */
+/* Places a square on the plane n.x = at that covers the overlap; n need not be a unit vector. */
 static void put_square(work *task, const double n[3], double at) {
     double size2 = gn_dot3(n, n), off = (at - gn_dot3(n, task->origin)) / size2, e[2][3] = {{0}};
     int least = 0;
@@ -358,8 +360,8 @@ static bool parts_overlap(const work *task, const double n[3], double at) {
     return below && above;
 }
 
-/* Adds the contribution of a fold: where two planes of a body are equally near, the depth has a
- * kink, and the volume integral, which is that of the divergence of half its square along its
+/* Adds the contribution of a fold. Where two planes of a body are equally near, the depth has a
+ * kink; the volume integral, which is that of the divergence of half of its square along its
  * gradient, has a term there. */
 static void add_fold(work *task, int mine, size_t p, size_t q, sums *total) {
     const side *me = &task->of[mine], *other = &task->of[1 - mine];
@@ -399,9 +401,9 @@ static void add_all(work *task, sums *total) {
     }
 }
 
-/* --- together --- */
+/* --- all terms --- */
 
-/* Sets the point of the contact force; a small couple about its line remains. */
+/* Places the point of the contact force; a small couple about the line of the force remains. */
 static void put_point(const work *task, const sums *total, const double moment[3],
                       gn_convex_overlap *overlap) {
     double across[3], at[3], size2 = gn_dot3(overlap->along, overlap->along);
@@ -434,7 +436,7 @@ static void in_plane(sums *total) {
 
 static bool read_sums(const work *task, sums *total, double least, gn_convex_overlap *overlap) {
     double moment[3];
-    /* Faces of one body only exist if that body lies inside the other, not if two faces
+    /* If only one body has faces in the other, it lies inside the other; otherwise two faces
      * coincide. */
     bool all = task->of[0].count && task->of[1].count;
     if (!all && !(total->volume > 1e-6 * pow(task->reach, task->dimension))) return false;
@@ -477,7 +479,8 @@ bool gn_convex_meet(const gn_convex *a, const gn_convex_pose *at_a, const gn_con
 
 /* --- distance of separate bodies --- */
 
-/* Returns the largest distance of all planes of a to the nearest corner of b, m. */
+/* Returns the largest distance, m, of any plane of a to the corner of b that is nearest to the
+ * plane. */
 static double apart_by(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,
                        const gn_convex_pose *at_b) {
     double most = -(double)INFINITY;

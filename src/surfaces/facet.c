@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Relative tolerance of distances of one point computed from two facets. */
+/* Relative tolerance of the distances of the same point computed from two facets. */
 static const double same = 1e-10;
 
 /* --- nearest point --- */
@@ -19,8 +19,8 @@ static void set_point(gn_facet_near *near, const double p[3], unsigned feature) 
     near->feature = feature;
 }
 
-/* Finds the nearest point on the side from corner i to corner j, which are relative to the centre;
- * ends included. */
+/* Finds the nearest point on the side from corner i to corner j, ends included; corners are
+ * relative to the centre. */
 static void on_side(const double a[3], const double b[3], int i, int j, gn_facet_near *near) {
     double side[3], p[3];
     for (int k = 0; k < 3; k++) side[k] = b[k] - a[k];
@@ -41,9 +41,9 @@ static void on_side(const double a[3], const double b[3], int i, int j, gn_facet
     set_point(near, p, feature);
 }
 
-/* Finds the nearest point of a triangle. Inside, it is taken along the normal, so that a slender
- * triangle does not tilt it. Barycentric coordinates are ratios of areas; if one is not positive,
- * the nearest of those sides counts. */
+/* Finds the nearest point of a triangle. If it is inside, it lies along the normal, so that a
+ * slender triangle does not tilt it. Barycentric coordinates are ratios of areas; if one of them is
+ * not positive, the nearest point of those sides counts. */
 static void on_triangle(double x[3][3], gn_facet_near *near) {
     double e1[3], e2[3], normal[3], part[3], weight[3];
     for (int k = 0; k < 3; k++) {
@@ -104,7 +104,7 @@ void gn_facet_add(gn_facet_near *list, size_t *count, const gn_facet_near *item)
         list[(*count)++] = *item;
         return;
     }
-    /* A minimum that suppresses another is at least as near, so that the farthest can be
+    /* A minimum that suppresses another is at least as near, so that the farthest item can be
      * dropped. */
     size_t worst = 0;
     for (size_t k = 1; k < *count; k++)
@@ -129,7 +129,7 @@ static bool holds(const gn_facet_near *b, const gn_facet_near *a) {
     return true;
 }
 
-/* Tells whether b, which has a's feature, is nearer, or takes precedence at the same point. */
+/* Tells whether b, which contains a's feature, is nearer, or takes precedence at the same point. */
 static bool suppresses(const gn_facet_near *b, const gn_facet_near *a, bool b_first) {
     if (!holds(b, a)) return false;
     if (b->distance < a->distance * (1.0 - same)) return true;
@@ -159,7 +159,7 @@ size_t gn_facet_minima(gn_facet_near *list, size_t count) {
 
 /* --- sharing --- */
 
-enum { ACTIVE = 40 }; /* overlapping minima that share stiffness */
+enum { ACTIVE = 40 }; /* largest number of overlapping minima that share stiffness */
 
 /* The complementarity problem of facet.h. */
 typedef struct sharing {
@@ -190,7 +190,7 @@ static double share(const sharing *problem, size_t i, size_t j) {
     return i == j ? 1.0 : share_of(problem->m[i], problem->m[j], &slope);
 }
 
-/* Returns the part of an overlap that the active minima do not yet account for. */
+/* Returns the part of an overlap for which the active minima do not account yet. */
 static double missing(const sharing *problem, size_t i) {
     double sum = problem->depth[i];
     for (size_t k = 0; k < problem->actives; k++) {
@@ -200,8 +200,8 @@ static double missing(const sharing *problem, size_t i) {
     return sum;
 }
 
-/* Solves for z of the active minima by Cholesky; returns false if two of them have the same
- * normal. */
+/* Solves for the values z of the active minima by Cholesky; returns false if two of them have the
+ * same normal. */
 static bool solve_active(const sharing *problem, double z[ACTIVE]) {
     double low[ACTIVE][ACTIVE];
     size_t n = problem->actives;
@@ -223,8 +223,8 @@ static bool solve_active(const sharing *problem, double z[ACTIVE]) {
     return true;
 }
 
-/* Moves lambda towards z until the first one reaches zero, and removes that from the active set;
- * returns false if z is reached. */
+/* Moves lambda towards z until the first value reaches zero, and removes its minimum from the
+ * active set; returns false if z is reached. */
 static bool step_back(sharing *problem, const double z[ACTIVE]) {
     double way = 1.0;
     for (size_t k = 0; k < problem->actives; k++) {
@@ -247,8 +247,8 @@ static bool step_back(sharing *problem, const double z[ACTIVE]) {
     return left;
 }
 
-/* Solves by active sets (Lawson and Hanson 1974, chapter 23): the minimum with the largest deficit
- * joins, then those that would pull leave. */
+/* Solves the problem by active sets (Lawson and Hanson 1974, chapter 23): the minimum with the
+ * largest deficit joins the set, then those that would pull leave it. */
 static void solve(sharing *problem) {
     bool refused[GN_FACET_TOUCHES] = {false};
     for (size_t round = 0; round < 4 * problem->count + 8 && problem->actives < ACTIVE; round++) {
@@ -284,8 +284,8 @@ void gn_facet_single(const gn_facet_near *minima, size_t k, double radius, gn_fa
     }
 }
 
-/* Splits the part of v across the normal m: the component along the feature of a minimum (an edge:
- * along it, a face: all of it), and the rest, by which its normal rotates when the particle moves
+/* Splits the part of v across the normal m into two: the component along the feature of a minimum
+ * (along an edge, or in a face), and the rest, by which its normal rotates when the particle moves
  * by v. */
 static void across(const gn_facet_near *near, const double m[3], const double v[3], double along[3],
                    double turning[3]) {
@@ -299,11 +299,11 @@ static void across(const gn_facet_near *near, const double m[3], const double v[
     }
 }
 
-/* Adds the forces from rotating normals. Where a normal rotates with the particle, f changes, and
- * the potential with it: with w_i = sum_j f'_ij lambda_j m_j the gradient is k lambda_i (m_i +
+/* Adds the forces due to rotating normals. If a normal rotates when the particle moves, f changes
+ * and so does the potential: with w_i = sum_j f'_ij lambda_j m_j the gradient is k lambda_i (m_i +
  * (rotation of m_i by w_i)/distance). The forces act on the surface at the contact point displaced
- * by the component of w_i along the feature: there the rotation of the surface does the work that
- * would otherwise be missing. Together they have no moment about the centre. */
+ * by the component of w_i along the feature; there they do the work that would otherwise be missing
+ * when the surface rotates. Together they have no moment about the centre. */
 static void lean(const sharing *problem, size_t i, const gn_facet_near *near,
                  gn_facet_contact *out) {
     double w[3] = {0, 0, 0}, along[3], turning[3], slope;
@@ -389,7 +389,7 @@ static void fit_leaf(const gn_facet_set *set, const gn_facet_tree *tree, gn_face
         for (int c = 0; c < set->corners; c++) grow(box, vertex(set, tree->order[k], c));
 }
 
-/* A box is followed by its first half, so that children have larger numbers. */
+/* A box is followed by the box of its first half, so that children have larger numbers. */
 void gn_facet_tree_refit(const gn_facet_set *set, gn_facet_tree *tree) {
     for (size_t b = tree->boxes; b-- > 0;) {
         gn_facet_box *box = &tree->box[b];
@@ -411,7 +411,7 @@ static int by_key(const void *a, const void *b) {
     return (x->facet > y->facet) - (x->facet < y->facet);
 }
 
-/* Splits at the median along the longest side of the box. */
+/* Splits the facets at the median along the longest side of the box. */
 static void split(builder *build, int32_t begin, int32_t count) {
     gn_facet_tree *t = build->tree;
     size_t me = t->boxes++;

@@ -33,28 +33,29 @@ static const double GN_FACET_SHARE = 0.6;
 typedef struct gn_facet_near {
     double away[3];    /* m, from the centre to the point */
     double distance;   /* m */
-    double weight[3];  /* weights of the corners in the point */
-    double along[3];   /* m, along the edge that holds the point */
-    int32_t corner[3]; /* vertices */
-    unsigned feature;  /* bit k: corner k belongs to the feature that holds the point */
+    double weight[3];  /* weights of the corners in the interpolation of the point */
+    double along[3];   /* m, vector along the edge that contains the point */
+    int32_t corner[3]; /* indices of the vertices */
+    unsigned feature;  /* bit k is set if corner k belongs to the feature that contains the point */
     size_t row;        /* for use by the caller */
 } gn_facet_near;
 
 /* A minimum that overlaps the particle. */
 typedef struct gn_facet_contact {
-    /* unit, from the centre into the surface: the force on the particle is against it */
+    /* unit vector from the centre into the surface; the force on the particle has the opposite
+     * direction */
     double n[3];
     double overlap; /* m, negative */
     double arm[3];  /* m, from the centre to the point of contact, on the surface */
     double part;    /* fraction of the surface's stiffness: lambda/d, 1 where nothing is shared */
-    /* sum of f over all active minima including itself; for a patch (patch.h) the sum of parts, at
+    /* sum of f over all active minima, itself included; for a patch (patch.h) the sum of parts, at
      * least 1 */
     double crowd;
     int member; /* index among the minima */
 } gn_facet_contact;
 
-/* Finds the nearest point to `centre` of the facet with `corners` (2, 3) vertices at x; fills all
- * but `corner` and `row`. */
+/* Finds the point of the facet with `corners` (2, 3) vertices at x that is nearest to `centre`;
+ * sets all members but `corner` and `row`. */
 void gn_facet_nearest(int corners, const double *const x[3], const double centre[3],
                       gn_facet_near *near);
 
@@ -64,17 +65,17 @@ void gn_facet_add(gn_facet_near *list, size_t *count, const gn_facet_near *item)
 /* Removes all but the minima and sorts them, nearest first; returns their number. */
 size_t gn_facet_minima(gn_facet_near *list, size_t count);
 
-/* Makes the contact of minimum k without sharing. */
+/* Makes the contact of minimum k, without sharing. */
 void gn_facet_single(const gn_facet_near *minima, size_t k, double radius, gn_facet_contact *out);
 
-/* Finds the active minima of a particle (all overlap) and their fractions of the stiffness, deepest
- * first; returns their number, at most `count`. */
+/* Finds the active minima of a particle, all of which overlap it, and their fractions of the
+ * stiffness, the deepest first; returns their number, at most `count`. */
 size_t gn_facet_contacts(const gn_facet_near *minima, size_t count, double radius,
                          gn_facet_contact *contacts);
 
 typedef struct gn_facet_box {
     double lower[3], upper[3];
-    /* range of `order` in a leaf; count 0: the children are the next box and `right` */
+    /* range of `order` in a leaf; count 0: no leaf, the children are the next box and `right` */
     int32_t begin, count;
     int32_t right;
 } gn_facet_box;
@@ -93,17 +94,18 @@ typedef struct gn_facet_set {
     const double *pos;     /* [vertices][4] */
 } gn_facet_set;
 
-/* Sets the corners of a facet of the set, and the nearest point as gn_facet_nearest does. */
+/* Sets the corners of a facet of the set, and its nearest point, as gn_facet_nearest does. */
 void gn_facet_set_nearest(const gn_facet_set *set, int32_t facet, const double centre[3],
                           gn_facet_near *near);
 
 gneiss_status gn_facet_tree_build(const gn_facet_set *set, gn_facet_tree *tree,
                                   gneiss_error *error);
-/* Updates the boxes after vertices moved. */
+/* Updates the boxes after vertices have moved. */
 void gn_facet_tree_refit(const gn_facet_set *set, gn_facet_tree *tree);
 void gn_facet_tree_free(gn_facet_tree *tree);
 
-/* Finds the facets nearer to the centre than `reach`, ascending; `found` NULL only counts them. */
+/* Finds the facets that are nearer to the centre than `reach`, in ascending order; with `found`
+ * NULL only counts them. */
 size_t gn_facet_tree_near(const gn_facet_tree *tree, const gn_facet_set *set,
                           const double centre[3], double reach, int32_t *found);
 

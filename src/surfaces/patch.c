@@ -9,8 +9,8 @@ static const double pi = 3.14159265358979323846;
 
 /* --- in space --- */
 
-/* Integrals over the part of a triangle inside the particle, in its plane with the foot of the
- * centre as origin. */
+/* Integrals over the part of a triangle inside the particle, in the triangle's plane with the foot
+ * of the particle's centre as origin. */
 typedef struct integrals {
     double angle;     /* solid angle, int y/s^3 dA */
     double across[2]; /* int x/s^3 dA */
@@ -22,8 +22,9 @@ typedef struct disc {
     double radius, y, circle;
 } disc;
 
-/* Part of a line through two corners, at the distance `off` from the foot, positive if the foot is
- * on its left; `from` and `to` are positions along it from the point nearest to the foot. */
+/* Part of a line through two corners, at the distance `off` from the foot, which is positive if the
+ * foot is on its left. `from` and `to` are positions along the line, relative to the point nearest
+ * to the foot. */
 typedef struct piece {
     double along[2], off, from, to;
 } piece;
@@ -33,8 +34,9 @@ static void find_point(const piece *line, double place, double point[2]) {
     point[1] = place * line->along[1] - line->off * line->along[0];
 }
 
-/* Adds an arc of the circle from the direction of a to that of b, negative backwards. It is less
- * than half the circle, since a side that leaves the circle there does not contain the foot. */
+/* Adds an arc of the circle from the direction of a to that of b, negative if it runs backwards. It
+ * is less than half of the circle, because a side that leaves the circle there does not contain the
+ * foot. */
 static void add_arc(const disc *cut, const double a[2], const double b[2], integrals *sum) {
     const double size_a = hypot(a[0], a[1]), size_b = hypot(b[0], b[1]);
     if (!(size_a > 0.0) || !(size_b > 0.0)) return;
@@ -47,8 +49,9 @@ static void add_arc(const disc *cut, const double a[2], const double b[2], integ
 }
 
 /* Adds the region between a straight piece of the boundary and the foot. Its solid angle is that of
- * a triangle by one arctangent (van Oosterom and Strackee 1983) whose second argument is positive:
- * it is regular where the foot lies on the line or at an end of the piece. */
+ * a triangle by one arctangent (van Oosterom and Strackee 1983). The second argument of the
+ * arctangent is positive, so that it is regular where the foot lies on the line or at an end of the
+ * piece. */
 static void add_piece(const disc *cut, const piece *line, integrals *sum) {
     const double q = line->off, y = cut->y, length = line->to - line->from;
     const double flat = hypot(q, y);
@@ -62,7 +65,7 @@ static void add_piece(const disc *cut, const piece *line, integrals *sum) {
     sum->across[1] += line->along[0] * reach;
 }
 
-/* Adds the side from p to q of a triangle, cut where it leaves the circle; fills *line unless the
+/* Adds the side from p to q of a triangle, cut where it leaves the circle; sets *line unless the
  * corners coincide. */
 static void add_side(const disc *cut, const double p[2], const double q[2], piece *line,
                      integrals *sum) {
@@ -100,8 +103,8 @@ static void find_across(const double n[3], double first[3], double second[3]) {
     gn_cross3(n, first, second);
 }
 
-/* Computes the barycentric coordinates of a point of the plane; it is relative to the centre, as
- * the corners are. */
+/* Computes the barycentric coordinates of a point of the plane; the point and the corners are
+ * relative to the centre. */
 static void weigh_corners(double x[3][3], const double normal[3], double area2,
                           gn_facet_near *near) {
     double sum = 0.0;
@@ -132,8 +135,8 @@ static bool is_far(double corner[3][2], double circle) {
     return hypot(middle[0], middle[1]) > circle + reach;
 }
 
-/* Finds the centre of pressure in the plane, which lies in the part inside the particle. Where the
- * centre is nearly in the plane, both angle and y vanish, and the bounds of that part limit the
+/* Finds the centre of pressure in the plane, which lies in the part inside the particle. If the
+ * centre is nearly in the plane, both angle and y vanish, and the bounds of that part limit their
  * quotient. */
 static void find_mean(const disc *cut, const piece lines[3], const integrals *sum, double mean[2]) {
     const double across = hypot(sum->across[0], sum->across[1]);
@@ -174,7 +177,7 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
         corner[c][1] = gn_dot3(x[c], second);
     }
     if (is_far(corner, d.circle)) return false;
-    /* The orientation is counter-clockwise about n, and reversed if the facet faces away. */
+    /* The orientation is counter-clockwise about n; it is reversed if the facet faces away. */
     integrals sum = {0};
     piece lines[3] = {{{0.0, 0.0}, 0.0, 0.0, 0.0}};
     for (int c = 0; c < 3; c++) {
@@ -183,7 +186,7 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
     }
     const double pressure =
         sqrt(sum.angle * sum.angle + sum.across[0] * sum.across[0] + sum.across[1] * sum.across[1]);
-    if (!(pressure > 1e-15)) return false; /* rounding: the facet is outside */
+    if (!(pressure > 1e-15)) return false; /* within rounding the facet is outside */
     find_mean(&d, lines, &sum, mean);
     for (int k = 0; k < 3; k++)
         near->away[k] = d.y * n[k] + mean[0] * first[k] + mean[1] * second[k];
@@ -195,13 +198,12 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
 
 /* --- in the plane --- */
 
-/* Adds antiderivatives along a line at the distance y, at position t from the foot, without
+/* Adds antiderivatives along a line at the distance y, at the position t from the foot, without
  * differences of nearly equal angles: atan2(t R, y v) is the sum of `turn` and `rest`. */
 static void add_end(double radius, double y, double t, double sign, double force[2],
                     double *potential) {
     const double half2 = (radius - y) * (radius + y), v = sqrt(fmax(0.0, half2 - t * t));
-    const double turn =
-        atan2(t, v); /* rounded in the same way as v, so that both cancel where v is small */
+    const double turn = atan2(t, v); /* rounded like v, so that both cancel where v is small */
     const double gap = radius - y, rest = atan2(t * v * gap, y * v * v + radius * t * t);
     const double depth = radius * asinh(v / hypot(t, y)) - v; /* pi G */
     force[0] += sign * (radius * rest + gap * turn) / pi;
@@ -227,7 +229,7 @@ static bool press_segment(double x[3][3], double radius, gn_facet_near *near,
     add_end(radius, y, end, 1.0, force, &facet->potential);
     add_end(radius, y, begin, -1.0, force, &facet->potential);
     facet->force = hypot(force[0], force[1]);
-    if (!(facet->force > 1e-15 * radius)) return false; /* rounding: the facet is outside */
+    if (!(facet->force > 1e-15 * radius)) return false; /* within rounding the facet is outside */
     double at = force[1] < 0.0 ? begin : end;
     if (force[0] > 0.0) at = fmax(begin, fmin(end, y * force[1] / force[0]));
     near->weight[1] = (at - place) / length;
@@ -262,10 +264,10 @@ double gn_patch_share(double cosine) {
     return x > 0.0 ? x * x * (3.0 - 2.0 * x) : 0.0;
 }
 
-/* With forces V and potentials U over k of all facets of a contact, the overlap is D = 2 U/V, and
- * fractions V_i/D of the stiffness give both. By Hertz's law the potential is proportional to
- * U^(5/4): the forces are (2 U)^(1/4) times the linear ones. Where the surface has adapted to the
- * shape of the particle, V exceeds D. */
+/* With the sums over k of the forces, V, and of the potentials, U, of all facets of a contact, the
+ * overlap is D = 2 U/V, and the fractions V_i/D of the stiffness reproduce both. By Hertz's law the
+ * potential is proportional to U^(5/4), and the forces are (2 U)^(1/4) times the linear ones. If
+ * the surface has adapted to the shape of the particle, V exceeds D. */
 void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
                        bool hertz, gn_facet_contact *contacts) {
     const double least = 1e-9; /* relative to the radius: a smaller U is rounding of coordinates */
@@ -288,7 +290,7 @@ void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, s
         contacts[i].overlap = -overlap;
         contacts[i].part = facet[i].force / overlap;
         contacts[i].crowd = fmax(1.0, force / overlap);
-        /* Uses twice the potential of that overlap, which is positive even if U is rounding. */
+        /* Twice the potential of that overlap is used, which is positive even if U is rounding. */
         if (hertz) contacts[i].part *= sqrt(sqrt(force * overlap) / overlap);
     }
 }

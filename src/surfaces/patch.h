@@ -21,24 +21,24 @@ enum { GN_PATCH_FACETS = 512 }; /* largest number of facets in contact with a pa
 
 /* The part of a facet that is inside the particle. */
 typedef struct gn_patch_facet {
-    double force;     /* m, over k */
-    double potential; /* m2, over k */
+    double force;     /* m, force over k */
+    double potential; /* m2, potential over k */
 } gn_patch_facet;
 
-/* Computes the pressure of the facet with `corners` (2, 3) vertices at x, and fills all of *near
- * but `corner` and `row` for the point of the force; its feature is the whole facet. Returns false
- * if the facet is outside. */
+/* Computes the pressure of the facet with `corners` (2, 3) vertices at x. Sets all members of *near
+ * but `corner` and `row`, for the point of the force; its feature is the whole facet. Returns false
+ * if the facet is outside the particle. */
 bool gn_patch_press(int corners, const double *const x[3], const double centre[3], double radius,
                     gn_facet_near *near, gn_patch_facet *facet);
 
-/* Makes the contacts of a particle with these facets, with the forces and potentials of all: facets
- * of about the same direction have a common overlap. `hertz`: forces are proportional to its power
- * 3/2. */
+/* Makes the contacts of a particle with these facets from the forces and potentials of all of them:
+ * facets of about the same direction have a common overlap. `hertz`: forces are proportional to the
+ * overlap's power 3/2. */
 void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
                        bool hertz, gn_facet_contact *contacts);
 
-/* Returns the degree to which two directions belong to one contact, from their cosine: 1 up to
- * GN_FACET_SHARE, 0 from 60 degrees on. */
+/* Returns the degree, 0 to 1, to which two directions belong to one contact, from the cosine of
+ * their angle: 1 for angles up to GN_FACET_SHARE, 0 from 60 degrees on. */
 double gn_patch_share(double cosine);
 
 #endif

@@ -10,11 +10,11 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-/* Away from the tip a facet is longer than the one before it by this factor. */
+/* Ratio of the lengths of successive facets with increasing distance from the tip. */
 static const double growth = 1.3;
 enum { ARC_LEAST = 3, CORNERS = 8, LARGEST = 1 << 18 };
 
-/* A point of an outline: (distance from the axis, coordinate along it), or (x, height). */
+/* A point of an outline: distance from the axis and coordinate along it, or x and height. */
 typedef struct point {
     double x, y;
 } point;
@@ -23,7 +23,7 @@ typedef struct point {
 typedef struct corner {
     point at;
     double radius; /* m, radius of its rounding */
-    bool tip;      /* the edge to the next corner belongs to the tip: facets of one size */
+    bool tip;      /* the edge to the next corner belongs to the tip, with facets of one size */
 } corner;
 
 typedef struct chain {
@@ -39,7 +39,7 @@ static point between(point a, point b, double share) {
     return (point){a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
 }
 
-/* Half of the angle between the two edges of a corner. */
+/* Returns half of the angle between the two edges of a corner. */
 static double half_angle(point before, point at, point after) {
     const double a = distance(at, before), b = distance(at, after);
     const double cosine =
@@ -47,7 +47,7 @@ static double half_angle(point before, point at, point after) {
     return 0.5 * acos(fmax(-1.0, fmin(1.0, cosine)));
 }
 
-/* Length of both edges that the rounding of a corner takes. */
+/* Returns the length that the rounding of a corner takes from each of its edges. */
 static double taken(const corner *list, size_t count, size_t k) {
     if (!(list[k].radius > 0.0)) return 0.0;
     return list[k].radius /
@@ -82,8 +82,8 @@ static void put_corner(const corner *list, size_t count, size_t k, double facet,
     }
 }
 
-/* Adds the points within an edge: equally spaced at the tip, with growing spacing away from it
- * elsewhere. */
+/* Adds the points within an edge: equally spaced at the tip, elsewhere with spacing that grows away
+ * from the tip. */
 static void put_edge(point from, point to, bool tip, double facet, chain *c) {
     const double length = distance(from, to);
     if (tip) {
@@ -109,8 +109,8 @@ static point reversed_edge(chain *c, size_t begin, point from, point to) {
     return to;
 }
 
-/* Rounds the corners and divides the edges of a closed chain. An edge that leads to the tip grows
- * in the opposite sense. `split`: edges are divided. */
+/* Rounds the corners and divides the edges of a closed chain. On an edge that leads towards the
+ * tip, spacing decreases. `split`: edges are divided. */
 static gneiss_status make_chain(const corner *list, size_t count, double facet, bool split,
                                 chain *c, gneiss_error *error) {
     size_t most = 0;
@@ -175,8 +175,8 @@ static void put_quadrangle(gn_mesh *mesh, size_t a, size_t b, size_t c, size_t d
     put_triangle(mesh, a, c, d);
 }
 
-/* Revolves a closed chain about y (`axis` 1) or a chain between two points of the axis about z (2).
- * The chain runs upward along the axis on the outside. */
+/* Revolves a chain: a closed one about y (`axis` 1), or one between two points of the axis about z
+ * (2). On the outside the chain runs upward along the axis. */
 static gneiss_status revolve(const chain *c, int axis, size_t sides, gn_mesh *mesh,
                              gneiss_error *error) {
     const size_t n = c->count, closed = c->at[0].x > 0.0;
@@ -209,7 +209,7 @@ static gneiss_status revolve(const chain *c, int axis, size_t sides, gn_mesh *me
     return GNEISS_OK;
 }
 
-/* Extends a convex outline, which is anticlockwise in (x, z), along y. */
+/* Extrudes a convex outline, which is anticlockwise in (x, z), along y. */
 static gneiss_status extrude(const chain *c, double width, gn_mesh *mesh, gneiss_error *error) {
     const size_t n = c->count;
     GN_TRY(allocate(mesh, 2 * n, 4 * n, error));
@@ -232,7 +232,8 @@ static double facet_of(const gn_tool_def *t) {
     return t->tip_width > 0.0 ? t->tip_width / 6.0 : t->diameter / 12.0;
 }
 
-/* Profile of a ring in (radius, y). Rounding its ridge lowers it by r (1/sin(bevel/2) - 1). */
+/* Makes the profile of a ring in (radius, y). Rounding lowers its ridge by r (1/sin(bevel/2) - 1).
+ */
 static gneiss_status ring_profile(const gn_tool_def *t, chain *c, gneiss_error *error) {
     const bool ridge = t->bevel_angle < pi * (1.0 - 1e-9);
     const double half = 0.5 * t->tip_width, bevel = ridge ? half / tan(0.5 * t->bevel_angle) : 0.0;
@@ -257,7 +258,8 @@ static gneiss_status ring_profile(const gn_tool_def *t, chain *c, gneiss_error *
     return make_chain(list, count, facet_of(t), true, c, error);
 }
 
-/* Profile of a cone on a cylinder in (radius, z), from the tip on the axis to the upper face. */
+/* Makes the profile of a cone on a cylinder in (radius, z), from the tip on the axis to the upper
+ * face. */
 static gneiss_status pick_profile(const gn_tool_def *t, chain *c, gneiss_error *error) {
     const double half = 0.5 * t->angle, radius = 0.5 * t->diameter;
     /* The rounded tip is the lowest point. */
@@ -287,9 +289,9 @@ static gneiss_status pick_profile(const gn_tool_def *t, chain *c, gneiss_error *
     return GNEISS_OK;
 }
 
-/* Outline of a chisel, anticlockwise from behind its upper end: the lower face rises backward by
- * the clearance angle, the rake face leans backward by the rake angle. Rounding lifts the edge, so
- * that the outline is lowered until its lowest point is at 0. */
+/* Makes the outline of a chisel, anticlockwise from the rear of its upper end: the lower face rises
+ * backward by the clearance angle, the rake face leans backward by the rake angle. Rounding raises
+ * the edge, so that the outline is lowered until its lowest point is at 0. */
 static gneiss_status chisel_outline(const gn_tool_def *t, chain *c, gneiss_error *error) {
     const double rise = t->length * tan(t->clearance), lean = t->height * tan(t->rake);
     if (t->rake + t->clearance >= 0.5 * pi)

@@ -23,6 +23,8 @@ typedef struct gn_cut {
     double compressive, tensile; /* strengths of the rock */
     double exponent;             /* psi of the pressure along the rim */
     double damage_depth;         /* NaN: no bond is broken */
+    double contact_area;         /* m2; NaN: it was not sampled */
+    double removed;              /* m3 that came off along the path of the means; NaN: not known */
 } gn_cut;
 
 /* Forces on a disc cutter by the model of the Colorado School of Mines (Rostami 1997, PhD thesis,
@@ -36,12 +38,5 @@ typedef struct gn_csm {
     double coefficient;     /* rolling over normal force, which needs neither s nor strengths */
 } gn_csm;
 gn_csm gn_csm_of(const gn_cut *cut);
-
-/* Largest force along the cut, N. Chisel of width w and rake a (Evans 1962): 2 sigma_t d w sin q/(1
- * - sin q), q = (pi/2 - a)/2. Conical pick of semi-angle q (Evans 1984): 16 pi sigma_t^2
- * d^2/(sigma_c cos^2 q). */
-double gn_evans_force(const gn_cut *cut);
-/* Conical pick (Goktan 1997): 4 pi d^2 sigma_t sin^2(q + f)/cos(q + f), f the angle of friction. */
-double gn_goktan_force(const gn_cut *cut);
 
 #endif

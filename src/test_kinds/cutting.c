@@ -22,7 +22,10 @@ gn_csm gn_csm_of(const gn_cut *c) {
     return f;
 }
 
-double gn_evans_force(const gn_cut *c) {
+/* Largest force along the cut, N. Chisel of width w and rake a (Evans 1962): 2 sigma_t d w sin q/(1
+ * - sin q), q = (pi/2 - a)/2. Conical pick of semi-angle q (Evans 1984): 16 pi sigma_t^2
+ * d^2/(sigma_c cos^2 q). */
+static double evans_force(const gn_cut *c) {
     if (c->tool == GN_CUT_PICK)
         return 16.0 * pi * c->tensile * c->tensile * c->depth * c->depth /
                (c->compressive * cos(c->half_angle) * cos(c->half_angle));
@@ -30,7 +33,8 @@ double gn_evans_force(const gn_cut *c) {
     return 2.0 * c->tensile * c->depth * c->width * sine / (1.0 - sine);
 }
 
-double gn_goktan_force(const gn_cut *c) {
+/* Conical pick (Goktan 1997): 4 pi d^2 sigma_t sin^2(q + f)/cos(q + f), f the angle of friction. */
+static double goktan_force(const gn_cut *c) {
     const double angle = c->half_angle + c->friction;
     return 4.0 * pi * c->depth * c->depth * c->tensile * sin(angle) * sin(angle) / cos(angle);
 }
@@ -140,21 +144,21 @@ static void read_forces(const gn_curves *curves, const course *c, gn_readings *r
     for (int k = 0; curves->tested->dimension == 2 && k < 3; k++)
         gn_reading_absent(r, side[k], "a 2D scene has no side force");
     r->cutting_coefficient = r->rolling_force / r->normal_force;
+    r->contact_area = cut->contact_area;
 }
 
 static void read_energies(const gn_curves *curves, const course *c, gn_readings *r) {
     const gn_cut *cut = &curves->tested->cut;
     const double width = cut->spacing > 0.0 ? cut->spacing : cut->width;
-    const double *removed = gn_history_column(curves->history, "removed_volume");
     r->specific_energy = r->rolling_force / (cut->depth * width);
     if (!(width > 0.0))
         gn_reading_absent(r, GN_READING_specific_energy, "the cut has no width: give test.spacing");
-    if (!removed) {
+    if (!gn_history_column(curves->history, "removed_volume")) {
         gn_reading_absent(r, GN_READING_removed_volume, "the scene has no bonds");
         gn_reading_absent(r, GN_READING_specific_energy_removed, "the scene has no bonds");
         return;
     }
-    r->removed_volume = at_path(c, removed, c->end) - at_path(c, removed, c->begin);
+    r->removed_volume = cut->removed;
     r->specific_energy_removed = work_of(c) / r->removed_volume;
     if (!(r->removed_volume > 0.0))
         gn_reading_absent(r, GN_READING_specific_energy_removed,
@@ -186,8 +190,8 @@ static void read_predictions(const gn_cut *cut, gn_readings *r) {
     for (int k = GN_READING_predicted_coefficient; k <= GN_READING_predicted_rolling_force; k++)
         if (!disc) gn_reading_absent(r, (gn_reading)k, "%s", other);
     if (disc) read_disc(cut, r);
-    r->predicted_peak_evans = gn_evans_force(cut);
-    r->predicted_peak_goktan = gn_goktan_force(cut);
+    r->predicted_peak_evans = evans_force(cut);
+    r->predicted_peak_goktan = goktan_force(cut);
     if (disc || cut->tool == GN_CUT_OTHER)
         gn_reading_absent(r, GN_READING_predicted_peak_evans, "%s", other);
     if (!pick) gn_reading_absent(r, GN_READING_predicted_peak_goktan, "%s", other);
@@ -239,7 +243,7 @@ const gn_test_descriptor gn_test_cutting = {
         GN_READS(side_force_deviation) | GN_READS(cutting_coefficient) |
         GN_READS(peak_normal_force) | GN_READS(peak_rolling_force) | GN_READS(peak_side_force) |
         GN_READS(specific_energy) | GN_READS(removed_volume) | GN_READS(specific_energy_removed) |
-        GN_READS(damage_depth) | GN_READS(predicted_coefficient) |
+        GN_READS(contact_area) | GN_READS(damage_depth) | GN_READS(predicted_coefficient) |
         GN_READS(predicted_normal_force) | GN_READS(predicted_rolling_force) |
         GN_READS(predicted_peak_evans) | GN_READS(predicted_peak_goktan),
     .read = read_cutting,

@@ -112,6 +112,8 @@
     X(side_force_deviation, "N",                                                                   \
       "standard deviation of the means of side_force over the blocks of that path")                \
     X(cutting_coefficient, "1", "rolling_force over normal_force")                                 \
+    X(contact_area, "m2",                                                                          \
+      "mean over that path of the sum of cross-sections of the particles that press on the tool")  \
     X(peak_normal_force, "N", "largest mean of the normal force over a path of peak_window")       \
     X(peak_rolling_force, "N", "largest mean of the rolling force over a path of peak_window")     \
     X(peak_side_force, "N",                                                                        \

@@ -1,9 +1,9 @@
 /* A stable step need not resolve a collision. Contacts of particles that were not bonded to each
- * other at the start have to last a number of steps, and the shortest of them limits the step.
- * Dense groups without dashpots need more steps. Bonded particles keep their step except in four
- * cases: half of the steps on a wall that is stiffer than their bonds, or where softening bonds
- * open and close undamped; all steps once the specimen has disintegrated, and for wedged debris
- * (debris.c). */
+ * other at the start must last a required number of steps, and the shortest contact limits the
+ * step. Dense groups without dashpots need more steps. Contacts of bonded particles do not limit
+ * the step, except in four cases: half of the required steps are needed on a wall that is stiffer
+ * than the bonds, and where softening bonds open and close undamped; all of them are needed once
+ * the specimen has disintegrated, and for wedged debris (debris.c). */
 #include "base/error.h"
 #include "base/new.h"
 #include "base/vec3.h"
@@ -35,7 +35,8 @@ static bool loose(const gn_dem *dem, size_t p) {
     return dem->loose[dem->particles.id[p]];
 }
 
-/* 1/kg; 0 of a particle that cannot move. One that is held along some axes only counts as free. */
+/* Returns the inverse mass, 1/kg; 0 for a particle that cannot move. A particle that is held along
+ * some axes only counts as free. */
 static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
     unsigned all = ctx->effects & GN_FX_SPACE ? 7 : 3;
@@ -46,25 +47,26 @@ static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t
 
 /* Properties of particles that follow from their bonds. */
 typedef struct ties {
-    double *stiffest; /* N/m [particles]: of the bonds of each, broken or not; NULL: none */
+    double *stiffest; /* N/m [particles]: the stiffest bond of each particle, broken or not; NULL:
+                         there are no bonds */
     double *inverse;  /* 1/kg [particles]: inverse masses */
     bool apart;       /* most bonded particles have lost all of their bonds */
-    uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
-    double share; /* share of the steps that contacts of bonded particles have to last; 0: stability
-                     suffices */
+    uint8_t *wedged;  /* [particles] 1: debris whose collisions have to be resolved; NULL: none */
+    double share; /* fraction of the required steps that contacts of bonded particles must last; 0:
+                     stability suffices */
 } ties;
 
-/* A damaged bond is softer in tension than in compression: within an intact body any of them
- * opens and closes like a contact at every oscillation. The partial step is accurate up to (w
- * dt)^2 of 1/2, which half of the steps ensure (0.4); at 0.9 of the limit of lattices (1.4) the
- * energy of a body that oscillates undamped was wrong by 2 to 15 %. Close packings have that
- * many steps anyway. */
+/* A damaged bond is softer in tension than in compression, so that within an intact body any such
+ * bond opens and closes like a contact at every oscillation. Partial steps are accurate up to (w
+ * dt)^2 of 1/2, which half of the required steps ensure (0.4); at 0.9 of the limit of lattices
+ * (1.4), the energy of a body that oscillates undamped was wrong by 2 to 15 %. Close packings have
+ * that many steps anyway. */
 static double share_of_bonds(const gn_step_context *ctx, const gn_dem *dem) {
     return ctx->effects & GN_FX_SOFTENING && gn_timestep_is_underdamped(ctx, dem) ? 0.5 : 0.0;
 }
 
-/* Marks in `adrift` the particles that have lost all of their bonds, or all but one. Returns
- * whether most have lost all. */
+/* Marks in `adrift` the particles that have lost all or all but one of their bonds. Returns whether
+ * most bonded particles have lost all. */
 static bool come_apart(const gn_dem *dem, const double *stiffest, uint8_t *adrift) {
     size_t had = 0, lost = 0;
     gn_bonds_left(dem, adrift);
@@ -82,9 +84,10 @@ static void free_ties(ties *t) {
     gn_free(t->wedged);
 }
 
-/* A particle of a zone yields to others as its nodes do: with its own mass, which is small at the
- * edge of the zone, contacts there would need vanishing steps. Walls act on it with their whole
- * stiffness and are checked with its own mass. */
+/* Sets the inverse masses. A particle of a zone yields to other particles as its nodes do; with its
+ * own mass, which is small at the edge of the zone, contacts there would need vanishing steps.
+ * Walls act on it with their whole stiffness, so that its contacts with them are checked with its
+ * own mass. */
 static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, double *inverse) {
     for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
@@ -121,26 +124,27 @@ static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
     return status;
 }
 
-/* Particles of a disintegrated specimen are loose. Before that debris does not change the step: a
- * lower one changes the energy of bonded vibrations that it hardly resolved (a ledger that closed
- * to 5 % then missed 25 %), while collisions of few debris particles add little. */
+/* Tells whether a particle is loose. All particles of a disintegrated specimen are. Until then
+ * debris does not change the step: a smaller one changes the energy of bonded vibrations that the
+ * step hardly resolves (a ledger that closed to 5 % was then wrong by 25 %), while collisions of
+ * few debris particles change little. */
 static bool is_loose(const gn_dem *dem, const ties *t, size_t p) {
     return t->apart || loose(dem, p) || (t->wedged && t->wedged[p]);
 }
 
 /* --- the shortest contact --- */
 
-/* The contact that needs the smallest step so far: its w^2, the share of the steps that it has to
- * last, and its two ends; second < 0: see gn_resolution. */
+/* The contact that requires the smallest step so far: its w^2, the fraction of the required steps
+ * that it must last, and its two ends; second < 0: see gn_resolution. */
 typedef struct fastest {
     double square, share;
     int64_t first, second;
-    double *factor; /* [particles] receives the factors of the own masses for w^2 <= `most`; NULL:
-                       not requested */
-    double most;    /* 1/s2, largest w^2 for all steps */
+    double *factor; /* [particles] receives the factors of own masses with which w^2 is at most
+                       `most`; NULL: not requested */
+    double most;    /* 1/s2, largest w^2 of a contact that must last all required steps */
 } fastest;
 
-/* With both masses multiplied by x, w^2 is divided by x. */
+/* Raises the factors of both masses; if both are multiplied by x, w^2 is divided by x. */
 static void ask_mass(const fastest *f, const gn_dem *dem, size_t p, double square) {
     const gn_particles *q = &dem->particles;
     f->factor[p] = fmax(f->factor[p], square / (f->most * q->own_share[p]));
@@ -159,23 +163,23 @@ static void consider(fastest *f, double square, double share, const gn_dem *dem,
     f->second = second;
 }
 
-/* Steps are counted over the undamped half wave. */
+/* Steps are counted over half a period of the undamped contact. */
 static gn_resolution resolution_of(const gn_step_context *ctx, const fastest *f) {
     double contact = M_PI / sqrt(f->square);
     double steps = f->share * gn_timestep_contact_steps(ctx);
     return (gn_resolution){contact / steps, contact, f->first, f->second};
 }
 
-/* Tells whether collisions are hardly damped: a restitution c of 0.95 or more, at which the errors
- * of thousands of collisions add up. Non-viscous damping of coefficient a makes the force 1 + a
- * times as large during approach and 1 - a during separation: c^2 = (1 - a)/(1 + a). */
+/* Tells whether collisions are only slightly damped: the restitution c is 0.95 or more, so that the
+ * errors of thousands of collisions add up. Non-viscous damping of coefficient a multiplies the
+ * force by 1 + a during approach and by 1 - a during separation: c^2 = (1 - a)/(1 + a). */
 bool gn_timestep_is_underdamped(const gn_step_context *ctx, const gn_dem *dem) {
     bool active = ctx->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return dem->damping_least < 0.0163 && !(active && ctx->scene.background_coefficient > 0.051);
 }
 
-/* Tells whether a contact may open or close while other contacts of its particles press: its gap or
- * overlap is at most their path during a collision. */
+/* Tells whether a contact may open or close while other contacts of its particles are closed: its
+ * gap or overlap is at most the path of the two in a collision. */
 static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
                     double square) {
     const double *a = dem->particles.pos + 4 * i, *b = dem->particles.pos + 4 * j;
@@ -184,8 +188,9 @@ static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, siz
     return fabs(gap) <= (sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(u, u))) * M_PI / sqrt(square);
 }
 
-/* Sums k/m of each particle over the contacts that may open or close: the number of dimensions
- * times the mean squared frequency with all of them closed. *sum NULL: collisions are damped. */
+/* Computes for each particle the sum of k/m over the contacts that may open or close: with all of
+ * them closed, it is the number of dimensions times the mean squared frequency. *sum is NULL if
+ * collisions are damped. */
 static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
                                  double **sum, gneiss_error *error) {
     const gn_contacts *k = &dem->pairs.contacts;
@@ -203,10 +208,11 @@ static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, 
     return GNEISS_OK;
 }
 
-/* A contact that opens or closes gets its part of the step as if it were alone: the error is of
- * third order in y = w dt, where w is the frequency of the whole group. Dense lattices without
- * dashpots missed 30 % of their energy after some thousand steps, and 4 % with this share; 1 %
- * would need three times as many steps. */
+/* Returns the factor on the number of steps of a contact in a group. The partial step of a contact
+ * that opens or closes is computed as if the contact were alone; the error is of third order in y =
+ * w dt, w the frequency of the whole group. Dense lattices without dashpots lost 30 % of their
+ * energy after some thousand steps, and 4 % with this factor; 1 % would need three times as many
+ * steps. */
 static double share_in(const gn_step_context *ctx, const double *crowd, size_t i, size_t j,
                        double square) {
     if (!crowd) return 1.0;
@@ -226,13 +232,13 @@ static void consider_pairs(const gn_step_context *ctx, const gn_dem *dem, const 
     }
 }
 
-/* Returns the share of the steps that a contact with a wall or surface of this stiffness has to
- * last. Bonded particles yield by their bonds, whose frequencies limit the step: in a close packing
- * a contact no stiffer than one of them lasts some 7 steps of 0.9 of the limit, 3 if it is 4 times
- * as stiff, 2.5 if 7 times, with errors of 0.6 and 30 % in the energy of a body that bounces. Half
- * of the steps keep it within 0.2 %. Platens (passive walls) mostly stay in contact: three steps
- * are enough for late or single contacts; with two and a half a gently loaded specimen became
- * unstable. */
+/* Returns the fraction of the required steps that a contact with a wall or surface of this
+ * stiffness must last. Bonded particles yield by their bonds, whose frequencies limit the step. In
+ * a close packing, at 0.9 of the limit, a contact no stiffer than one bond lasts some 7 steps, 3 if
+ * it is 4 times as stiff, and 2.5 if 7 times, with errors of 0.6 and 30 % in the energy of a body
+ * that bounces. Half of the required steps keep the error within 0.2 %. Platens (passive walls)
+ * mostly stay in contact, and three steps are enough for late or single contacts; with two and a
+ * half a gently loaded specimen became unstable. */
 static double share_with(const gn_dem *dem, const ties *t, size_t p, double stiffness,
                          bool platen) {
     if (is_loose(dem, t, p)) return 1.0;
@@ -240,7 +246,7 @@ static double share_with(const gn_dem *dem, const ties *t, size_t p, double stif
     return bond > 0.0 && stiffness > bond ? (platen ? 0.32 : 0.5) : platen ? 0.0 : t->share;
 }
 
-/* Inverse mass, 1/kg, that a surface adds at the contact of a particle. */
+/* Returns the inverse mass, 1/kg, that a surface adds at the contact of a particle. */
 static double give(const gn_dem *dem, const gn_boundary *boundary, const gn_surface_contact *c) {
     const gn_surface *s = c->surface;
     double sum = 0.0, at[3], lever[3];
@@ -265,7 +271,8 @@ static int64_t surface_number(const gn_step_context *ctx, const gn_boundary *bou
     return -1 - (int64_t)ctx->scene.wall_count - (s - boundary->surfaces);
 }
 
-/* Largest stiffness of a contact with a wall or a surface before the lists are rebuilt. */
+/* Returns the largest stiffness of a contact with a wall or a surface before the lists are rebuilt.
+ */
 static gn_law_spring wall_spring(const gn_step_context *ctx, const gn_dem *dem, size_t p,
                                  size_t wall) {
     gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
@@ -279,8 +286,8 @@ static gn_law_spring surface_spring(const gn_step_context *ctx, const gn_dem *de
                            gn_touch_reach(ctx, dem, p, 0.0));
 }
 
-/* Contacts of one particle with the facets of a surface, from row c; returns the row behind
- * them. */
+/* Considers the contacts of one particle with the facets of a surface, from row c; returns the row
+ * after them. */
 static size_t consider_surface(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)boundary->contacts.i[c], many = 0;
@@ -313,25 +320,26 @@ static void consider_walls(const gn_step_context *ctx, const gn_dem *dem,
         size_t p = (size_t)k->i[c];
         double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
                share = share_with(dem, t, p, kn, def->passive);
-        kn += gn_boundary_held_stiffness(boundary, p); /* wall and spring act at once */
+        kn += gn_boundary_held_stiffness(boundary, p); /* wall and spring act together */
         consider(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
 
-/* The levers of a rotating body change while it is pressed, and the works of a step miss the energy
- * of the springs by force times path times a quarter of the rotation. A body that separates with
- * another spin than it approached with keeps some of that error: with ten steps per contact the
- * energy of 18 of 140 random bodies on walls was off by 0.1 to 0.8 %, with forty of none. The bound
- * of two bodies is two to four times their frequency, but friction of two that slide and rotate
- * lost 0.1 % with 1.5 times the steps: they get 2.5 times. */
+/* Factor on the required steps for a rotating body. Its lever arms change while it is pressed, so
+ * that the works of a step differ from the energy of the springs by force times path times a
+ * quarter of the rotation. A body that separates with another spin than that of its approach keeps
+ * some of that error: with ten steps per contact the energy of 18 of 140 random bodies on walls was
+ * wrong by 0.1 to 0.8 %, with forty that of none. For two bodies the bound is two to four times
+ * their frequency, but friction between sliding and rotating bodies lost 0.1 % with 1.5 times the
+ * steps: they get 2.5 times. */
 static double share_of_turning(const gn_boundary *boundary, size_t body) {
     const gn_rigid *b = &boundary->bodies[body];
     double give = b->inverse_inertia[0] + b->inverse_inertia[1] + b->inverse_inertia[2];
     return give > 0.0 ? 4.0 : 1.0;
 }
 
-/* Contacts of bodies with walls and with each other; their masses are not raised. */
+/* Considers contacts of bodies with walls and with each other; masses of bodies are not raised. */
 static void consider_bodies(const gn_step_context *ctx, const gn_boundary *boundary, fastest *f) {
     for (size_t c = 0; !f->factor && c < boundary->body_contacts.soa.count;) {
         gn_body_wall k = gn_body_wall_at(ctx, boundary, c);
@@ -395,12 +403,13 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
 
 /* --- pairs of the whole scene --- */
 
-/* The smallest two and the largest two particles of a class: material, loose, held. For a given
+/* The smallest two and the largest two particles of a class (material, loose, held). For a given
  * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius, which every
- * law has to ensure (gn_law.meeting). So the extremes of two classes contain the extreme pair, and
- * two of each make it a pair of distinct particles. */
+ * law must ensure (gn_law.meeting). The extremes of two classes therefore contain the pair with the
+ * largest w^2; two particles of each kind are kept, so that the pair consists of distinct
+ * particles. */
 typedef struct extremes {
-    size_t count, place[4]; /* two smallest, two largest */
+    size_t count, place[4]; /* indices of the two smallest and the two largest */
 } extremes;
 
 static double radius(const gn_dem *dem, size_t p) {
@@ -426,13 +435,14 @@ static void keep_extremes(const gn_dem *dem, extremes *e, size_t p) {
     }
 }
 
-/* Largest w^2 of a pair with, and of shear and rolling without the dashpot. */
+/* Largest w^2 of a pair with the dashpot, and of shear and rolling without it. */
 typedef struct flight {
     double normal, shear;
     fastest resolved;
 } flight;
 
-/* (v + w x arm) per unit of force across the normal: 1/m + r^2/I. */
+/* Returns the velocity v + w x arm at the contact per unit of force across the normal: 1/m + r^2/I.
+ */
 static double inverse_across(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
     double r = radius(dem, p);
@@ -495,7 +505,7 @@ static gneiss_status find_flight(const gn_step_context *ctx, const gn_dem *dem,
         if (!held) flight_of_walls(ctx, dem, boundary, p, f);
     }
     flight_of_pairs(ctx, dem, classes, count, f);
-    /* A single particle is taken with an equal one, so that there is a step. */
+    /* A single particle is combined with an equal one, so that there is a step. */
     for (size_t p = 0; f->normal == 0.0 && p < dem->particles.soa.count; p++)
         f->normal =
             2.0 * gn_pair_spring(ctx, dem, (int32_t)p, (int32_t)p).kn * inverse_mass(ctx, dem, p);
@@ -516,7 +526,7 @@ gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-/* --- words --- */
+/* --- text --- */
 
 const char *gn_resolution_text(const gn_step_context *ctx, char *text, size_t size) {
     const gn_resolution *r = &ctx->choice.resolution;

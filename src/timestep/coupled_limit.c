@@ -1,7 +1,8 @@
-/* The sharp limit of particles and elements as one system, by Lanczos on the operator of both and
- * of their coupling. The unknowns are M^1/2 v of the particles outside zones and of the nodes with
- * all mass that they carry; particles of zones take N v and return N^T f. With consistent masses
- * the metric is theirs, over the lump that scales the unknowns. */
+/* The sharp limit of particles and elements as one system, by Lanczos on an operator that contains
+ * both and their coupling. The unknowns are M^1/2 v of the particles outside of zones and of the
+ * nodes, with all mass that the nodes carry; particles of zones follow by N v and return the forces
+ * N^T f. With consistent masses these, divided by the lumped masses that scale the unknowns, are
+ * the metric. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -32,7 +33,7 @@ typedef struct whole {
     gn_springs springs;
     gn_spring_operator pull;
     gn_fem_linear linear;
-    size_t dim, dofs, own, count; /* number of the unknowns of particles, which come first */
+    size_t dim, dofs, own, count; /* number of unknowns of the particles, which come first */
     double *moved;                /* [own] velocities of all particles */
     double *moves;                /* [count] above 0: an unknown */
     double *mode;                 /* [count] the fastest mode */
@@ -50,9 +51,9 @@ static void whole_free(whole *y) {
     gn_free(y->gradient);
 }
 
-/* --- between both --- */
+/* --- coupling --- */
 
-/* Velocity component, m/s, of a corner of a tie. */
+/* Returns the velocity component, m/s, of a corner of a tie. */
 static double corner_speed(const whole *y, const gn_tie *t, int a, size_t c, const double *x) {
     const size_t k = y->dim * (size_t)t->node[a] + c;
     return y->linear.scale[k] * x[y->own + k];
@@ -87,7 +88,7 @@ static void follow(const whole *y, const double *x) {
     }
 }
 
-/* N^T of the forces on the particles of zones, and of their moments if spins are slaved. */
+/* Adds N^T times the forces on particles of zones, and their moments if spins are slaved. */
 static void hand_back(const whole *y, double *out) {
     const gn_ties *ties = &y->q->ties;
     for (size_t k = 0; k < ties->count; k++) {
@@ -109,7 +110,7 @@ static void hand_back(const whole *y, double *out) {
     }
 }
 
-/* Adds the springs between particles of zones and their points in the elements. */
+/* Adds the springs that pull particles of zones to their points in the elements. */
 static void pull_together(const whole *y, double stiffness, double viscosity, const double *x,
                           double *out) {
     const gn_ties *ties = &y->q->ties;
@@ -132,7 +133,8 @@ static void pull_together(const whole *y, double stiffness, double viscosity, co
     }
 }
 
-/* M^-1 of the consistent masses, of out that was scaled by the lump's. */
+/* Multiplies `out`, which is scaled by lumped masses, by the inverse of the consistent mass matrix.
+ */
 static void solve_masses(const whole *y, double *out) {
     gn_consistent *c = &y->q->consistent;
     for (int pass = 0; pass < 2; pass++) {
@@ -200,7 +202,8 @@ static void set_masses(const whole *y) {
     }
 }
 
-/* Particles of zones have unknowns of their own only with springs, or spins if these are free. */
+/* Selects the unknowns. Particles of zones only have unknowns of their own if springs hold them,
+ * and for their spins if these are free. */
 static void set_unknowns(const whole *y) {
     memcpy(y->moves, y->springs.scale, y->own * sizeof *y->moves);
     memcpy(y->moves + y->own, y->linear.scale, (y->count - y->own) * sizeof *y->moves);
@@ -209,7 +212,8 @@ static void set_unknowns(const whole *y) {
         const size_t at = y->dofs * (size_t)y->q->place[k];
         for (size_t c = 0; c < (y->gradient ? y->dofs : y->dim); c++) {
             y->moves[at + c] = 0.0;
-            y->springs.scale[at + c] = 1.0; /* springs contribute for velocities as unknowns */
+            y->springs.scale[at + c] =
+                1.0; /* in the springs' terms these unknowns are velocities */
         }
     }
 }
@@ -239,7 +243,7 @@ static gneiss_status make(const gn_spectrum *spectrum, whole *y, gneiss_error *e
 
 /* --- results --- */
 
-/* Tells whether a node has a particle. */
+/* Tells whether a particle is tied to the node. */
 static bool carries(const gn_ties *t, int32_t node) {
     size_t low = 0, high = t->nodes;
     while (low < high) {
@@ -258,7 +262,7 @@ static double size2(const double *x, size_t count) {
     return sum;
 }
 
-/* Finds the side, particle and node with the largest part of the fastest mode. */
+/* Finds the side, particle and node with the largest share of the fastest mode. */
 static void find_side(const whole *y, const double *mode, gn_whole_limit *limit) {
     const gn_particles *q = &y->dem->particles, *nodes = &gn_coupled_solid(y->solids)->nodes;
     double most[2] = {-1.0, -1.0};

@@ -1,15 +1,15 @@
-/* Wedged debris: a particle without intact bonds between others that it touches alternately. A
- * contact that opens or closes gets its part of the step as if it were alone (gn_linear_cross). If
- * another contact presses with F meanwhile, the path p of the next step differs by F dt^2/m from
- * the one for which that part was computed, and the works miss dE = 1/4 s (1 - s) y^2 p F with y =
- * w dt, or 1/24 y^2 p F in the mean over the share s, always of the same sign if the other contact
- * is on the opposite side: between two neighbours the energy grows at every opening and closing,
- * faster the larger it is. A light particle has the largest y of all (a stable step allows 1.27 on
- * either side) and passes its gain on to the neighbours. At ten steps per contact, y = 0.31, the
- * gain is some 40 times less than at y = 1. Most debris is in free flight or at rest and needs no
- * smaller step. Therefore the ledger is checked first: only if its error exceeds LEDGER_ERROR of
- * the throughput while such a particle collides with a relevant energy are its contacts resolved as
- * those of loose particles. */
+/* Wedged debris: a particle without intact bonds, between others that it touches alternately. The
+ * partial step of a contact that opens or closes is computed as if the contact were alone
+ * (gn_linear_cross). If another contact meanwhile presses with F, the path p of the next step
+ * differs by F dt^2/m from the assumed one, and the works miss dE = 1/4 s (1 - s) y^2 p F, y = w
+ * dt, or 1/24 y^2 p F averaged over the fraction s. The sign is always the same if the other
+ * contact is on the opposite side: between two neighbours the energy grows at every opening and
+ * closing, and the faster the larger it is. A light particle has the largest y of all (a stable
+ * step allows 1.27 on either side) and passes its gain on to the neighbours. At ten steps per
+ * contact, y = 0.31, the gain is some 40 times less than at y = 1. Most debris is in free flight or
+ * at rest and needs no smaller step. The ledger is therefore checked first: contacts of such a
+ * particle are resolved like those of loose particles only if the residual exceeds LEDGER_ERROR of
+ * the throughput while the particle collides with a relevant energy. */
 #include "base/error.h"
 #include "base/new.h"
 #include "base/vec3.h"
@@ -24,12 +24,12 @@
 
 static const double LEDGER_ERROR = 3e-5;
 
-/* Energy over that of all bonds at their strength below which a particle is ignored; until the next
- * check it may grow by some tens of times. */
+/* Ratio of a particle's energy to that of all bonds at their strength below which it is ignored;
+ * until the next check the energy may grow by some tens of times. */
 static const double MATTERS = 1e-6;
 
-/* Energy, J, of normal springs at their strength, broken ones included, so that the measure stays
- * constant. */
+/* Returns the energy, J, of all normal springs at their strength, including those of broken bonds,
+ * so that the measure stays constant. */
 static double held_at_most(const gn_dem *dem) {
     const gn_contacts *b = &dem->bonds.contacts;
     double sum = 0.0;
@@ -60,8 +60,8 @@ static encounter encounter_of(const gn_step_context *ctx, const gn_dem *dem, con
 
 /* Contacts near a particle. */
 typedef struct surroundings {
-    int sides;     /* contacts that are near */
-    double energy; /* J, largest energy */
+    int sides;     /* number of near contacts */
+    double energy; /* J, largest energy of one of them */
 } surroundings;
 
 static void find_surroundings(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *k,

@@ -1,8 +1,8 @@
 /* By Hertz's law the stiffness of a contact grows with its overlap. The step is chosen for an
- * expected overlap: the largest of one and a half times the present one and that of a collision at
- * the present speeds, of the contact itself and of its neighbours. Kernels count contacts that
- * exceed it; then all are checked again before the next step. The expected overlap of a contact
- * never falls, as an automatic step never rises. */
+ * expected overlap: the larger one of growth times the present overlap, and of the overlap in a
+ * collision at the present speeds of the contact itself and of its neighbours. Kernels count the
+ * contacts that exceed it; if there are any, all contacts are checked again before the next step.
+ * The expected overlap of a contact never decreases, as an automatic step never increases. */
 #include "timestep/indentation.h"
 #include "base/error.h"
 #include "base/vec3.h"
@@ -22,10 +22,10 @@
 
 #include <math.h>
 
-/* Factor on the present overlap, and margin added to an expected overlap that grows. */
+/* factor on the present overlap; margin added to an expected overlap that grows */
 static const double growth = 1.2, reserve = 1.25;
 
-/* Largest acceleration, m/s2, by applied forces. */
+/* Returns the largest acceleration by applied forces, m/s2. */
 static double applied(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double most2 = 0.0;
@@ -36,7 +36,7 @@ static double applied(const gn_step_context *ctx, const gn_dem *dem) {
     return sqrt(most2);
 }
 
-/* --- looking --- */
+/* --- expected overlaps --- */
 
 static void raise(gn_dem *dem, size_t p, double to) {
     double *known = &dem->particles.pressed[p];
@@ -70,7 +70,8 @@ static void keep_pairs(gn_dem *dem) {
     }
 }
 
-/* Contact of a particle with an object that moves at `v` and counts as heavy. */
+/* Updates the expected overlap of a particle by its contact with an object that moves at `v` and
+ * counts as infinitely heavy. */
 static void consider(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_side *side,
                      const double v[3], double overlap) {
     const double *own = dem->particles.vel + 4 * p;
@@ -81,7 +82,7 @@ static void consider(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch
         gn_expected_overlap(ctx, dem, kn, own[3], gn_relative_speed2(own, v), side->radius, known));
 }
 
-/* Velocity of the surface at the contact. */
+/* Returns the velocity of the surface at the contact. */
 static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
                              const gn_surface_contact *c, double v[3]) {
     const gn_surface *s = c->surface;
@@ -140,15 +141,15 @@ void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary)
     gn_near_repack(ctx, dem);
 }
 
-/* --- driven motions --- */
+/* --- prescribed motions --- */
 
-/* The prescribed motion of a wall, a body or a set in the coming step, at the middle of which
- * tables are read: its speed, and its change of speed. */
+/* The prescribed motion of a wall, body or set. Its speed, and its change of speed, are those of
+ * the coming step, at the middle of which tables are evaluated. */
 typedef struct drive {
     const gn_motion *motion;
     const char *name;
-    const double *now; /* velocity in the last step; NULL: of the table then */
-    double reach;      /* m, lever of a spin */
+    const double *now; /* velocity in the last step; NULL: that of the table */
+    double reach;      /* m, lever arm of a spin */
 } drive;
 
 static double speed_of(const gn_step_context *ctx, const drive *d, double *change) {
@@ -166,7 +167,7 @@ static double speed_of(const gn_step_context *ctx, const drive *d, double *chang
     return sqrt(gn_dot3(v, v)) + spin;
 }
 
-/* A servo may reach its largest velocity in one step. */
+/* Returns the speed of a wall; a servo may reach its largest velocity in one step. */
 static double speed_of_wall(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
                             double *change) {
     const gn_wall_def *def = &ctx->scene.walls[k];
@@ -188,8 +189,9 @@ static double speed_of_set(const gn_step_context *ctx, size_t k, double *change)
     return speed_of(ctx, &d, change);
 }
 
-/* Largest change of velocity in the coming step of anything that becomes faster than when it was
- * last checked. A motion that slows down and returns is covered by the last check. */
+/* Returns the largest change of velocity in the coming step over all objects that become faster
+ * than at their last check. A motion that slows down and speeds up again is covered by that check.
+ */
 static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
     const size_t count[] = {ctx->scene.wall_count, ctx->scene.body_count, ctx->scene.set_count};
     double gain = 0.0, *known = dem->driven;
@@ -205,7 +207,8 @@ static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boun
     return gain;
 }
 
-/* A step that is long because nothing moves must not be the one in which a motion begins. */
+/* Lowers the step before a prescribed motion begins, because the step may be long if nothing moves
+ * yet. */
 static gneiss_status check_driven(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                   gneiss_error *error) {
@@ -227,7 +230,7 @@ gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *b
     return gn_timestep_check_lists(ctx, dem, boundary, solids, zones, ledger, error);
 }
 
-/* Steps between two checks, each of which takes a third of the time of a step. */
+/* Number of steps between two checks, each of which takes a third of the time of a step. */
 enum { LOOK_INTERVAL = 50 };
 
 static void record_pairs(const gn_step_context *ctx, gn_dem *dem) {
@@ -240,8 +243,8 @@ static void record_pairs(const gn_step_context *ctx, gn_dem *dem) {
         double d[3], d2 = gn_branch(ctx, a, b, d);
         if (!(most > 0.0 && d2 < most * most)) continue;
         if (!(gn_inverse_mass_along(dem, i, d) + gn_inverse_mass_along(dem, j, d) > 0.0)) continue;
-        /* Elements still represent their bond: the overlap is that of the packing, without
-         * force. */
+        /* Elements still represent the bond: the overlap is that of the packing and has no force.
+         */
         if (q->blend && !(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
         gn_depth_note(ctx, dem, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
     }

@@ -12,14 +12,14 @@ gneiss_status gn_pressed_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *b
                                gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                gneiss_error *error);
 
-/* Updates dem->depth from the listed contacts at the present positions: when lists are made,
- * and in measured steps some steps later. Contacts whose sides cannot move are left out. */
+/* Updates dem->depth from the listed contacts at the present positions, when lists are made and in
+ * measured steps some steps later. Contacts both of whose sides are fixed are skipped. */
 gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);
 gneiss_status gn_depth_update_when_due(const gn_step_context *ctx, gn_dem *dem,
                                        gn_boundary *boundary, gneiss_error *error);
 
-/* Names the two sides of the contact. */
+/* Writes the names of the two sides of the contact. */
 const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
 
 #endif

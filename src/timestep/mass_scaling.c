@@ -1,8 +1,8 @@
 /* Masses raised for a longer step. Each particle's mass and moment of inertia are multiplied by the
  * factor that its springs need at the wanted step: active springs, springs that may become active
- * before the lists are rebuilt, and collisions that have to be resolved. A rigorous bound needs
- * more than the sharp limit does, so it is evaluated at a smaller step, which is searched until the
- * sharp limit is the wanted step. */
+ * before the lists are rebuilt, and collisions that must be resolved. A rigorous bound needs larger
+ * masses than the sharp limit does; the bound is therefore evaluated at a smaller step, which is
+ * varied until the sharp limit is the wanted step. */
 #include "base/error.h"
 #include "base/new.h"
 #include "base/vec3.h"
@@ -31,14 +31,14 @@ double gn_dem_added_kinetic(const gn_dem *dem) {
     return all > 0.0 ? added / all : 0.0;
 }
 
-/* --- raising --- */
+/* --- raising masses --- */
 
-/* The step over the limit of listed contacts, slightly below the value with which they are
+/* Ratio of the step to the limit of listed contacts; slightly below the ratio with which they are
  * checked. */
 static const double listed_share = 0.989;
 
-/* The requirements of the step of the run: active springs have to hold it with the safety factor,
- * listed ones just have to hold it. */
+/* Requirements at the step of the run: active springs must be stable with the safety factor, listed
+ * ones without it. */
 typedef struct wanted {
     double step;          /* s, step of the run */
     double limit, listed; /* s, limits of the particles alone */
@@ -73,7 +73,7 @@ static double set_masses(const gn_step_context *ctx, gn_dem *dem, const wanted *
     return most;
 }
 
-/* Dashpots grow with the root of the masses: the iteration converges. */
+/* Raises the masses. Dashpots grow with the root of the masses, so that the iteration converges. */
 static gneiss_status raise(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                            const gn_solids *solids, const gn_zones *zones, const wanted *q,
                            double part, gneiss_error *error) {
@@ -91,7 +91,7 @@ static gneiss_status raise(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
 /* --- changes of masses during a run --- */
 
 /* Raises the mass and moment of inertia of a particle at its present velocities; returns the
- * kinetic energy that this takes. */
+ * kinetic energy that this adds. */
 static double make_heavier(const gn_particles *a, size_t p, double share) {
     const double ratio = share / a->own_share[p];
     double *v = a->vel + 4 * p, *o = a->spin ? a->spin + 4 * p : NULL;
@@ -120,13 +120,13 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                    bool listed, const uint8_t *changed, double *held,
                                    gneiss_error *error) {
-    enum { ROUNDS = 8 }; /* number of rounds, needed because of dashpots */
+    enum { ROUNDS = 8 }; /* dashpots require several rounds */
     const gn_mass_scaling *s = &ctx->choice.scaling;
     *held = 0.0;
     if (!(ctx->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && ctx->step > 0)) return GNEISS_OK;
     double step = gn_limit_needed(ctx, dem, solids, zones,
                                   s->reached / (listed ? listed_share : ctx->scene.safety));
-    if (!isfinite(step)) return GNEISS_OK; /* other parts of the model do not allow such a step */
+    if (!isfinite(step)) return GNEISS_OK; /* other parts do not allow such a step */
     double *factor = NULL;
     GN_TRY(gn_new(&factor, dem->particles.soa.count + 1, "masses", error));
     gneiss_status status = GNEISS_OK;
@@ -141,10 +141,10 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
     return status;
 }
 
-/* --- how much --- */
+/* --- amount --- */
 
-/* Finds the least part of the step at which the bound has to be evaluated, within half a percent;
- * 0.8 to 0.9 in packings. */
+/* Finds the smallest fraction of the step at which the bound must be evaluated, to half a percent;
+ * it is 0.8 to 0.9 in packings. */
 static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                             gn_solids *solids, gn_zones *zones, gn_ledger *ledger, const wanted *q,
                             gneiss_error *error) {
@@ -157,7 +157,7 @@ static gneiss_status search(gn_step_context *ctx, gn_dem *dem, gn_boundary *boun
         bool reached = ctx->dt >= (1.0 - 1e-9) * q->step;
         if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;
         if (reached && dem->raised.added == added)
-            return GNEISS_OK; /* the reached step holds for collisions too */
+            return GNEISS_OK; /* the step that was reached resolves collisions too */
         added = reached ? dem->raised.added : added;
         *(reached ? &high : &low) = part;
         bool close = high - low < 0.004 || k >= TRIES;
@@ -201,7 +201,7 @@ static gneiss_status make_room(const gn_dem *dem, wanted *q, gneiss_error *error
     return GNEISS_OK;
 }
 
-/* The largest factor is the square of the step over that of the bound. */
+/* The largest factor of a mass is the square of the ratio of the step to that of the bound. */
 gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     const gn_zones *zones, double step, double *of_bound,

@@ -20,7 +20,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Arrays that the spectrum borrows. */
+/* Arrays to which the spectrum refers. */
 typedef struct spectrum_data {
     double *point, *damping;
     gn_touch_side *side;
@@ -81,31 +81,33 @@ static gn_spectrum spectrum_of(const gn_step_context *ctx, double reach,
     return s;
 }
 
-/* --- questions --- */
+/* --- checks of springs --- */
 
-/* Relative residual of Lanczos. */
+/* Returns the relative residual at which Lanczos stops. */
 static double tolerance_of(const gn_step_context *ctx) {
     return ctx->scene.estimate == GN_STEP_BOUND ? 0.0 : 1e-3;
 }
 
-/* A question about the springs that are active now, or that may be before the lists are rebuilt. */
+/* A check of the springs that are active now, or that may be before the lists are rebuilt. */
 typedef struct question {
     double step;          /* s; 0: computes the limit, else tests whether this step is stable */
     double tolerance;     /* tolerance of Lanczos; 0: bounds only */
-    gn_step_limit *limit; /* answers */
+    gn_step_limit *limit; /* results */
     gn_step_verdict *verdict;
-    bool whether;          /* only tests, and does not compute the stable step */
+    bool whether;          /* tests only, without a search for a stable step */
     bool changed;          /* limits the check to particles whose springs have changed since the
                             * last one */
     const uint8_t *turned; /* [particles] limits the check to these and their neighbours; NULL: see
                             * `changed` */
-    double *masses;   /* [particles] receives the mass factors that make the step stable; NULL: not
-                         requested */
-    uint8_t **others; /* only finds these: [particles], freed by the caller, marks of the particles
-                         whose springs have changed since the last check; NULL: not requested */
+    double *masses;   /* [particles] receives the factors of masses with which the step is stable;
+                         NULL: not requested */
+    uint8_t **others; /* [particles] receives the marks of the particles whose springs have changed
+                         since the last check, and nothing else is done; the caller frees it; NULL:
+                         not requested */
 } question;
 
-/* rad: the lists are rebuilt before contacts rotate by more than the skin over a diameter. */
+/* rad: rotation after which a contact is checked again; the lists are rebuilt before contacts
+ * rotate by more than the skin over a diameter. */
 static const double turned_by = 0.05;
 
 /* Marks the particles whose springs have changed since the last check and stores their present
@@ -201,7 +203,8 @@ gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
  * is below it. */
 static bool bound_suffices(const gn_step_context *ctx, const gn_dem *dem, double bound) {
     if (ctx->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
-    /* The sharp limit sets the springs of zones, however the step is chosen. */
+    /* With springs in zones the sharp limit is needed in any case, because it determines these
+     * springs. */
     if (ctx->scene.has_couple && ctx->scene.couple.constraint == GN_COUPLE_PENALTY) return false;
     return ctx->scene.step > 0.0 && ctx->scene.step <= gn_limit_beside_surfaces(ctx, dem, bound);
 }
@@ -212,7 +215,7 @@ static gneiss_status find_limit(gn_step_context *ctx, gn_dem *dem, const gn_boun
     const question sharp = {.tolerance = 1e-3, .limit = &ctx->choice.limit};
     if (ctx->scene.estimate != GN_STEP_BOUND && !(ctx->scene.step > 0.0))
         return ask(ctx, dem, boundary, false, &sharp,
-                   error); /* no bound suffices: the springs are assembled once */
+                   error); /* the bound is not needed: the springs are assembled only once */
     GN_TRY(ask(ctx, dem, boundary, false, &(question){.limit = &quick}, error));
     if (!bound_suffices(ctx, dem, quick.bound))
         return ask(ctx, dem, boundary, false, &sharp, error);
@@ -228,8 +231,8 @@ static double trusted(const gn_step_context *ctx, const gn_step_limit *limit) {
 }
 
 /* Returns the limit that the scene requests: of the active springs; without any, of all listed
- * ones; without those, of one contact of the stiffest pair of particles, or of particle and wall.
- * The last only gives an initial step: an approaching particle is listed and checked before it
+ * contacts; without any, of one contact of the stiffest pair of particles, or of particle and wall.
+ * The last one only gives an initial step: an approaching particle is listed and checked before it
  * touches (gn_timestep_check_lists). */
 static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, double *limit, gneiss_error *error) {
@@ -244,9 +247,9 @@ static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
     return gn_flight_limits(ctx, dem, boundary, limit, &unused, error);
 }
 
-/* With the bound, raised masses follow the springs that need a smaller step before the step is
- * checked. With the sharp limit all masses are closer to their limit than the bound shows, and a
- * check of few of them proves nothing. */
+/* Checks the springs of the particles `of`. If the scene requests the bound, the masses of these
+ * particles are raised first, as far as their springs require it. With the sharp limit all masses
+ * are closer to their limits than the bound shows, and a check of few of them proves nothing. */
 static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                     gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                     bool listed, const uint8_t *of, const question *q,
@@ -258,13 +261,13 @@ static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_bounda
         GN_TRY(gn_dem_follow_masses(ctx, dem, boundary, solids, zones, ledger, listed, of, &held,
                                     error));
     *q->verdict = (gn_step_verdict){.holds = true};
-    /* Masses were raised to hold more than that, within the margin for which a block is not
-     * raised. */
+    /* Masses were raised for a slightly larger step, by the tolerance with which blocks are left
+     * unchanged. */
     if (q->step * (1.0 + 1e-6) <= held) return GNEISS_OK;
     return ask(ctx, dem, boundary, listed, &about, error);
 }
 
-/* Asks about the particles whose springs have changed since the last check. */
+/* Checks the particles whose springs have changed since the last check. */
 static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                    bool listed, const question *q, gneiss_error *error) {
@@ -284,7 +287,7 @@ static gneiss_status ask_of_others(gn_step_context *ctx, gn_dem *dem, gn_boundar
 static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *fell,
                                 gneiss_error *error) {
-    /* Beside elements the limit of the particles may be larger than that of particles alone. */
+    /* In a coupled system the limit may be larger than that of the particles alone. */
     double known = fmax(trusted(ctx, &ctx->choice.limit), ctx->choice.whole);
     gn_step_verdict verdict = {0};
     question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
@@ -307,16 +310,17 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
 
 /* --- events before the next lists --- */
 
-/* A hundredth is left for normals and arms that rotate until the lists are rebuilt. */
+/* A margin of one hundredth is left for normals and arms that rotate until the lists are rebuilt.
+ */
 gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                                   bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
     double needed = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99);
-    *fine = false; /* the result for a given step does not change */
+    *fine = false; /* the verdict on a given step does not change */
     if (!full && ctx->scene.step > 0.0 && ctx->dt > ctx->choice.listed) return GNEISS_OK;
-    /* The particles have to hold more than they were found to hold, because bodies yield more. */
+    /* The particles must be stable at a larger step than was proved, because bodies yield more. */
     bool all = full || needed > ctx->choice.listed_holds, finite = needed < INFINITY;
     question q = {.tolerance = all || !finite ? tolerance_of(ctx) : 0.0};
     if (finite) {
@@ -343,8 +347,8 @@ static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_
     return gn_step_holds_by_sums(spectrum, q->step, &q->verdict->holds, error);
 }
 
-/* With resolved collisions steps are far below the limit. Row sums then prove that the step is
- * stable without a search for changes. */
+/* If collisions are resolved, steps are far below the limit; row sums then prove the step stable
+ * without a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error) {
@@ -398,8 +402,8 @@ static size_t find_turned(const gn_step_context *ctx, const gn_dem *dem,
     return gn_step_rotated_contacts(&spectrum, turned_by, turned);
 }
 
-/* Tells whether the step holds for the rotated contacts, with a margin for further rotation until
- * the lists are rebuilt. */
+/* Tells whether the step is stable for the rotated contacts, with a margin for further rotation
+ * until the lists are rebuilt. */
 static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                  const uint8_t *turned, bool *hold, gneiss_error *error) {
@@ -415,9 +419,9 @@ static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     return status;
 }
 
-/* Springs that rotate relative to each other have another limit although they stay the same: a
- * bonded chain that is stretched out needs a smaller step than one at a right angle. If the step is
- * not proved to hold, the limit of all particles is found anew. */
+/* If springs rotate relative to each other, their limit changes although they stay the same: a
+ * bonded chain that is stretched straight needs a smaller step than one with a right angle. If the
+ * step is not proved stable, the limit of all particles is computed again. */
 gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
                                   gneiss_error *error) {

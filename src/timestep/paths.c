@@ -1,12 +1,14 @@
-/* Paths in one step. Particles and what they touch may each move half the smallest radius: then the
- * two have approached by at most a radius, and neither passes the other before the contact acts. An
- * automatic step is lowered for bodies in every step, because springs do not limit it where nothing
- * is near, and falling or driven bodies gain speed between two lists: driven ones are taken with
- * their tables, free ones with at most twice the gain of the last step, or of free fall. */
+/* Paths in one step. A particle and the object that it touches may each move by half the smallest
+ * radius: the two then approach by at most a radius, and neither passes the other before the
+ * contact acts. An automatic step is lowered for bodies in every step, because springs do not limit
+ * it where nothing is near, and falling or driven bodies gain speed between two constructions of
+ * the lists. Driven bodies are checked with the velocities of their tables, free ones with at most
+ * twice the gain of speed of the last step or of free fall. */
 #include "base/error.h"
 #include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
+#include "boundary/overlap.h"
 #include "frame/frame.h"
 #include "kernels/motion.h"
 #include "particles/particles.h"
@@ -26,12 +28,28 @@ static double length(const double v[3]) {
 
 /* --- particles --- */
 
+/* Names a body that contains the centres of particles: it was pushed over particles that it could
+ * not push aside, and they leave it with the energy of that overlap. */
+static void describe_pierced(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, char *text, size_t size) {
+    for (size_t b = 0; b < ctx->scene.body_count && !*text; b++) {
+        size_t count = 0, first;
+        if (gn_body_holds(dem, boundary, b, &count, &first, NULL) != GNEISS_OK || !count) continue;
+        snprintf(
+            text, size,
+            "; body '%.40s' was pushed over the centre%s of %zu particle%s, which its contacts "
+            "cannot push aside: its stiffness must be higher%s",
+            ctx->scene.bodies[b].name, count == 1 ? "" : "s", count, count == 1 ? "" : "s",
+            ctx->effects & GN_FX_BONDS ? ", or bonds that hold the particles weaker" : "");
+    }
+}
+
 static gneiss_status fail_particle(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_boundary *boundary, size_t p, const char *what,
                                    const char *remedy, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
     const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
-    char at[GN_POINT_SIZE], behind[GN_NAME_SIZE + 128] = "";
+    char at[GN_POINT_SIZE], behind[GN_NAME_SIZE + 256] = "";
     gn_ranks_whole(ctx->ranks);
     for (size_t k = 0; k < ctx->scene.wall_count && !*behind; k++)
         if (!ctx->scene.walls[k].passive && gn_wall_distance(&boundary->walls[k], x) < 0.0)
@@ -39,15 +57,16 @@ static gneiss_status fail_particle(const gn_step_context *ctx, const gn_dem *dem
                      "; its centre is behind wall '%s', which pushes it out (gneiss check says how "
                      "many are)",
                      ctx->scene.walls[k].name);
+    if (!*behind) describe_pierced(ctx, dem, boundary, behind, sizeof behind);
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: particle %d %s: position %s m, velocity (%g, %g, %g) m/s, radius %g "
         "m; the step is %.3g s, its stability limit was estimated as %.3g s%s%s",
         (long long)ctx->step, ctx->time, q->id[p], what, gn_point_text(ctx->scene.origin, x, at),
-        v[0], v[1], v[2], x[3], ctx->dt, ctx->stable, behind, remedy);
+        v[0], v[1], v[2], x[3], ctx->dt, ctx->stable, behind, *behind ? "" : remedy);
 }
 
-/* Returns the particle with the largest vector of rows of four. */
+/* Returns the row of four whose vector is the longest. */
 static size_t largest(const double *rows, size_t count) {
     size_t worst = 0;
     double most = -1.0;
@@ -102,7 +121,7 @@ gneiss_status gn_dem_check_paths(const gn_step_context *ctx, const gn_dem *dem,
 
 /* --- surfaces and walls --- */
 
-/* Checks the path of the farthest vertex; the comparison fails for a path that is not a number. */
+/* Checks the path of the farthest vertex of a body; a path that is NaN fails the comparison. */
 static gneiss_status check_body(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k, gneiss_error *error) {
     const gn_rigid *b = &boundary->bodies[k];
@@ -121,8 +140,8 @@ static gneiss_status check_body(const gn_step_context *ctx, const gn_dem *dem,
                    ctx->stable, advice);
 }
 
-/* A plane that moves along itself stays where it is, and one that moves away from all particles
- * passes none. */
+/* Checks the path of a wall. A plane that moves within itself does not come closer to any particle,
+ * and one that moves away from all particles passes none. */
 static gneiss_status check_wall(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k, gneiss_error *error) {
     const gn_wall *wall = &boundary->walls[k];
@@ -157,16 +176,16 @@ gneiss_status gn_elements_check_paths(const gn_step_context *ctx, const gn_dem *
                    (long long)ctx->step, ctx->time, most, dem->radius_min, ctx->dt, advice);
 }
 
-/* Largest path of a vertex over the smallest radius, and largest rotation, rad. A step that exceeds
- * one is lowered to half of it, so that it is not lowered again soon. */
+/* Largest path of a vertex over the smallest radius, and largest rotation, rad. If the step exceeds
+ * one of them, it is lowered to half of it, so that it is not lowered again soon. */
 static const double path_most = 0.25, turn_most = 0.25;
-/* Largest path of a body with particles near it. A corner that passes a pressed particle rotates
- * the normal by this much in a step, and the works of the step miss a share of the contact's energy
- * that grows with its square: a gate that left grains with a quarter of a radius per step missed 20
- * %, with 0.06 1.4 %, with 0.03 0.3 %. */
+/* Largest path, over the smallest radius, of a body with particles near it. A corner that passes a
+ * pressed particle rotates the normal by this much in a step, and the works of the step miss a
+ * share of the contact's energy that grows with its square: a gate that left grains at a quarter of
+ * a radius per step lost 20 %, at 0.06 1.4 %, at 0.03 0.3 %. */
 static const double path_near = 0.05;
 
-/* The largest magnitude of a table's values. */
+/* Returns the largest magnitude of a table's values. */
 static double largest_value(const gn_table *t) {
     double most = 0.0;
     for (size_t k = 0; k < t->count; k++) most = fmax(most, fabs(t->value[k]));
@@ -178,10 +197,10 @@ static double change(const double now[3], const double past[3]) {
     return length(d);
 }
 
-/* rad: largest rotation of a body that bearings hold about some axes beside free ones. With two
- * free axes, or with bearings that rotate, a step is of second order in the rotation (rotate_held
- * of bodies.c), which leaves an error of 6e-4 rad after ten turns (four bodies at most); with one
- * free axis it is exact. */
+/* rad: largest rotation per step of a body that is held about some axes and free about others. With
+ * two free axes, or with axes that rotate, a step is of second order in the rotation (rotate_held
+ * of bodies.c), which leaves an error of 6e-4 rad after ten turns (largest of four bodies); with
+ * one free axis it is exact. */
 static const double turn_held = 0.01;
 
 static double largest_turn(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
@@ -194,12 +213,12 @@ static double largest_turn(const gn_step_context *ctx, const gn_boundary *bounda
     return axes == 1.0 || (axes == 2.0 && led > 0.0) ? turn_held : turn_most;
 }
 
-/* m/s2: acceleration of a free body by gravity and its applied force. */
+/* Returns the acceleration of a free body by gravity and its applied force, m/s2. */
 static double dead_load(const gn_step_context *ctx, size_t k, const gn_rigid *b) {
     return length(ctx->scene.gravity) + length(ctx->scene.bodies[k].force) / b->mass;
 }
 
-/* Speed (m/s) and spin (rad/s) of a body in a coming step of `dt`. */
+/* Computes speed (m/s) and spin (rad/s) of a body in a coming step of `dt`. */
 static void speeds_in(const gn_step_context *ctx, const gn_boundary *boundary, size_t k, double dt,
                       double *speed, double *spin) {
     const gn_rigid *b = &boundary->bodies[k];
@@ -232,7 +251,7 @@ static bool has_particles(const gn_step_context *ctx, const gn_boundary *boundar
     return false;
 }
 
-/* Path, m, allowed to a body that would move by `path` in a step. */
+/* Returns the path, m, that is allowed to a body which would move by `path` in a step. */
 static double path_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       size_t body, double path) {
     const double radius = dem->radius_min;
@@ -244,8 +263,8 @@ void gn_bodies_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
                       double *dt) {
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
         const double turn = largest_turn(ctx, boundary, k);
-        /* A table may have a larger value at the middle of a shorter step; the step shrinks every
-         * time. */
+        /* A table may have a larger value at the middle of a shorter step, so that the step is
+         * lowered repeatedly. */
         for (bool far = true; far;) {
             double speed, spin;
             speeds_in(ctx, boundary, k, *dt, &speed, &spin);
@@ -257,9 +276,8 @@ void gn_bodies_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     }
 }
 
-/* Tells whether a particle overlaps a wall, or did so before the last step: its contact acts once
- * more.
- */
+/* Tells whether a particle overlaps a wall, or did so before the last step, in which case its
+ * contact acts once more. */
 static bool is_pressed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        size_t wall) {
     const gn_wall_contacts *q = &boundary->contacts;
@@ -276,7 +294,7 @@ static bool is_pressed(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     return false;
 }
 
-/* Speed, m/s, of a wall along its normal in a coming step of `dt`. */
+/* Returns the speed, m/s, of a wall along its normal in a coming step of `dt`. */
 static double wall_speed_in(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
                             double dt) {
     const gn_wall *wall = &boundary->walls[k];
@@ -302,7 +320,7 @@ void gn_walls_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
     }
 }
 
-/* The largest root of fall t^2 + speed t = way, s. */
+/* Returns the larger root of fall t^2 + speed t = way, s. */
 static double time_for(double way, double speed, double fall) {
     double root = speed + sqrt(speed * speed + 4.0 * fall * way);
     return root > 0.0 ? 2.0 * way / root : (double)INFINITY;
@@ -328,7 +346,7 @@ double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     return isfinite(step) ? fmin(step, 0.01 * (ctx->scene.end - ctx->time)) : step;
 }
 
-/* m/s; GN_SPEEDS of scenes. */
+/* m/s; the bound GN_SPEEDS of scenes. */
 static const double light = 3e8;
 
 static gneiss_status check_speed(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,

@@ -17,11 +17,11 @@
 
 #include <math.h>
 
-/* Limit of two parts with limits p and s (s), each found with the other held fixed, and contacts
- * between them. The energy of a contact is |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 + 1/e)
- * |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of both is
- * at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
- * up. */
+/* Returns the limit of two parts with limits p and s (s), each found with the other one fixed, and
+ * with contacts between them. The energy of a contact is |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 +
+ * (1 + 1/e) |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of
+ * both is at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates
+ * 1/dt add up. */
 static double together(const gn_dem *dem, double p, double s) {
     if (!isfinite(s)) return p;
     return dem->damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
@@ -32,18 +32,19 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
-/* Slaved spins add to the square of the largest frequency of either side a share of the square of
- * the particles' frequency (zone_spins.c). Dashpots resist rotation as well: where K + C r is at
- * most r^2 for the rate r = 1/dt, (1 + share) r is enough for 1 + share times both, and
- * r_F + share r beside r_F. */
+/* Returns the limit due to slaved spins. These add to the square of the largest frequency of either
+ * side a share of the square of the particles' frequency (zone_spins.c). Dashpots resist rotation
+ * as well: if K + C r is at most r^2 for the rate r = 1/dt, then the rate (1 + share) r suffices
+ * for both multiplied by 1 + share, and the rate r_F + share r together with elements of rate r_F.
+ */
 static double turned_limit(const gn_dem *dem, const gn_zones *zones, double particles) {
     const double share = zones->state.turned;
     if (!(share > 0.0)) return INFINITY;
     return particles / (dem->damping_fraction > 0.0 ? share : sqrt(share));
 }
 
-/* Limit of the partners of the particles: free bodies, finite elements that they touch, springs of
- * zones. */
+/* Returns the limit of the objects coupled to the particles: free bodies, finite elements that they
+ * touch, springs of zones. */
 static double partner_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones) {
     double bodies =
@@ -53,7 +54,8 @@ static double partner_limit(const gn_step_context *ctx, const gn_dem *dem, const
     return fmin(bodies, together(dem, elements, limit_of(ctx->choice.vertex_rate)));
 }
 
-/* Bodies and elements do not touch each other. */
+/* Bodies and elements do not touch each other, so that each is combined with the particles alone.
+ */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double particles) {
     double share = gn_nonviscous_share(ctx), turned = turned_limit(dem, zones, share * particles);
@@ -70,14 +72,14 @@ double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem, d
     return together(dem, gn_nonviscous_share(ctx) * particles, limit_of(rate));
 }
 
-/* Returns the rate, 1/s, that the limit `other` leaves of a rate. */
+/* Returns the part of a rate, 1/s, that remains if another object has the limit `other`. */
 static double without(const gn_dem *dem, double rate, double other) {
     if (dem->damping_fraction > 0.0) return fmax(0.0, rate - 1.0 / other);
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
-/* With slaved spins elements limit the step too, unless the limit of the coupled system is
- * known. */
+/* With slaved spins elements also limit the step, unless the limit of the coupled system is known.
+ */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double step) {
     const double share = gn_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
@@ -88,8 +90,8 @@ double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_s
     return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
 }
 
-/* Limit of particles and elements as one system (coupled_limit.c): free bodies yield to them, and
- * strain has stiffened elements at most by a factor. */
+/* Returns the limit of particles and elements as one system (coupled_limit.c), reduced by free
+ * bodies, which yield to them, and by the largest factor by which strain has stiffened elements. */
 static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              double whole) {
     double stiffer = 1.0;
@@ -99,10 +101,10 @@ static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem, cons
                     limit_of(ctx->choice.surface_rate));
 }
 
-/* Finds the limit of the active springs: the smaller one of the two separate systems, which never
- * exceeds that of the coupled system, and the latter where the step may be longer. Without an
- * active spring the particles' limit is that of future contacts, which the coupled system does not
- * contain. */
+/* Finds the limit of the active springs. The smaller one of the limits of the two separate systems
+ * is a lower bound of that of the coupled system, which is computed where the step may exceed the
+ * bound. Without an active spring the particles' limit is that of future contacts, which the
+ * coupled system does not contain. */
 static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                const gn_solids *solids, gn_zones *zones, double *limit,
                                gneiss_error *error) {
@@ -115,7 +117,7 @@ static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_bound
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, false, whole, error));
     ctx->choice.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(ctx, dem, solids, whole->sharp));
-    /* With slaved spins elements may be much smaller than the particles that they rotate. */
+    /* With slaved spins elements may be much smaller than the particles that rotate with them. */
     if (zones->state.turned > 0.0) *limit = fmin(*limit, gn_nonviscous_share(ctx) * whole->sharp);
     return GNEISS_OK;
 }
@@ -144,7 +146,7 @@ static void set_step(gn_step_context *ctx, gn_dem *dem, double dt) {
     gn_dem_step_changed(ctx, dem);
 }
 
-/* Reports that no part determines an automatic step. */
+/* Reports that nothing determines an automatic step. */
 static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *dem,
                                     gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -165,16 +167,16 @@ static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *de
                    s->sources[source].name);
 }
 
-/* Without springs, moving bodies limit the step; INFINITY: there are none. It never increases
- * during a run. */
+/* Returns the step of moving bodies, which limit it if there are no springs; INFINITY: there are no
+ * bodies. It never increases during a run. */
 static double step_of_bodies(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary) {
     double step = ctx->scene.has_specimen ? gn_bodies_step(ctx, dem, boundary) : (double)INFINITY;
     return ctx->step > 0 && isfinite(step) ? fmin(step, ctx->dt) : step;
 }
 
-/* A step below the precision of the time would never end the run. gn_check_duration is
- * stricter at the start. */
+/* Refuses a step below the precision of the time, with which the run would never end.
+ * gn_check_duration is stricter at the start. */
 static gneiss_status check_advance(const gn_step_context *ctx, const gn_solids *solids,
                                    const gn_zones *zones, gneiss_error *error) {
     char text[160];
@@ -196,7 +198,7 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
         if (!isfinite(limit)) wanted = step_of_bodies(ctx, dem, boundary);
         if (!isfinite(wanted)) return refuse_endless(ctx, dem, error);
         if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
-        /* The safety factor covers small changes of the stiffest mode. */
+        /* The safety factor covers small changes of the fastest mode. */
         if (ctx->step > 0 && wanted > 0.97 * ctx->dt) return GNEISS_OK;
         if (ctx->step > 0) ctx->dt_lowered++;
         set_step(ctx, dem, wanted);
@@ -252,7 +254,7 @@ static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundar
     return react(ctx, dem, boundary, solids, zones, ctx->stable, error);
 }
 
-/* Largest squared speed before the first step, which finds it itself. */
+/* Returns the largest squared speed before the first step, which computes it itself later. */
 static double fastest2(const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double most = 0.0;
@@ -261,8 +263,8 @@ static double fastest2(const gn_dem *dem) {
     return most;
 }
 
-/* Largest speed, m/s, of the farthest vertices of bodies; prescribed ones count before the first
- * step too. */
+/* Returns the largest speed, m/s, of the farthest vertices of bodies; prescribed velocities count
+ * before the first step too. */
 static double fastest_body(const gn_step_context *ctx, const gn_boundary *boundary) {
     double most = 0.0;
     for (size_t k = 0; k < ctx->scene.body_count; k++) {
@@ -278,9 +280,9 @@ static double fastest_body(const gn_step_context *ctx, const gn_boundary *bounda
     return most;
 }
 
-/* By Hertz's law springs do not limit an automatic step before contact, and speeds may have grown
- * since the last lists: a particle moves by at most a tenth of the smallest radius in a step, also
- * one that begins to fall. */
+/* Lowers the step so that particles move by at most a tenth of the smallest radius in it, including
+ * particles that begin to fall. By Hertz's law springs do not limit an automatic step before
+ * contact, and speeds may have grown since the last lists. */
 static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
     const double most = 0.1 * dem->radius_min;
     double speed = sqrt(ctx->step > 0 ? dem->done.motion.speed2 : fastest2(dem));
@@ -292,7 +294,8 @@ static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *
     if (ctx->dt * speed > most) gn_timestep_lower(ctx, dem, 0.5 * most / speed);
 }
 
-/* Particles alone do not hold the step with all listed contacts; with elements they may. */
+/* Called if the step is not stable for the particles alone with all listed contacts: checks it for
+ * the coupled system, where it may be. */
 static gneiss_status check_whole(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                  const gn_solids *solids, gn_zones *zones, bool *fine,
                                  gneiss_error *error) {
@@ -307,7 +310,7 @@ static gneiss_status check_whole(gn_step_context *ctx, gn_dem *dem, const gn_bou
     return GNEISS_OK;
 }
 
-/* Computes the limit again after nodes have lost mass with removed particles. */
+/* Computes the limit again after nodes have lost mass because particles were removed. */
 static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                                    const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     if (!(ctx->choice.whole < 0.0)) return GNEISS_OK;
@@ -331,7 +334,7 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     GN_TRY(check_rotated(ctx, dem, boundary, solids, zones, ledger, error));
     GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
     if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
-    /* Two hundredths below the limit, so that the next lists need not lower it again. */
+    /* Leaves a margin of two hundredths, so that the next lists need not lower the step again. */
     if (!*fine) gn_timestep_lower(ctx, dem, 0.98 * ctx->choice.listed);
     return check_advance(ctx, solids, zones, error);
 }
@@ -345,13 +348,13 @@ gneiss_status gn_timestep_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boun
     gneiss_status status =
         check_lists(ctx, dem, boundary, solids, zones, ledger, false, &fine, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
-    /* A given step is not compared with contacts that may form, but with those that have formed. */
+    /* A given step is compared only with contacts that have formed, not with those that may form.
+     */
     if (status != GNEISS_OK || fine || ctx->scene.step == 0.0) return status;
     return gn_timestep_check(ctx, dem, boundary, solids, zones, ledger, false, error);
 }
 
-/* Chooses the step as at the start: from listed contacts, or from the whole scene if there are
- * none. */
+/* Chooses the step as at the start: by listed contacts, or by the whole scene if there are none. */
 static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                 gneiss_error *error) {
@@ -384,7 +387,7 @@ gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *
         if (status == GNEISS_OK)
             status = react(ctx, dem, boundary, solids, zones, ctx->stable, error);
     }
-    /* Resolves loose contacts of lists that are kept for long. */
+    /* Collisions of loose particles are resolved here too, because the lists may stay for long. */
     if (status == GNEISS_OK && !full && ctx->scene.has_specimen)
         status = resolve_listed(ctx, dem, boundary, solids, zones, error);
     /* Lists are not checked with a vanishing step. */
@@ -414,9 +417,9 @@ gneiss_status gn_timestep_check_debris(gn_step_context *ctx, gn_dem *dem, gn_bou
     return status;
 }
 
-/* Unbonded debris would be noticed late by lists that are kept for long. Without damping of
- * collisions it is checked whenever another sixteenth of the bonds has broken, from half of them
- * on. */
+/* Called because lists that stay for long would notice unbonded debris late. If collisions are not
+ * damped, the step is checked whenever another sixteenth of the bonds has broken, beginning with
+ * half of them. */
 gneiss_status gn_timestep_check_after_breaks(gn_step_context *ctx, gn_dem *dem,
                                              gn_boundary *boundary, gn_solids *solids,
                                              gn_zones *zones, int64_t broken_before,

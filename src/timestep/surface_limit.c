@@ -21,8 +21,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Returns the largest stiffness of a contact before the lists are rebuilt; of a facet of a patch
- * that of its part, with the same part of the particle's mass. */
+/* Returns the largest stiffness of a contact before the lists are rebuilt. For a facet of a patch
+ * it is that of the facet's part, with the same part of the particle's mass. */
 static gn_law_spring law_spring(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_surface_contact *c, double part) {
     gn_touch_side side = gn_surface_side(ctx, dem, c->surface, c->particle, part);
@@ -34,17 +34,17 @@ static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_surface_contact *c, bool joined) {
     const gn_facet_contact *k = &c->contact;
     gn_law_spring s = law_spring(ctx, dem, c, c->patch ? k->part : 1.0);
-    /* The dashpot of a yielding surface is weaker. */
+    /* The dashpot of a surface that yields is weaker than this. */
     gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = s.kn, .kt = s.kt, .cn = s.cn};
     memcpy(e.n, k->n, sizeof e.n);
     e.arm = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
                                                       : dem->particles.pos[4 * c->particle + 3];
-    /* For rolling k_t r^2/I is 2.5 of the 3.5 k_t/m of a tangential spring. */
+    /* Rolling adds k_t r^2/I, which is 2.5 k_t/m of the total 3.5 k_t/m of a tangential spring. */
     if (ctx->effects & GN_FX_ROLLING) e.kt += fmax(e.kt, e.kn);
     if (joined) e.kt += e.kn;
-    /* Contacts that share a stiffness resist in every direction in which one of them does: with the
-     * normals M by M f^-1 M^T, whose largest eigenvalue never exceeded the sum of min(1, 2/crowd)
-     * over 60 000 random sets of normals of all spreads. */
+    /* Contacts that share a stiffness resist in every direction in which one of them does. With the
+     * normals M the resistance is M f^-1 M^T, whose largest eigenvalue never exceeded the sum of
+     * min(1, 2/crowd) over 60 000 random sets of normals of all spreads. */
     if (!c->patch && k->part < 1.0) {
         e.kn *= fmin(1.0, 2.0 / k->crowd);
         e.kt += e.kn;
@@ -65,7 +65,7 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     size_t row = 0, many;
     while (gn_surface_contacts_next(ctx, dem, boundary, &row, reach, found, &many)) {
-        /* A particle near several facets may still join them into one contact. */
+        /* The facets near a particle may still join into one contact. */
         for (size_t k = 0; k < many; k++)
             (*springs)[(*count)++] = spring_of(
                 ctx, dem, &found[k], reach > 0.0 && many > 1 && k == 0 && !found[k].patch);
@@ -73,9 +73,9 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-/* --- bodies that are light --- */
+/* --- light bodies --- */
 
-/* Largest stiffness, N/m, by Hertz's law at an overlap of a hundredth of the radius. */
+/* Returns the largest stiffness, N/m, by Hertz's law at an overlap of a hundredth of the radius. */
 static double hertz_stiffness(const gn_step_context *ctx, const gn_dem *dem) {
     const size_t sides = gn_scene_sides(&ctx->scene);
     const gn_particles *q = &dem->particles;
@@ -86,8 +86,8 @@ static double hertz_stiffness(const gn_step_context *ctx, const gn_dem *dem) {
     return 0.2 * modulus * radius;
 }
 
-/* Returns the squared frequency, 1/s2, of a body at its contacts; `hertz`: stiffness of Hertz
- * contacts, in addition to its own. */
+/* Returns the squared frequency, 1/s2, of a body on its contacts; `hertz`: stiffness of Hertz
+ * contacts, which is added to its own. */
 static double square_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
                         double hertz) {
     const gn_surface *s = &boundary->surfaces[body];
@@ -95,8 +95,8 @@ static double square_of(const gn_step_context *ctx, const gn_boundary *boundary,
     return gn_surface_yields(boundary, s) ? stiffness * gn_surface_give(boundary, s) : 0.0;
 }
 
-/* Squared frequency, 1/s2, of particles on the stiffest object that they may touch and among each
- * other. */
+/* Returns the squared frequency, 1/s2, of particles on each other and on the stiffest object that
+ * they may touch. */
 static double particle_square(const gn_step_context *ctx, const gn_dem *dem, double stiffness) {
     const gn_particles *q = &dem->particles;
     bool hertz = ctx->effects & GN_FX_HERTZ;
@@ -139,13 +139,15 @@ typedef struct body_block {
     double stiff[36], damp[36];
 } body_block;
 
-/* Adds value * row^T row, where row . (velocity, spin) is a speed of the surface at the contact. */
+/* Adds value row^T row; row . (velocity, spin) is the velocity component of the surface at the
+ * contact. */
 static void add_row(double *block, const double row[6], double value) {
     for (int p = 0; p < 6; p++)
         for (int q = 0; q < 6; q++) block[6 * p + q] += value * row[p] * row[q];
 }
 
-/* Speed of a point along a direction per unit of the scaled degrees of freedom. */
+/* Computes the row of a velocity component: the velocity of a point along a direction per unit of
+ * each scaled degree of freedom. */
 static void scaled_row(const gn_rigid *b, const double at[3], const double direction[3],
                        double row[6]) {
     double lever[3], local[3];
@@ -157,7 +159,7 @@ static void scaled_row(const gn_rigid *b, const double at[3], const double direc
     }
 }
 
-/* A moment of k_r = k_t r^2 per unit rotation about any axis. */
+/* Adds the rolling resistance: a moment of k_r = k_t r^2 per unit rotation about any axis. */
 static void add_rolling(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_surface_contact *c, double k, body_block *block) {
     const gn_rigid *b = &boundary->bodies[c->surface->body];
@@ -203,7 +205,8 @@ static double largest(const double block[36]) {
 
 /* --- bodies on walls --- */
 
-/* Inverse mass, 1/kg, of a contact with a wall along the normal, and of the body as a whole. */
+/* Returns the inverse mass, 1/kg, at a contact with a wall along the normal, including that by
+ * rotation. */
 static double give_along(const gn_rigid *b, const gn_body_wall *c, const double n[3],
                          double *whole) {
     double turn[3];
@@ -213,7 +216,7 @@ static double give_along(const gn_rigid *b, const gn_body_wall *c, const double 
     return *whole + gn_rigid_compliance(b, turn);
 }
 
-/* Adds the spring of a wall contact along the normal and, with `across`, friction in all
+/* Adds the spring of a wall contact along the normal; with `across`, also friction in all
  * directions. */
 static void add_wall_contact(const gn_boundary *boundary, const gn_body_wall *c, bool across,
                              body_block *block) {
@@ -232,9 +235,10 @@ static void add_wall_contact(const gn_boundary *boundary, const gn_body_wall *c,
     add_row(block->stiff, row, fmax(kn - kt, 0.0));
 }
 
-/* Dashpots of simultaneous contacts with one wall are 2 alpha sqrt(m/k) times their springs, with k
- * of one contact and m of all of them together, with 1/m >= `whole`. Their eigenvalue is that
- * factor times that of the springs, which is k times the largest inverse mass of one of them. */
+/* Dashpots of simultaneous contacts with one wall. Each is 2 alpha sqrt(m/k) times its spring, with
+ * k of one contact and the mass m of all of them together, 1/m >= `whole`. Their largest eigenvalue
+ * is that factor times that of the springs, which is k times the largest inverse mass of one of
+ * them. */
 typedef struct wall_damping {
     double stiffness, most, whole, fraction;
 } wall_damping;
@@ -245,8 +249,8 @@ static double damping_of(const gn_step_context *ctx, const wall_damping *d) {
     return least > 0.0 ? 2.0 * alpha * sqrt(d->stiffness / least) * d->most : 0.0;
 }
 
-/* Adds the contacts of a body with walls, all listed vertices closed; returns the rate of their
- * dashpots, 1/s. */
+/* Adds the contacts of a body with walls, with all listed vertices closed; returns the rate of
+ * their dashpots, 1/s. */
 static double add_walls(const gn_step_context *ctx, const gn_boundary *boundary, int32_t body,
                         body_block *block) {
     double damping = 0.0;
@@ -282,7 +286,7 @@ double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *bound
 
 /* --- one surface --- */
 
-/* The root of 4 tau^2 = a + 2 tau b. */
+/* Returns the root of 4 tau^2 = a + 2 tau b. */
 static double rate_of(double a, double b) {
     return (b + sqrt(b * b + 4.0 * a)) / 4.0;
 }
@@ -317,7 +321,8 @@ static bool has_vertex(const gn_surface_contact *found, size_t count, int32_t ve
     return false;
 }
 
-/* Part of a patch that acts on a vertex: the sum of shape functions times parts over its facets. */
+/* Returns the part of a patch that acts on a vertex: the sum of shape functions times parts over
+ * the patch's facets. */
 static double part_on(const gn_surface_contact *found, size_t count, int32_t vertex) {
     double sum = 0.0;
     for (size_t k = 0; k < count; k++)
@@ -344,8 +349,8 @@ static size_t find_nearest(const gn_dem *dem, const gn_surface_contact *found, s
     return which;
 }
 
-/* A patch begins at the nearest point; once grown, its stiffness belongs to its rim, whose part on
- * a vertex is at most twice that over the area. */
+/* Adds a patch. It begins at the nearest point; a grown patch has its stiffness at its rim, whose
+ * part on a vertex is at most twice the part over the area. */
 static void add_patch(const gn_step_context *ctx, const gn_dem *dem,
                       const gn_surface_contact *found, size_t count, rate_sums *sums) {
     const gn_law_spring s = law_spring(ctx, dem, found, 1.0);
@@ -370,8 +375,8 @@ static bool is_held(const gn_surface *s, size_t vertex) {
     return slot >= 0 && (s->prescribed->mask[slot] & all) == all;
 }
 
-/* For vertices the entries of M^-1 sum k N^T N are not negative, so that its row sums bound it; the
- * weights of a contact add up to one. */
+/* Returns the rate from the sums. For vertices the entries of M^-1 sum k N^T N are not negative, so
+ * that row sums bound its eigenvalues; the weights of a contact add up to one. */
 static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
     double most = 0.0;
     if (s->body >= 0)
@@ -421,9 +426,9 @@ static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices", s->vertices);
 }
 
-/* Finds upper bounds of the rates 1/dt, 1/s, at which free bodies and vertices reach their limit
- * with all particles near them held fixed and closed; the elasticity behind vertices is left
- * out. */
+/* Finds upper bounds of the rates 1/dt, 1/s, at which free bodies and vertices reach their limit,
+ * with all particles near them fixed and in contact; the stiffness of the elements at vertices is
+ * not included. */
 static gneiss_status find_rates(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, double *bodies, double *vertices,
                                 gneiss_error *error) {

@@ -15,7 +15,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Returns the limit of all parts together, s, from that of the particles alone (step_limit.c). */
+/* Returns the step limit of all parts together, s; `particles` is the limit of the particles alone
+ * (step_limit.c). */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                        const gn_zones *zones, double particles);
 /* Return the least of the limits, s, of the particles and of all bodies of elements, each alone and
@@ -23,8 +24,8 @@ double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_s
 double gn_timestep_sharp_limit(const gn_step_context *ctx, const gn_solids *solids);
 double gn_timestep_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones);
-/* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
- * the rigorous bound is above the step. */
+/* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: uses Lanczos even
+ * if the rigorous bound is above the step. */
 gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                                 gneiss_error *error);
@@ -45,7 +46,7 @@ gneiss_status gn_timestep_check_after_breaks(gn_step_context *ctx, gn_dem *dem,
 gneiss_status gn_timestep_check_debris(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                        gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                        gneiss_error *error);
-/* Checks the step against all events that are possible until the new lists are made again. */
+/* Checks the step against all events that are possible until the lists are made again. */
 gneiss_status gn_timestep_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                       gneiss_error *error);
@@ -53,8 +54,8 @@ gneiss_status gn_timestep_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boun
 void gn_timestep_lower(gn_step_context *ctx, gn_dem *dem, double dt);
 /* Lowers an automatic step for bodies that move far in it. */
 void gn_timestep_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
-/* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
- * need a smaller one. "": there is none. */
+/* Writes the warning about a given step: that it does not resolve collisions, or that contacts
+ * which may form need a smaller one. "": there is no warning. */
 const char *gn_timestep_warning(const gn_step_context *ctx, char *text, size_t size);
 
 /* Lowers *dt (s) of the coming step such that no vertex of a body moves farther than a quarter of
@@ -63,14 +64,14 @@ const char *gn_timestep_warning(const gn_step_context *ctx, char *text, size_t s
 void gn_bodies_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       double *dt);
 
-/* Lowers *dt for walls that move away from particles which press them: such a wall moves by at most
- * a twentieth of the smallest radius. */
+/* Lowers *dt for walls that move away from particles pressed against them: such a wall moves by at
+ * most a twentieth of the smallest radius. */
 void gn_walls_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      double *dt);
 
-/* Returns a step, s, for a scene in which nothing but bodies limits it: for the largest prescribed
- * velocity of bodies at any time, and at most a hundredth of the rest of the run. INFINITY: no body
- * moves. */
+/* Returns the step, s, of a scene in which only bodies limit it: by the largest prescribed velocity
+ * of bodies at any time, and at most a hundredth of the rest of the run. INFINITY: no body moves.
+ */
 double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary);
 
 /* Checks that no initial or prescribed spin moves a vertex faster than light, which bounds
@@ -83,19 +84,19 @@ gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_boundary *boundary, const gn_solids *solids,
                                    const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error);
-/* Tells whether collisions are hardly damped. */
+/* Tells whether collisions are only slightly damped. */
 bool gn_timestep_is_underdamped(const gn_step_context *ctx, const gn_dem *dem);
-/* Steps that a collision must last. */
+/* Returns the number of steps that a collision must last. */
 double gn_timestep_contact_steps(const gn_step_context *ctx);
-/* Names the two bodies of the shortest collision. */
+/* Writes the names of the two bodies of the shortest collision. */
 const char *gn_resolution_text(const gn_step_context *ctx, char *text, size_t size);
 
-/* Sets *some if collisions are hardly damped (gn_timestep_is_underdamped), the step is automatic,
- * and a particle has lost all of its bonds or all but one. */
+/* Sets *some if the step is automatic, collisions are only slightly damped
+ * (gn_timestep_is_underdamped), and a particle has lost all or all but one of its bonds. */
 gneiss_status gn_debris_find(gn_step_context *ctx, gn_dem *dem, bool *some, gneiss_error *error);
 
-/* Names the free body whose contacts need steps a thousand times shorter than those of all other
- * parts, because it is light or stiff. "": there is none. */
+/* Writes the name of the free body whose contacts need steps a thousand times shorter than those of
+ * all other parts, because it is light or stiff. "": there is none. */
 const char *gn_timestep_light_body(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_boundary *boundary, char *text, size_t size);
 
@@ -105,9 +106,9 @@ gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
-/* Finds the limit of the particles alone (particle_limit.c): of springs that have become active
- * since the last check or, with `full`, of all. *due: it has changed, or that of the objects that
- * they touch. */
+/* Finds the limit of the particles alone (particle_limit.c), by the springs that have become active
+ * since the last check or, with `full`, by all active springs. *due: the limit has changed, or that
+ * of the objects that particles touch. */
 gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                            gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                            bool *due, gneiss_error *error);
@@ -115,13 +116,14 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
 gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
                                   gneiss_error *error);
-/* Tells whether the step of the world is stable with all listed contacts closed; else dem.listed is
- * a stable one. `full`: checks all of them. */
+/* Tells whether the step of the world is stable with all listed contacts closed; if not,
+ * choice.listed is a stable one. `full`: checks all listed contacts, not only those that have
+ * changed. */
 gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                                   bool *fine, gneiss_error *error);
-/* Tells whether the step is so short that row sums of the listed contacts prove it stable, without
- * a search for changes. */
+/* Tells whether the step is so short that row sums over the listed contacts prove it stable,
+ * without a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error);
@@ -140,9 +142,9 @@ void gn_dem_limit_anew(gn_step_context *ctx);
 gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                   gneiss_error *error);
-/* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
- * of the bound with own masses, and the added mass over the own one; INFINITY: other parts leave no
- * room for such a step. */
+/* Predicts the effect of mass scaling for a step (s, safety included) with time.estimate: bound.
+ * *of_bound: ratio of the step to that of the bound with the particles' own masses; *added: ratio
+ * of added to own mass; INFINITY: other parts of the model do not allow this step. */
 gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     const gn_zones *zones, double step, double *of_bound,
@@ -156,17 +158,18 @@ double gn_dem_added_kinetic(const gn_dem *dem);
 gneiss_status gn_dem_check_paths(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary, bool measure, gneiss_error *error);
 
-/* Returns the largest squared frequency, 1/s2, of the body of a row on the springs of its wall, all
- * listed ones closed; moves *row to the first row of the next group (surface_limit.c). */
+/* Returns the largest squared frequency, 1/s2, of the body of a row on the springs of its wall,
+ * with all listed ones closed; moves *row to the first row of the next body or wall
+ * (surface_limit.c). */
 double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t *row);
 
-/* Checks that nothing moved too far in the step (paths.c). */
+/* Checks that no wall or body moved too far in the step (paths.c). */
 gneiss_status gn_boundary_check_paths(const gn_step_context *ctx, const gn_dem *dem,
                                       const gn_boundary *boundary, gneiss_error *error);
 
-/* Limits by bodies and vertices of elements that yield (surface_limit.c). The first tells
- * whether their rates have risen by more than a fiftieth; the second also stores them then, or
- * if `anew`. */
+/* Limits by bodies and vertices of elements that particles can displace (surface_limit.c). The
+ * first function tells whether their rates have risen by more than a fiftieth; the second also
+ * stores them in that case, or if `anew`. */
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
                                       const gn_boundary *boundary, bool *more, gneiss_error *error);
 
@@ -177,9 +180,9 @@ gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boun
 gneiss_status gn_elements_check_paths(const gn_step_context *ctx, const gn_dem *dem,
                                       const gn_solids *solids, gneiss_error *error);
 
-/* gn_coupled_limit computes the sharp limit of the coupled system: of the active springs or, with
- * `listed`, of all listed ones. gn_coupled_has_limit: false for the pressure form, and if the scene
- * requests bounds only. */
+/* gn_coupled_limit computes the sharp limit of the coupled system, with the active springs or, with
+ * `listed`, with all listed ones. gn_coupled_has_limit tells whether there is such a limit: not
+ * with the pressure form, nor if the scene requests bounds only. */
 bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids);
 
 gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
@@ -190,13 +193,13 @@ gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
 /* Returns the last result of gn_coupled_limit; NULL: there is none. */
 const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones);
 
-/* Names the side ("particles", "elements", "zone") and its member ("particle 12", "a node of the
- * mesh, 12"). */
+/* gn_side_text names the side ("particles", "elements", "zone"); the second function names its
+ * member ("particle 12", "a node of the mesh, 12"). */
 const char *gn_side_text(gn_side side);
 
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
 
-/* Returns the body of elements that sets the step, NULL: none does. */
+/* Returns the body of elements that determines the step; NULL: none does. */
 const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_solids *solids,
                                          const gn_zones *zones);
 

@@ -130,8 +130,8 @@ const gn_feature gn_feature_bodies = {
     .hook = {[GN_HOOK_LIMIT] = follow_bodies},
 };
 
-/* Wedged debris gains some tenths of its energy in every collision of a few steps. The interval is
- * counted in steps, so that it does not depend on output or a resume. */
+/* Wedged debris gains some tenths of its energy in every collision, which takes a few steps. The
+ * interval between checks is counted in steps, so that it does not depend on output or a resume. */
 enum { DEBRIS_EVERY = 20 };
 
 static bool may_have_debris(const gn_world *world) {
@@ -207,7 +207,9 @@ static bool cuts(const gn_world *world) {
 }
 
 GN_HOOK(add_cut) {
-    return gn_cutting_add(&world->ctx, &world->dem, &world->boundary, &world->cutting, error);
+    (void)error;
+    gn_cutting_add(&world->ctx, &world->dem, &world->boundary, &world->cutting);
+    return GNEISS_OK;
 }
 
 const gn_feature gn_feature_cutting = {

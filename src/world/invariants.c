@@ -58,7 +58,8 @@ static void assert_wall_contacts(const gn_step_context *ctx, const gn_dem *dem,
     assert((size_t)boundary->first[dem->particles.soa.count] == list->soa.count);
 }
 
-/* Every end of a contact has a row among the partial sums of its block, which belongs to it. */
+/* Asserts that both ends of every contact have rows among the partial sums of the contact's block.
+ */
 static void assert_partials(const gn_dem *dem, const gn_contacts *list,
                             const gn_partials *partials) {
     if (list->soa.count == 0) return;
@@ -74,7 +75,7 @@ static bool listed(const gn_contacts *list, int32_t i, int32_t j) {
     return c < list->soa.count && list->i[c] == i && list->j[c] == j;
 }
 
-/* Whatever is nearer than the skin is in one of the lists, and in one alone. */
+/* Asserts that all particles nearer to each other than the skin are in exactly one of the lists. */
 static void assert_complete(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     int32_t n = (int32_t)q->soa.count;

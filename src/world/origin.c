@@ -14,6 +14,7 @@
 #include "scene/mesh_def.h"
 #include "scene/place.h"
 #include "scene/scene.h"
+#include "scene/units.h"
 #include "scene/values.h"
 #include "soa/records.h"
 #include "solids/solids.h"
@@ -22,10 +23,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Spacing of doubles over the smallest radius or height. Strains at which rock breaks are 1e-4 to
- * 1e-3; the effect of rounding on them stays below 1e-4 of that. */
+/* Limit of the spacing of doubles over the smallest radius or height. Rock breaks at strains of
+ * 1e-4 to 1e-3; rounding then changes them by less than 1e-4 of their value. */
 
-/* --- choosing --- */
+/* --- choice of the origin --- */
 
 static void add_elements(const gn_scene *scene, const gn_mesh *mesh, gn_extent *extent) {
     const gn_element_def *e = &scene->elements;
@@ -41,8 +42,8 @@ static void add_elements(const gn_scene *scene, const gn_mesh *mesh, gn_extent *
     gn_extent_add(extent, upper, 0.0);
 }
 
-/* Only axes along which the model is far from 0 get an origin of more than a small multiple of its
- * extent. */
+/* Gives an axis an origin of more than a small multiple of the model's extent only if the model is
+ * far from 0 along it. */
 static void settle(gn_scene *scene, const gn_extent *extent) {
     double size = 0.0, far = 0.0, middle[3] = {0, 0, 0};
     int exponent;
@@ -58,9 +59,8 @@ static void settle(gn_scene *scene, const gn_extent *extent) {
     double unit = ldexp(1.0, exponent);
     for (int64_t a = 0; a < scene->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
-        scene->origin[a] = fabs(whole) <= GN_PLACE_MOST
-                               ? whole
-                               : middle[a]; /* the range of the key has this bound */
+        scene->origin[a] =
+            fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* bound of the range of the key */
     }
 }
 
@@ -96,7 +96,7 @@ gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_erro
     return GNEISS_OK;
 }
 
-/* --- entering --- */
+/* --- change to the origin --- */
 
 static void take_off(const gn_scene *scene, double *rows, size_t count, size_t width) {
     for (size_t k = 0; k < count; k++)
@@ -114,12 +114,14 @@ gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error) {
     world->ctx.scene.specimen.packed = world->ctx.given.specimen.packed;
     world->ctx.scene.specimen.packed_count = world->ctx.given.specimen.packed_count;
     world->ctx.scene.specimen.packed_volume = world->ctx.given.specimen.packed_volume;
+    world->ctx.scene.specimen.packed_columns = world->ctx.given.specimen.packed_columns;
+    world->ctx.given.specimen.packed_columns = (gn_particle_columns){0};
     world->ctx.given.specimen.packed = NULL;
     world->ctx.given.specimen.packed_count = 0;
     return GNEISS_OK;
 }
 
-/* Velocities and bonds are read when they are needed. */
+/* Reads positions only; velocities and bonds are read when they are needed. */
 static gneiss_status read_run(gn_scene *scene, gneiss_error *error) {
     gn_from_run from;
     GN_TRY(gn_from_run_read(scene, &from, error));
@@ -131,16 +133,59 @@ static gneiss_status read_run(gn_scene *scene, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status read_specimen(gn_scene *scene, gneiss_error *error) {
+static bool read_unit(void *units, const char *text, const char *unit, double *value, char *reason,
+                      size_t size) {
+    return gn_units_read(units, text, unit, value, reason, size);
+}
+
+static int material_of(const void *scene, const char *name) {
+    return gn_scene_find_material(scene, name);
+}
+
+/* Checks that columns of a file state what the scene leaves out, and the ids by which it selects.
+ */
+static gneiss_status check_columns(const gn_scene *scene, const gn_particle_columns *columns,
+                                   gneiss_error *error) {
+    if (!columns->material && !scene->specimen.material[0])
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected specimen.material, or a column material in %s, found neither "
+                       "and %zu materials",
+                       gn_scene_at(scene, scene->specimen.where, "specimen").text,
+                       scene->specimen.file, scene->material_count);
+    for (size_t k = 0; columns->renumbered && k < scene->set_count; k++)
+        if (scene->sets[k].id_count)
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "%s: set '%s': select.ids: expected ids 0, 1, 2, ... in %s, found others, "
+                "which are replaced by these",
+                gn_scene_at(scene, scene->sets[k].where, "sets").text, scene->sets[k].name,
+                scene->specimen.file);
+    return GNEISS_OK;
+}
+
+static gneiss_status read_file(gn_scene *scene, gneiss_error *error) {
     gn_packing packing;
-    if (!scene->has_specimen) return GNEISS_OK;
-    if (scene->specimen.from[0]) return read_run(scene, error);
-    if (!scene->specimen.file[0]) return GNEISS_OK;
-    GN_TRY(gn_packing_read(scene->specimen.path, (int)scene->dimension, scene->specimen.scale,
-                           &packing, error));
+    gn_units *units = gn_units_new();
+    if (!units) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for units");
+    const gn_packing_words words = {.units = units,
+                                    .unit = read_unit,
+                                    .materials = scene,
+                                    .material = material_of,
+                                    .material_count = scene->material_count};
+    gneiss_status status = gn_packing_read_columns(scene->specimen.path, (int)scene->dimension,
+                                                   scene->specimen.scale, &words, &packing, error);
+    gn_units_free(units);
+    GN_TRY(status);
     scene->specimen.packed = packing.sphere;
     scene->specimen.packed_count = packing.count;
-    return GNEISS_OK;
+    scene->specimen.packed_columns = packing.columns;
+    return check_columns(scene, &packing.columns, error);
+}
+
+static gneiss_status read_specimen(gn_scene *scene, gneiss_error *error) {
+    if (!scene->has_specimen) return GNEISS_OK;
+    if (scene->specimen.from[0]) return read_run(scene, error);
+    return scene->specimen.file[0] ? read_file(scene, error) : GNEISS_OK;
 }
 
 gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error) {
@@ -157,7 +202,7 @@ gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *erro
 
 /* --- remaining rounding --- */
 
-/* The spacing of doubles. */
+/* Returns the spacing of doubles at x. */
 static double rounding(double x) {
     return nextafter(fabs(x), INFINITY) - fabs(x);
 }
@@ -166,7 +211,7 @@ static double largest(const double x[3]) {
     return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
 }
 
-/* The largest coordinates of a record of particles or nodes at the start. */
+/* Finds the largest coordinates of a record of particles or nodes at the start. */
 static void reach_of(const gn_particles *particles, double reach[3]) {
     for (size_t a = 0; a < 3; a++) {
         reach[a] = 0.0;
@@ -189,7 +234,7 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
-/* Refuses a displacement per step that is too short; components far below the largest count as
+/* Refuses a displacement per step that is too short. Components far below the largest one count as
  * round-off. A constant velocity is rounded in the same way in every step, by up to half the
  * spacing. */
 static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, const char *what,

@@ -11,9 +11,10 @@
 #include "mesh/mesh.h"
 #include "scene/scene.h"
 
-/* Fills scene->origin unless it is given: exactly 0 while the model lies within 1000 times its
- * extent of 0, else a point near its middle, a multiple of a power of two, so that taking it off
- * nearby points is exact. `mesh`: the elements' file as read; NULL: it is read if need be. */
+/* Sets scene->origin unless the scene gives it: exactly 0 if the model lies within 1000 times its
+ * extent of 0; otherwise a point near its middle, a multiple of a power of two, so that subtracting
+ * it from nearby points is exact. `mesh`: the elements' file as read; NULL: it is read if it is
+ * needed. */
 gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_error *error);
 
 /* Reads the specimen's and the elements' files, chooses the origin of world->ctx.given and makes
@@ -23,13 +24,13 @@ gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *erro
 /* Makes world->ctx.scene from world->ctx.given, which contains its origin. */
 gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
 
-/* Refuses a specimen whose positions are too coarse even so: the spacing of doubles there exceeds
- * 1e-8 of the smallest radius. */
+/* Refuses a specimen whose positions are too coarse although the origin was subtracted: the spacing
+ * of doubles there exceeds 1e-8 of the smallest radius. */
 gneiss_status gn_origin_check_specimen(const gn_step_context *ctx, const gn_dem *dem,
                                        gneiss_error *error);
-/* Refuses elements, by their least height, and reference points of bodies whose coordinates are too
- * coarse in the same way; and motions of less than 50 spacings in a step. Called once the step is
- * known. */
+/* Refuses elements whose coordinates are too coarse for their least height, reference points of
+ * bodies that are too coarse, and motions of less than 50 spacings of doubles in a step. Called
+ * once the step is known. */
 gneiss_status gn_origin_check(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, const gn_solids *solids,
                               gneiss_error *error);

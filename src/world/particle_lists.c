@@ -45,7 +45,7 @@ static double widest_gap(const gn_step_context *ctx, const gn_dem *dem, const gn
     return ctx->dt_past * (own + other + gn_box_speed(box)) * (1.0 + 1e-6);
 }
 
-/* Sorts the particles and renumbers everything that points at them. */
+/* Sorts the particles and renumbers everything that refers to them. */
 static gneiss_status reorder(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                              gneiss_error *error) {
     const size_t n = dem->particles.soa.count;

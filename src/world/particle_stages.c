@@ -11,8 +11,8 @@
 
 #include <math.h>
 
-/* Bonds that the stage forms or dissolves. The lists are those of the last step, in which all
- * contacts are that hold anything. */
+/* Forms or dissolves the bonds that the stage requires. The lists are those of the last step and
+ * contain all contacts that carry a force. */
 static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages,
                                  gneiss_error *error) {
     bool said = ctx->scene.bonds_stage == stages->now + 1, on = ctx->scene.bonds == GN_SWITCH_ON;

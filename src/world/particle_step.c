@@ -68,7 +68,7 @@ void gn_dem_forces(gn_world *world, bool measure) {
     gn_dem_sweep(world, contacts, &motion);
 }
 
-/* Sums of the contacts of particles, bodies and facets with walls and each other. */
+/* Returns the sums over contacts of particles, bodies and facets with walls and with each other. */
 static gn_contact_sums wall_sums(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary) {
     gn_contact_sums walls =
@@ -143,8 +143,9 @@ void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]) 
     gn_membrane_stress(&world->ctx, &world->membrane, volume, stress);
 }
 
-/* N: sizes of the forces of all contacts of particles, with each other and with walls, bodies and
- * facets, and of bodies with walls and each other; *count: of those that carry. */
+/* Returns the sum, N, of the magnitudes of the forces of all contacts: of particles with each other
+ * and with walls, bodies and facets, and of bodies with walls and each other. *count: number of
+ * contacts that carry a force. */
 static double carried(const gn_dem *dem, const gn_boundary *boundary, double *count) {
     const gn_dem_sums *s = &dem->done;
     const gn_wall_contacts *lists[] = {&boundary->contacts, &boundary->body_contacts};

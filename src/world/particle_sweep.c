@@ -32,8 +32,8 @@ static void book(work *own, gn_phase phase) {
     own->mark = now;
 }
 
-/* On a machine with other load waiting takes most of the time, and is not booked for the kernels.
- * */
+/* Waiting is not booked for the kernels, because on a machine with other load it takes most of the
+ * time. */
 static void waited(void *context, double seconds) {
     work *k = context;
     if (!k->books) return;
@@ -63,7 +63,7 @@ static void work_on_contacts(void *context, int list, size_t block) {
     book(k, phase);
 }
 
-/* Walls and motion of a block of particles, whose contacts are done. */
+/* Adds the forces of walls to a block of particles whose contacts are done, and moves it. */
 static void move_block(work *k, size_t block) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
@@ -122,7 +122,7 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
     if (world->ctx.ranks) join_ranks(world, motion, booked, gn_thread_time() - worked);
 }
 
-/* Forces on walls were found with the loads. */
+/* Forces on walls were computed together with the loads. */
 void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
     const size_t held = dem->hold.count;
     gn_motion_args args = *motion;

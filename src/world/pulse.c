@@ -31,9 +31,9 @@ static void start(const gn_scene *scene, gn_particles *particles) {
     }
 }
 
-/* Shears bonds with the pulse: tangential springs are incremental and do not follow from positions.
- * Otherwise a disordered packing would keep a part of the pulse where it began, held between normal
- * and tangential springs. */
+/* Shears bonds by the displacements of the pulse, because tangential springs are incremental and do
+ * not follow from positions. Otherwise a disordered packing would keep a part of the pulse at its
+ * place, held between normal and tangential springs. */
 static void shear_bonds(const gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const gn_contacts *b = &dem->bonds.contacts;
@@ -56,7 +56,8 @@ static void shear_bonds(const gn_step_context *ctx, gn_dem *dem) {
     }
 }
 
-/* Particles of a zone follow nodes, between which a pulse is straight. */
+/* Refuses zones in the pulse: their particles follow nodes, between which a pulse would be linear.
+ */
 static gneiss_status check_zones(const gn_step_context *ctx, const gn_dem *dem,
                                  gneiss_error *error) {
     const gn_particles *q = &dem->particles;
@@ -81,8 +82,8 @@ static void start_elements(const gn_step_context *ctx, gn_solids *solids) {
     }
 }
 
-/* Bonds were made at the places without it. Elements that reach into a zone may have nodes in it
- * that no particle of the zone is in, which follows them all the same. */
+/* Bonds were made at the positions without the pulse. Elements that reach into a zone may have
+ * nodes in it whose elements contain no particle of the zone; zones follow these nodes too. */
 gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error) {
     const bool particles = world->dem.particles.soa.count > 0;
     if (!world->ctx.scene.has_pulse) return GNEISS_OK;

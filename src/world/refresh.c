@@ -49,7 +49,7 @@ gneiss_status gn_world_restore(gn_world *world, gneiss_error *error) {
 gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error) {
     bool more = false;
     GN_TRY(gn_world_rebuild(world, error));
-    /* A deformable surface may have come near many particles since the last check. */
+    /* A deformable surface may have come close to many particles since the last check. */
     GN_TRY(gn_boundary_yields_more(&world->ctx, &world->dem, &world->boundary, &more, error));
     if (more)
         GN_TRY(gn_timestep_check(&world->ctx, &world->dem, &world->boundary, &world->solids,
@@ -58,8 +58,8 @@ gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error) {
                                    &world->zones, &world->ledger, error);
 }
 
-/* Returns the path of a particle, m, after which the lists are rebuilt even without neighbours.
- * Sinks and the sides of a domain are checked then as well. */
+/* Returns the path of a particle, m, after which the lists are rebuilt even if no neighbours
+ * require it, because sinks and the sides of a domain are checked then as well. */
 static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
     const double skin = dem->verlet.skin;
     return ctx->effects & GN_FX_WALLS || ctx->scene.has_domain || ctx->scene.sink_count
@@ -67,18 +67,18 @@ static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
                : 8.0 * skin;
 }
 
-/* Returns the largest path of a particle in a step, m, as long as Hertzian contacts do not limit
- * the step: a pair that is not listed a step before it touches would collide with a step that is
- * far too long. Where contacts are resolved, paths are shorter. */
+/* Returns the largest path of a particle in a step, m, where Hertzian contacts do not limit the
+ * step: a pair that is not listed one step before it touches would collide with a step that is far
+ * too long. Where contacts limit the step, paths are shorter, and 0 is returned. */
 static double flown(const gn_step_context *ctx, const gn_dem *dem) {
     if (!(ctx->effects & GN_FX_HERTZ) || ctx->scene.step > 0.0 || ctx->step == 0) return 0.0;
     const double way = ctx->dt * sqrt(dem->done.motion.speed2);
     return way > 0.02 * dem->radius_min ? way : 0.0;
 }
 
-/* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle
- * and a wall or a surface by the sum of theirs. The cheap bound on the path adds up the largest
- * speed; when it runs out, the true displacements take its place. */
+/* Two particles approach each other by at most twice the largest path, plus the shortening of a
+ * box; a particle and a wall or a surface by the sum of their paths. A cheap bound sums up the
+ * largest speeds; when it is exhausted, the true displacements are computed. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error) {
     const gn_verlet *v = &world->dem.verlet;
     double other = gn_boundary_travel(&world->ctx, &world->boundary, false);
@@ -93,7 +93,7 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error) {
     gn_dem_look_at_travel(&world->ctx, &world->dem, &world->box);
     other = gn_boundary_travel(&world->ctx, &world->boundary, true);
     world->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
-    /* Requires a margin of a tenth of the skin, or the next step would exceed it again. */
+    /* A tenth of the skin must remain as a margin, or the next step would exhaust it again. */
     if (1.1 * v->closed + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * most) {
         if (!due) return GNEISS_OK;
         gn_dem_force_lists(&world->dem, true);

@@ -14,19 +14,20 @@
 #include <stdio.h>
 #include <string.h>
 
-/* m; a part of a thousandth of that is small for a specimen, for one in a laboratory, and for a
- * tool. Beams that are bent in one are as long as the first. */
+/* m: sizes that are large for a specimen, for one in a laboratory test (a beam may be as long as
+ * `large`), and for a tool. Parts of an object count as large from a thousandth of these. */
 static const double large = 5.0, large_in_test = 2.0, large_tool = 1.0;
-/* Least displacement over the size of a specimen that loads it; rock breaks at 1e-4 to 1e-2. */
+/* Smallest ratio of displacement to size at which a specimen is loaded noticeably; rock breaks at
+ * 1e-4 to 1e-2. */
 static const double next_to_nothing = 1e-4;
 /* kg/m3: densities of materials given in kg and m are above this. */
 static const double density_least = 10.0, density_most = 3e4;
-/* Waves cross a body that often before it is loaded as a whole. */
+/* Number of times that waves cross a body before it is loaded as a whole. */
 static const double crossings = 3.0;
 /* Largest size of a tool or container over that of its contents. */
 static const double size_ratio = 50.0;
 
-/* A file, the size of its content, and the size of its parts: radii, heights of elements. */
+/* Sizes in a file: of the whole content, and of its parts (radii, heights of elements). */
 typedef struct file_size {
     const char *key;
     gn_scene_place where;
@@ -59,7 +60,8 @@ static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_si
                       : s->pack.shape == GN_SHAPE_MESH     ? "specimen.mesh"
                       : gn_scene_from_packing(&ctx->scene) ? "specimen.from"
                                                            : NULL;
-    if (!ctx->scene.has_specimen || s->scale_given || !key) return false;
+    if (!ctx->scene.has_specimen || s->scale_given || s->packed_columns.states_units || !key)
+        return false;
     *file = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
     return true;
 }
@@ -84,7 +86,7 @@ static double length_of(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
 
-/* m/s, largest prescribed speed; NaN: the model is not driven by speeds. */
+/* Returns the largest prescribed speed, m/s; NaN: the model is not driven by speeds. */
 static double largest_speed(const gn_scene *scene) {
     double most = scene->random_velocity;
     if (scene->source_count || scene->has_membrane || scene->has_pulse ||

@@ -7,10 +7,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Tells whether a specimen, mesh or body from a file, without a `scale`, is implausibly large for
- * the rest of the scene: a laboratory test, speeds and times that move it by a negligible distance,
- * a specimen that is much smaller. `text`: the object, its size, and the reason. A density that no
- * material has in kg/m3 is taken as a sign of other units. */
+/* Tells whether a specimen, mesh or body from a file without a `scale` is implausibly large: too
+ * large for a laboratory test, so large that the speeds and times of the scene move it by a
+ * negligible distance, or much larger than the specimen. `text` receives the object, its size and
+ * the reason. A density that no material has in kg/m3 counts as a sign of other units. */
 bool gn_scale_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      const gn_solids *solids, char *text, size_t size);
 

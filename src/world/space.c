@@ -27,7 +27,7 @@ static int find_wall(const gn_scene *scene, int axis, double sense) {
     return -1;
 }
 
-/* m: by which a wall is where it began. */
+/* Returns the displacement of a wall since the start along an axis, m. */
 static double moved(const gn_boundary *boundary, int wall, int axis) {
     if (!boundary->walls) return 0.0;
     return boundary->walls[wall].point[axis] - boundary->walls[wall].start[axis];
@@ -61,8 +61,9 @@ static bool extent_along(const gn_dem *dem, int axis, double *lower, double *upp
     return *lower < *upper;
 }
 
-/* m: walls that are farther away than this have more than the specimen between them. Loose grains
- * may be as far from walls as from each other. */
+/* Returns the largest gap, m, between specimen and walls that enclose it; with a larger gap the
+ * volume between the walls is not that of the specimen. Loose grains may be as far from walls as
+ * from each other. */
 static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, double between) {
     if (ctx->effects & GN_FX_BONDS) return gn_dem_mean_radius(dem);
     return pow(between / (double)gn_dem_present_count(dem), 1.0 / (double)ctx->scene.dimension);

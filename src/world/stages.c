@@ -21,7 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Times in a table that a stage gives count from its start. */
+/* Shifts the times of a table, which a stage counts from its own start. */
 static void start_table(void *context, gn_table *table) {
     const gn_world *w = context;
     double start = table->stage ? w->stages.state[table->stage - 1].time : 0.0;

@@ -16,8 +16,8 @@
 
 #include <math.h>
 
-/* Books time between two places of a step, in the steps in which the sweep does. Lists and elements
- * have their own. */
+/* Books time between two places of a step, in the same steps as the sweep does. Lists and elements
+ * book their own time. */
 typedef struct watch {
     gn_world *w;
     bool runs;
@@ -35,9 +35,9 @@ static void lap(watch *time, gn_phase phase) {
     time->mark = now;
 }
 
-/* Bonds made with a load beyond their strength break in the first evaluation: the energy that
- * contacts lose there counts as stored at the start, and so does the energy removed by a sink or
- * the domain before. */
+/* Bonds made with a load beyond their strength break in the first evaluation. The energy that
+ * contacts lose there counts as stored at the start; so does the energy that a sink or the domain
+ * removed before. */
 static void begin_ledger(gn_energy *energy) {
     energy->stored_at_start = gn_energy_stored(energy) + energy->removed;
 #define X(name, text) energy->stored_at_start += energy->name;
@@ -59,8 +59,8 @@ static void read_particles(gn_world *world) {
     world->ledger.measured_time = world->ctx.time;
 }
 
-/* Elements have a ledger of their own, which is added to the reading only. In a model with
- * particles elements are no part of the specimen; without particles they are the specimen. */
+/* Adds the ledger of the elements, which is separate, to the reading. Elements belong to the
+ * specimen only in a model without particles. */
 static gneiss_status read_elements(gn_world *world, gneiss_error *error) {
     if (!world->ctx.scene.has_specimen) gn_elements_stress(&world->solids, world->ledger.stress);
     gn_elements_balance(&world->solids, &world->ledger.balance);

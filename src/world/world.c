@@ -39,7 +39,7 @@
 #include <pthread.h>
 #include <string.h>
 
-/* Sets the volume if the specimen has a shape. */
+/* Creates the particles of the specimen, and sets the volume if the specimen has a shape. */
 static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_packing packing = {0};
     if (!ctx->scene.specimen_given) return gn_dem_create(ctx, dem, &packing, error);
@@ -49,6 +49,7 @@ static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_err
     ctx->given.preparation = (gn_preparation){0};
     gn_packing_free(&packing);
     gn_free(ctx->scene.specimen.packed); /* used here only */
+    gn_particle_columns_free(&ctx->scene.specimen.packed_columns);
     ctx->scene.specimen.packed = NULL;
     ctx->scene.specimen.packed_count = 0;
     return status;
@@ -122,7 +123,7 @@ double gn_world_mass(const gn_dem *dem, const gn_solids *solids) {
     return dem->mass + gn_elements_totals(solids).mass;
 }
 
-/* Computed from values in the output files, so that a resumed run has the same bits. */
+/* Computes the domain from values in the output files, so that a resumed run has the same bits. */
 static void set_domain(gn_step_context *ctx, const gn_dem *dem) {
     gn_scene *s = &ctx->scene, *given = &ctx->given;
     if (s->has_domain || (ctx->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(s))) return;
@@ -204,7 +205,7 @@ static gneiss_status check_specimen(const gn_step_context *ctx, const gn_dem *de
     return GNEISS_OK;
 }
 
-/* Sinks remove the particles in them at the start. */
+/* Refuses a specimen all of whose particles are in sinks at the start, which remove them. */
 static gneiss_status check_some_left(const gn_step_context *ctx, const gn_dem *dem,
                                      gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
@@ -253,7 +254,7 @@ static gneiss_status build_empty(gn_world *world, gneiss_error *error) {
     return gn_world_restore(world, error);
 }
 
-/* Without particles the elements are the specimen. */
+/* Measures the elements, which are the specimen in a model without particles. */
 static gneiss_status measure_elements(gn_step_context *ctx, const gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
@@ -279,8 +280,8 @@ static void *make_gauge(void *context) {
     return NULL;
 }
 
-/* The strain gauge and the step: the two longest parts of setting up. Qhull has one thread only,
- * so that the other threads do the step meanwhile. */
+/* Computes the strain gauge and the step, the two longest parts of the set-up, at the same time:
+ * Qhull uses one thread only, and the other threads compute the step. */
 static gneiss_status make_gauge_and_step(gn_world *world, bool particles, gneiss_error *error) {
     gauge_work gauge = {world, GNEISS_OK, {0}};
     pthread_t thread;

@@ -74,7 +74,7 @@ void gn_world_free(gn_world *world);
 /* Frees the world that *world points to, and its block (GN_FREED_BY); *world may be NULL. */
 void gn_world_delete(gn_world **world);
 
-/* Effects, threads and kernels from world->ctx.scene; gn_world_create and resume call it. */
+/* Sets effects, threads and kernels from world->ctx.scene; gn_world_create and resume call it. */
 gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_box *box,
                                gneiss_error *error);
 
@@ -108,11 +108,11 @@ gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 /* Returns the mass of particles and elements, kg, without mass added for a longer step. */
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids);
 
-/* Hash of the state: particles, contacts, walls, time. */
+/* Returns the hash of the state: particles, contacts, walls, time. */
 uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_solids *solids, const gn_periodic_box *box);
 
-/* Bytes held by particles, contacts and lists. */
+/* Returns the number of bytes held by particles, contacts and lists. */
 size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       const gn_solids *solids);
 
@@ -120,17 +120,18 @@ size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
  * allocates the states of stages (stages.c). */
 gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
 
-/* GNEISS_ERROR_INPUT if the first stage waits for a state that no loaded contact can produce. */
+/* Returns GNEISS_ERROR_INPUT if the first stage waits for a state that no loaded contact can
+ * produce. */
 gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_stages *stages,
                                     gneiss_error *error);
 
-/* The wave that the scene begins with, when lists have been made (pulse.c). */
+/* Starts the wave with which the scene begins; lists must have been made (pulse.c). */
 gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
 
-/* Times are measured in one step of GN_BOOKED and multiplied by it, because reading the clock after
- * every block costs a percent of a step. It is prime, so that measured steps do not coincide with
- * regular readings. */
+/* Only one step of GN_BOOKED is timed, and its times are multiplied by GN_BOOKED, because reading
+ * the clock after every block costs a percent of a step. The number is prime, so that timed steps
+ * do not coincide with regular readings. */
 enum { GN_BOOKED = 7 };
 
 #endif

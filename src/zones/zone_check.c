@@ -20,8 +20,8 @@
 
 /* --- contents of a zone --- */
 
-/* Returns the position of an element in a zone, that of its node farthest among the particles, and
- * the extent of the element. */
+/* Returns the position of an element in a zone, which is that of its node farthest among the
+ * particles, and the extent of the element. */
 static double element_place(const gn_fem_solid *b, size_t e, const gn_couple_zone *z,
                             double size[3]) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -42,7 +42,8 @@ static bool inside(double place) {
     return place >= -GN_ZONE_ROUNDING && place < 1.0 - GN_ZONE_ROUNDING;
 }
 
-/* The zone on whose edge, or behind it, a place without weight of particles is. */
+/* Returns the zone that a point without weight of the particles belongs to: the point is on its
+ * edge or behind it. */
 static size_t nearest_zone(const gn_scene *s, const double *x) {
     size_t nearest = 0;
     double least = INFINITY;
@@ -104,9 +105,9 @@ static bool between_sides(const zone_sides *s, const double *x) {
     return true;
 }
 
-/* Tells whether a particle outside of all elements should be in one of a zone: it is between the
- * zone's planes, not beside its elements, and not before those of another zone, as where two sides
- * of a block of elements join. */
+/* Tells whether a particle outside of all elements should be in an element of a zone: it is between
+ * the zone's planes, not beside the zone's elements, and not in front of those of another zone, as
+ * where two sides of a block of elements meet. */
 static bool is_missing(const gn_scene *s, const zone_sides *sides, size_t zone, const double *x) {
     const int dimension = (int)s->dimension;
     double place = gn_zone_place(&s->couple.zones[zone], dimension, x);
@@ -158,8 +159,8 @@ static gneiss_status check_occupied(const gn_step_context *ctx, const gn_dem *de
                    elements ? "particle" : "element");
 }
 
-/* Particles of zones start at rest, as the nodes do, unless springs connect them; so do slaved
- * spins. */
+/* Checks that particles of zones start at rest, as the nodes do, unless springs connect them;
+ * slaved spins must start at rest, too. */
 static gneiss_status check_at_rest(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_ties *ties, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
@@ -200,10 +201,11 @@ gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, cons
 
 /* --- figures --- */
 
-/* Largest share of the energy of a wave that a difference may return: that of 12 % of a modulus. */
+/* Largest share of a wave's energy that a difference may return; 12 % of a modulus cause as much.
+ */
 static const double returned_most = 1e-3;
 
-/* The mean side of the boxes about a zone's elements; the least weight of a node. */
+/* Computes the mean side of the boxes around a zone's elements and the least weight of a node. */
 static void measure_elements(const gn_step_context *ctx, const gn_solids *solids, size_t zone,
                              gn_zone_figures *f) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
@@ -230,12 +232,13 @@ static gn_zone_material *material_of(const gn_solids *solids, gn_zone_figures *f
     return &f->material[k];
 }
 
-/* Sums: moduli times volume, masses, volumes of spheres; springs count half for each end. */
+/* Sums over particles: moduli times volume, masses, volumes of spheres. Half of a spring belongs to
+ * each end. */
 typedef struct zone_sums {
     double stiffness, mass, volume;
 } zone_sums;
 
-/* Notes whether a particle in a zone is in another one as well. */
+/* Records whether a particle in a zone is in another zone as well. */
 static void look_for_others(const gn_scene *s, size_t zone, const double *x, gn_zone_figures *f) {
     const int dimension = (int)s->dimension;
     if (!inside(gn_zone_place(&s->couple.zones[zone], dimension, x))) return;
@@ -264,7 +267,8 @@ static void add_particle(const gn_step_context *ctx, const gn_dem *dem, const gn
     f->diameter += 2.0 * r;
     f->edge = fmin(f->edge, blend[0]);
     double place = gn_zone_place(&ctx->scene.couple.zones[zone], b->dimension, x);
-    f->beyond += (place - 1.0) * f->width > 0.5 * r; /* outermost centres scatter */
+    f->beyond +=
+        (place - 1.0) * f->width > 0.5 * r; /* tolerance for the scatter of the outermost centres */
     look_for_others(&ctx->scene, zone, x, f);
 }
 
@@ -280,7 +284,8 @@ static void add_particles(const gn_step_context *ctx, const gn_dem *dem, const g
     if (f->particles) f->diameter /= (double)f->particles;
 }
 
-/* Particles that are in no element have all of their mass and lie beyond the last node. */
+/* Adds the bonds of particles in elements. Particles outside of all elements have their whole mass
+ * and lie beyond the last node. */
 static void add_bonds(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                       const gn_zones *zones, size_t zone, gn_zone_figures *f, zone_sums *sums) {
     const gn_coupled *c = zones->coupled;
@@ -315,13 +320,13 @@ void gn_zone_compare(gn_zone_material *m, double stiffness, double mass, double 
     m->returned = (1.0 - z) * (1.0 - z) / ((1.0 + z) * (1.0 + z));
 }
 
-/* Tells whether this ratio of moduli returns as much of a wave. */
+/* Tells whether a ratio of moduli returns more than the largest share. */
 static bool is_off(double quotient) {
     const double z = sqrt(quotient);
     return (1.0 - z) * (1.0 - z) > returned_most * (1.0 + z) * (1.0 + z);
 }
 
-/* Free sides soften a thin body along its axis only; this counts in the mean. */
+/* Free sides soften a thin body along its axis only; this is included in the mean. */
 bool gn_zone_differs(const gn_zone_material *m) {
     double mean = 0.0, most = 0.0;
     int axes = 0;
@@ -337,7 +342,7 @@ bool gn_zone_differs(const gn_zone_material *m) {
     return is_off(mean / axes / m->tension[3]) || (most > 1.0 && is_off(most));
 }
 
-/* Weights of forces and masses cancel in these means. */
+/* Adds the particles; weights of forces and of masses cancel in the means. */
 static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_solids *solids, const gn_zones *zones, size_t zone,
                               gn_zone_figures *f) {
@@ -350,7 +355,7 @@ static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 /* Returns the weight that an element leaves to particles; 0: the element is in no zone, or leaves
- * its whole weight, which does not show in its volume. */
+ * its whole weight, so that its volume does not show it. */
 static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_t zone, size_t e) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     double centre[3] = {0.0}, share = 0.0;
@@ -365,7 +370,7 @@ static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_
                : 0.0;
 }
 
-/* A lattice that begins on the plane through `from` has half a row too many there. */
+/* A lattice whose first row lies on the plane through `from` has half a row too much there. */
 static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, size_t zone, gn_zone_figures *f) {
     const gn_coupled *c = zones->coupled;
@@ -374,7 +379,7 @@ static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn
     double left = 0.0, mass = 0.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double part =
-            left_by(ctx, solids, zone, e); /* the volume has the elements' own weight */
+            left_by(ctx, solids, zone, e); /* the volume of an element includes its own weight */
         left += part / (1.0 - part) * b->density[b->elements.material[e]] * b->elements.volume[e];
     }
     for (size_t k = 0; k < c->ties.count; k++) {

@@ -56,10 +56,10 @@ void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_c
     }
 }
 
-/* Viscous damping of the lumped motion, -a lump (v(-) + v(+))/2, in addition to the accelerations r
- * of the masses without it, gives M dv/dt = f - a M v with the consistent masses: lump dv/dt = f +
- * (lump - M) r - a lump v with f = M r is dv/dt = r - a v. The dissipation is that of M, in the
- * halves before and after the instant, as for nodes. */
+/* Books the difference of the damping. Viscous damping of the lumped motion, -a lump (v(-) +
+ * v(+))/2, is added to the accelerations r that the masses have without it, f = M r: lump dv/dt = f
+ * + (lump - M) r - a lump v gives dv/dt = r - a v, so that with the consistent masses M dv/dt = f -
+ * a M v. The dissipation is that of M, in the halves before and after the instant, as for nodes. */
 static void book_damping(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
     gn_fem_solid *b = gn_coupled_solid(solids);
     gn_consistent *y = &q->consistent;
@@ -80,7 +80,7 @@ static void book_damping(const gn_step_context *ctx, const gn_solids *solids, gn
     if (b->measured) b->reading.damping += past;
 }
 
-/* 1/2 v(-) (N^T M N - lump) v(+), as the motion has it of the lump. */
+/* Computes the difference of the kinetic energies, 1/2 v(-) (N^T M N - lump) v(+). */
 static void find_kinetic(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
     const gn_particles *nodes = &gn_coupled_solid(solids)->nodes;
     gn_consistent *y = &q->consistent;
@@ -104,9 +104,9 @@ void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coup
     find_kinetic(ctx, solids, q);
 }
 
-/* v_i = N_a v_a, so that a force at the position of i moves it by N_a N_a/m_a. With consistent
- * masses at least those of the nodes alone and the particle's own resist: with y = N_a N_a/m_a of
- * these, (D + m N N^T)^-1 gives y/(1 + m y) there. Driven nodes count as free. */
+/* Since v_i = N_a v_a, a force at the position of i moves it by N_a N_a/m_a. With consistent masses
+ * at least those of the nodes alone and the particle's own mass m resist: with y = N_a N_a/m_a of
+ * the former, (D + m N N^T)^-1 gives y/(1 + m y). Driven nodes count as free. */
 void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, const gn_zones *zones, double *inverse) {
     const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;

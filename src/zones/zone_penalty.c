@@ -86,8 +86,8 @@ void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
         double mass = 0.0, own = 0.0;
         for (int a = 0; a < t->corners; a++) {
             size_t n = (size_t)t->tie[k].own[a];
-            /* For a particle on a side, rounding may give the opposite corner a share of either
-             * sign. */
+            /* For a particle on a face of an element, rounding may give the opposite corner a share
+             * of either sign. */
             if (!(t->tie[k].shape[a] > 1e-9)) continue;
             mass += t->tie[k].shape[a] * node_mass(solids, q, n) / sum[n];
         }
@@ -99,7 +99,7 @@ void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     }
 }
 
-/* Sets `most` to what springs add to w_D^2 and w_F^2, without the factors of e. */
+/* Computes what springs add to w_D^2 and w_F^2, without the factors that depend on e. */
 static void find_added(const gn_dem *dem, const gn_solids *solids, gn_coupled *q, double most[2]) {
     const gn_ties *t = &q->ties;
     most[0] = most[1] = 0.0;
@@ -122,24 +122,24 @@ void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids
     zones->state.frequency = particles;
     gn_penalty_set(ctx, dem, solids, zones, q);
     find_added(dem, solids, q, most);
-    for (int round = 0; round < 60; round++) { /* one side rises with e, the other falls */
+    for (int round = 0; round < 60; round++) { /* one side grows with e, the other decreases */
         double e = sqrt(low * high);
         bool above = particles * particles + (1.0 + e) * most[0] >
                      elements * elements + (1.0 + 1.0 / e) * most[1];
         *(above ? &high : &low) = e;
     }
-    /* A dashpot of the share xi of critical damping reduces the step of its spring by the factor
+    /* With the fraction xi of critical damping, the dashpot multiplies the step of its spring by
      * sqrt(1 + xi^2) - xi. */
     double xi = ctx->scene.couple.penalty_damping, faster = sqrt(1.0 + xi * xi) + xi;
     zones->state.rate[0] = 0.5 * sqrt((1.0 + high) * most[0]) * faster;
     zones->state.rate[1] = 0.5 * sqrt((1.0 + 1.0 / high) * most[1]) * faster;
 }
 
-/* --- its part of a step --- */
+/* --- part in a step --- */
 
-/* A dashpot acts across the gap as well: on a particle that rotates it acts at the particle's point
- * in the elements, at the end of the gap, so that the forces on both sides are in one line. Adds
- * the moment, N m, that follows. */
+/* Adds the moment, N m, of the dashpot. A dashpot acts across the gap as well. On a particle that
+ * rotates, it acts at the particle's point in the elements, at the end of the gap, so that the
+ * forces on both sides are on one line. */
 static void add_twist(gn_dem *dem, gn_coupled *q, size_t k, int width, const double gap[3],
                       const double drag[3]) {
     const size_t at = width == 8 ? 4 : 0;
@@ -207,9 +207,9 @@ void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading) {
     reading->elastic_coupling += total(coupled->stored, coupled->ties.count);
 }
 
-/* --- the holder of particles that touch walls --- */
+/* --- springs at walls --- */
 
-/* Returns the tie of a particle that a spring holds; q->ties.count: none does. */
+/* Returns the tie of a particle that is held by a spring; q->ties.count: no spring holds it. */
 static size_t spring_of(const gn_zones *zones, size_t particle) {
     const gn_coupled *q = zones->coupled;
     const gn_tie *tie = gn_coupled_tie(q, zones->dem->particles.id[particle]);
@@ -223,7 +223,7 @@ static double held_stiffness(const void *context, size_t particle) {
     return k < q->ties.count ? q->stiffness[k] : 0.0;
 }
 
-/* Spring and dashpot act at the present positions. */
+/* Returns the acceleration by spring and dashpot, which act at the present positions. */
 static double held_acceleration(const void *context, size_t particle, const double n[3]) {
     const gn_zones *zones = context;
     const gn_coupled *q = zones->coupled;

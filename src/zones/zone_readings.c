@@ -15,7 +15,7 @@
 
 #include <math.h>
 
-/* Elements carry all of the stress of dormant particles. */
+/* Adds the stress of dormant particles, which elements carry completely. */
 static bool add_to_dormant(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                            const double (*stress)[6], double *sigma) {
     const bool space = ctx->scene.dimension == 3;
@@ -29,8 +29,8 @@ static bool add_to_dormant(const gn_step_context *ctx, const gn_dem *dem, const 
     return held;
 }
 
-/* Contacts of a particle of a zone carry its part of the stress of the body, elements the other
- * part. In plane strain elements have an out-of-plane stress, contacts do not. */
+/* The contacts of a particle in a zone carry its share of the body's stress, and elements carry the
+ * rest. In plane strain elements have an out-of-plane stress, contacts do not. */
 gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_zones *zones, double *sigma,
                                     gneiss_error *error) {
@@ -57,8 +57,8 @@ gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *de
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stress of particles");
 }
 
-/* Returns the index of the element that contains a particle, among the remaining elements; -1:
- * none. */
+/* Returns for each particle the index of the element that contains it, among the remaining
+ * elements; -1: none. */
 static int32_t *elements_of(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones) {
     const gn_coupled *q = zones->coupled;
@@ -111,9 +111,9 @@ size_t gn_coupled_removed_count(const gn_step_context *ctx, const gn_zones *zone
     return count;
 }
 
-/* Returns the energy in an element, J. Displacements are evaluated half a step back, at the instant
- * of velocities; velocities where the strain along n is evaluated, so that nodes count by their
- * part in it. */
+/* Returns the energy in an element, J. Displacements are evaluated half a step earlier, at the
+ * instant of the velocities; velocities are weighted means over the nodes at the point where the
+ * strain along n is evaluated. */
 static double returned(const gn_fem_solid *b, size_t e, const double n[3], double back) {
     const gn_elements *q = &b->elements;
     double speed = 0.0, strain = 0.0, slope[4] = {0.0}, size = 0.0;
@@ -154,6 +154,6 @@ double gn_coupled_returned_share(const gn_step_context *ctx, const gn_solids *so
     const gn_energy *e = &ledger->reading;
     const double there = e->stored_at_start + fabs(e->work_prescribed) + fabs(e->work_applied) +
                          fabs(e->work_gravity) + fabs(e->work_walls);
-    const double least = 1e-3 * e->passed; /* generously above rounding */
+    const double least = 1e-3 * e->passed; /* far above rounding */
     return there > least ? gn_coupled_returned(ctx, solids, k) / there : NAN;
 }

@@ -30,7 +30,7 @@
 
 #include <math.h>
 
-/* --- their part of a step --- */
+/* --- part in a step --- */
 
 /* If the spin is half the curl of the elements' velocity, w = 1/2 sum_a grad N_a x v_a, the power
  * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
@@ -108,7 +108,7 @@ static void collect(const gn_dem *dem, const gn_solids *solids, const gn_coupled
     }
 }
 
-/* Adds the share, kg, of the masses of its nodes. */
+/* Adds the share of an element in the masses of its nodes, kg. */
 static void add_nodes(const gn_solids *solids, const gn_coupled *q, const double *inertias,
                       turned *e) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
@@ -120,7 +120,8 @@ static void add_nodes(const gn_solids *solids, const gn_coupled *q, const double
     }
 }
 
-/* Solves m x = g for three columns; x holds g on entry. m is positive definite and destroyed. */
+/* Solves m x = g for three columns; x holds g on entry. m is positive definite and is overwritten.
+ */
 static void solve(int n, double m[CORNERS][CORNERS], double x[CORNERS][3]) {
     for (int k = 0; k < n; k++)
         for (int r = k + 1; r < n; r++) {
@@ -162,7 +163,7 @@ static double largest_share(const gn_dem *dem, const gn_solids *solids, const gn
     return most;
 }
 
-/* Relative changes that the safety factor of the step covers. */
+/* Relative change that the safety factor of the step covers. */
 static const double small = 0.01;
 
 gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *dem,

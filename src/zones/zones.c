@@ -46,7 +46,7 @@ static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, co
                    where.line, where.column, key, message);
 }
 
-/* Elements must end at the edge towards the particles that the scene states. */
+/* Checks that elements end at the edge towards the particles, as the scene states it. */
 static gneiss_status check_end(const gn_step_context *ctx, const gn_solids *solids, size_t zone,
                                gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
@@ -77,7 +77,7 @@ static bool all_zero(const gn_table *table) {
     return true;
 }
 
-/* The set whose force acts on a particle, and is none of 0; -1: none does. */
+/* Returns the set that applies a nonzero force to a particle; -1: none does. */
 static int32_t pushed_by(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const double *force = dem->particles.applied;
     bool pushed = false;
@@ -102,8 +102,8 @@ static int32_t moved_by(const gn_step_context *ctx, const gn_dem *dem, size_t p)
     return -1;
 }
 
-/* Loads and motions of particles of zones belong to nodes; particles may be held where nodes are
- * held. */
+/* Checks that no loads and motions act on particles of zones, because they belong to nodes;
+ * particles may be held where nodes are held. */
 static gneiss_status check_free(const gn_step_context *ctx, const gn_dem *dem, const gn_tie *tie,
                                 gneiss_error *error) {
     const size_t p = (size_t)tie->id;
@@ -135,7 +135,8 @@ static bool is_in(const gn_fem_set *set, int32_t node) {
     return in;
 }
 
-/* The damping of masses that driven nodes have in common with others would be part of reactions. */
+/* Refuses viscous damping with consistent masses at driven nodes: damping of masses shared with
+ * other nodes would be part of the reactions. */
 static gneiss_status check_damped(const gn_step_context *ctx, const gn_solids *solids,
                                   const gn_ties *ties, gneiss_error *error) {
     const gn_element_model *q = solids->elements[0];
@@ -213,8 +214,8 @@ static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_soli
                         "expected particles in elements, found none", error);
 }
 
-/* Force weight = 1 - element weight; the mass weight is at least r/width, so that no particle is
- * massless. */
+/* Computes the weights of particles. The force weight is 1 - element weight; the mass weight is at
+ * least r/width, so that no particle is without mass. */
 static void weigh(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                   const gn_ties *ties) {
     const gn_particles *q = &dem->particles, *nodes = &gn_coupled_solid(solids)->nodes;
@@ -234,8 +235,8 @@ static void weigh(const gn_step_context *ctx, const gn_dem *dem, const gn_solids
     }
 }
 
-/* Computes the lumped mass that nodes carry, kg: sum of m_i N_a(X_i), which preserves the mass and
- * its centre. */
+/* Computes the lumped masses that nodes carry, kg: sum of m_i N_a(X_i), which preserves the mass
+ * and its centre. */
 static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q) {
     for (size_t n = 0; n < q->ties.nodes; n++) {
         double *carried = &gn_coupled_solid(solids)->carried[q->ties.node[n]];
@@ -244,7 +245,7 @@ static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_cou
             const gn_tie_share *share = &q->ties.share[s];
             const int32_t p = dem->index_of_id[q->ties.tie[share->tie].id];
             if (q->place[share->tie] < 0 || p < 0)
-                continue; /* the particle has been removed, or is about to be */
+                continue; /* the particle is removed, or will be */
             double mass = 1.0 / dem->particles.vel[4 * (size_t)p + 3];
             *carried += mass * q->ties.tie[share->tie].shape[share->corner];
         }
@@ -266,9 +267,9 @@ static void load_nodes(gn_fem_solid *b) {
     }
 }
 
-/* --- its part of a step --- */
+/* --- part in a step --- */
 
-/* Assembles consistent masses from the particles in the model; scratch: loads. */
+/* Assembles the consistent masses of the particles in the model; loads are used as scratch. */
 static void weigh_consistent(const gn_dem *dem, gn_coupled *q) {
     double *mass = &q->load[0][0];
     for (size_t k = 0; k < q->ties.count; k++)
@@ -300,8 +301,8 @@ gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_so
     return GNEISS_OK;
 }
 
-/* Removes the force of a particle, so that its own motion and energy are zero: its mass and its
- * weight are at the nodes. */
+/* Takes the force off a particle, so that its own motion and energy are zero, because its mass and
+ * its weight are at the nodes. */
 static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, double load[3]) {
     const gn_particles *q = &dem->particles;
     double *row = gn_hold_load(&dem->hold, width, p), *v = q->vel + 4 * p;
@@ -362,7 +363,7 @@ static void hand_over(const gn_step_context *ctx, gn_dem *dem, const gn_solids *
     if (q->before) gn_masses_correct(ctx, solids, q);
 }
 
-/* Velocity and displacement at a tie. */
+/* Computes velocity and displacement at a tie. */
 static inline __attribute__((always_inline)) void follow_nodes(const gn_tie *t,
                                                                const gn_particles *nodes,
                                                                size_t dimension, double v[3],
@@ -431,7 +432,7 @@ void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *
     }
 }
 
-/* The stored largest speed is that of all particles. */
+/* The stored largest speed includes that of these particles. */
 static gneiss_status follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                             gn_coupled *q, gneiss_error *error) {
     if (q->before) gn_masses_book(ctx, solids, q);
@@ -529,7 +530,7 @@ static double carried_energy(const gn_solids *solids, const gn_coupled *q) {
     return sum;
 }
 
-/* Returns the energy, J, that is booked as removed with a particle although the nodes have it. */
+/* Returns the energy, J, that is booked as removed with a particle although it is the nodes'. */
 static double energy_of_nodes(const gn_dem *dem, const gn_coupled *q, size_t p) {
     const double *v = dem->particles.vel + 4 * p, *o = dem->particles.spin + 4 * p;
     double sum = 0.0;
@@ -543,7 +544,7 @@ void gn_coupled_remove(gn_step_context *ctx, const gn_dem *dem, const gn_solids 
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
-    ctx->choice.whole = -fabs(ctx->choice.whole); /* the limit of the whole is outdated */
+    ctx->choice.whole = -fabs(ctx->choice.whole); /* the limit of the coupled system is outdated */
     const bool lumped = !q->before && !q->stiffness;
     double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {

@@ -17,20 +17,20 @@
 gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              const gn_ties *ties, gneiss_error *error);
 
-/* Adds coupled->load to the nodes' loads, by the shape functions. */
+/* Adds coupled->load to the loads of nodes, by the shape functions. */
 void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                              gn_coupled *q);
 
-/* Consistent masses (zone_masses.c): store velocities before the motion; compute loads that give
- * the lumped masses their motion; after the motion, the kinetic energy and the damping in addition
- * to those of lumped masses. */
+/* Consistent masses (zone_masses.c). The functions store velocities before the motion; compute
+ * loads with which lumped masses move as consistent ones; and after the motion compute the
+ * difference of the kinetic energy and of the damping to those of lumped masses. */
 void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
-/* Springs in place of a constraint (zone_penalty.c): create them; set their stiffnesses from
- * gn_zone_state.frequency; register them as supports of particles that touch walls; perform their
- * part of a step. */
+/* Springs in place of a constraint (zone_penalty.c). The functions create them; set their
+ * stiffnesses from gn_zone_state.frequency; register them as holders of particles that touch walls;
+ * and do their part of a step. */
 gneiss_status gn_penalty_create(gn_coupled *q, gneiss_error *error);
 void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_zones *zones, gn_coupled *q);
@@ -42,8 +42,9 @@ void gn_penalty_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_s
                        gn_coupled *q, gn_ledger *ledger);
 void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading);
 
-/* Slaved spins (zone_spins.c): takes the moment on the particle of a tie and sets coupled->turn;
- * sets the particle's spin to half the curl of the nodes' velocity. */
+/* Slaved spins (zone_spins.c). The first function takes over the moment on the particle of a tie
+ * and sets coupled->turn; the second one sets the particle's spin to half the curl of the nodes'
+ * velocity. */
 void gn_spins_take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, int width, size_t k);
 void gn_spins_set(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                   const gn_coupled *q, size_t k);

@@ -1,0 +1,1 @@
+"""`gneiss convert`: particles and meshes of other programs to files that gneiss reads, and back."""
