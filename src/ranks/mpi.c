@@ -120,7 +120,9 @@ static void close_messages(gn_messages *group) {
 
 static FILE *errors; /* standard error of a rank that prints nothing else */
 
+/* The ends of the pipes to mpirun stay open: mpirun 4.1.4 may crash after one was closed. */
 static void be_silent(void) {
+    (void)dup(STDOUT_FILENO);
     const int copy = dup(STDERR_FILENO), none = open("/dev/null", O_WRONLY);
     errors = copy >= 0 ? fdopen(copy, "w") : NULL;
     if (none < 0) return;

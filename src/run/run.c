@@ -594,7 +594,8 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
         if (run->interrupted) return GNEISS_OK;
         if (run->world.ctx.step % CLOCK_INTERVAL) continue;
         const double now = gn_now();
-        const decision d = decide(run, (decision){asked, checkpoint_is_due(run, now), now >= until});
+        const decision d =
+            decide(run, (decision){asked, checkpoint_is_due(run, now), now >= until});
         run->interrupted = d.stops;
         if (d.saves) GN_TRY(gn_run_checkpoint(run, error));
         if (d.stops || d.pauses) return GNEISS_OK;
