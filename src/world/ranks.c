@@ -6,7 +6,9 @@
 #include "particles/active_pairs.h"
 #include "particles/particles.h"
 #include "ranks/ranks.h"
+#include "scene/laboratory.h"
 #include "scene/scene.h"
+#include "scene/stages.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -22,16 +24,6 @@ static gneiss_status refuse(const gn_scene *scene, gn_scene_place where, const c
                    gn_scene_at(scene, where, key).text, what);
 }
 
-static gneiss_status check_walls(const gn_scene *s, gneiss_error *error) {
-    char key[64];
-    for (size_t k = 0; k < s->wall_count; k++) {
-        snprintf(key, sizeof key, "walls[%zu].servo", k);
-        if (s->walls[k].servo.active)
-            return refuse(s, s->walls[k].where, key, "walls with a servo", error);
-    }
-    return GNEISS_OK;
-}
-
 static gneiss_status check_box(const gn_scene *s, gneiss_error *error) {
     static const char *const key[] = {"periodic.x", "periodic.y", "periodic.z"};
     for (int a = 0; a < 3; a++)
@@ -40,27 +32,61 @@ static gneiss_status check_box(const gn_scene *s, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_world_check_ranks(const gn_scene *s, const gn_ranks *ranks, gneiss_error *error) {
-    if (!ranks) return GNEISS_OK;
+static gneiss_status check_scene(const gn_scene *s, gneiss_error *error) {
     if (s->has_elements) return refuse(s, s->elements.where, "elements", "finite elements", error);
-    if (s->body_count) return refuse(s, s->bodies[0].where, "bodies", "rigid bodies", error);
     if (s->has_membrane) return refuse(s, s->membrane.where, "membrane", "membranes", error);
-    if (s->source_count) return refuse(s, s->sources[0].where, "sources", "sources", error);
-    if (s->sink_count) return refuse(s, s->sinks[0].where, "sinks", "sinks", error);
-    if (s->stage_count) return refuse(s, s->time_where, "stages", "stages", error);
+    if (gn_scene_test(s)->tool) return refuse(s, s->test.where, "test", "tests of tools", error);
     if (s->confinement == GN_CONFINEMENT_MEAN)
         return refuse(s, s->law_where, "law.confinement", "bonds under the mean pressure", error);
-    if (s->has_mass_scaling)
-        return refuse(s, s->scaling_where, "time.mass_scaling", "scaled masses", error);
     if (s->start == GN_START_FIRST_BREAK)
         return refuse(s, s->start_where, "time.start", "starts at the first break", error);
-    GN_TRY(check_box(s, error));
-    return check_walls(s, error);
+    return check_box(s, error);
+}
+
+gneiss_status gn_world_check_ranks(const gn_step_context *ctx, gneiss_error *error) {
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    if (!ctx->ranks) return GNEISS_OK;
+    GN_TRY(check_scene(&ctx->scene, error));
+    for (size_t k = 1; k < ctx->given.stage_count; k++) {
+        gn_scene_delete(&scene);
+        GN_TRY(gn_new(&scene, 1, "a stage", error));
+        GN_TRY(gn_scene_stage(&ctx->given, k, scene, error));
+        GN_TRY(check_scene(scene, error));
+    }
+    return GNEISS_OK;
 }
 
 /* --- what all ranks know in a step --- */
 
-enum { STEP_PARTS = GN_LIST_COUNT + 5 };
+enum { STEP_PARTS = GN_LIST_COUNT + 13 };
+
+/* The points where particles touch rigid bodies, and the moments of rolling resistance there. */
+static size_t parts_of_bodies(gn_world *world, gn_rank_part *part) {
+    const gn_ranks *r = world->ctx.ranks;
+    const gn_wall_contacts *q = &world->boundary.contacts;
+    double *const columns[] = {q->touch, q->roll};
+    size_t n = 0;
+    for (size_t k = 0; k < 2; k++)
+        for (size_t a = 0; columns[k] && a < 3; a++)
+            part[n++] = (gn_rank_part){columns[k] + a * q->soa.capacity, sizeof(double),
+                                       r->wall_contact, NULL};
+    return n;
+}
+
+/* Positions and velocities of the particles near walls, which servos read. */
+static size_t parts_of_servos(gn_world *world, gn_rank_part *part) {
+    const gn_ranks *r = world->ctx.ranks;
+    const gn_particles *q = &world->dem.particles;
+    bool any = false;
+    for (size_t k = 0; k < world->ctx.scene.wall_count; k++)
+        any |= world->ctx.scene.walls[k].servo.active;
+    if (!any) return 0;
+    part[0] =
+        (gn_rank_part){q->pos, 4 * sizeof *q->pos, r->wall_contact, world->boundary.contacts.i};
+    part[1] =
+        (gn_rank_part){q->vel, 4 * sizeof *q->vel, r->wall_contact, world->boundary.contacts.i};
+    return 2;
+}
 
 /* Sums of blocks, forces of walls, loads of prescribed particles. */
 static size_t parts_of_step(gn_world *world, gn_rank_part part[STEP_PARTS]) {
@@ -78,6 +104,8 @@ static size_t parts_of_step(gn_world *world, gn_rank_part part[STEP_PARTS]) {
         part[n++] = (gn_rank_part){b->sums, sizeof *b->sums, r->block, NULL};
         part[n++] =
             (gn_rank_part){b->contacts.row, 8 * sizeof *b->contacts.row, r->wall_contact, NULL};
+        n += parts_of_servos(world, part + n);
+        n += parts_of_bodies(world, part + n);
     }
     if (d->prescribed.count)
         part[n++] = (gn_rank_part){d->prescribed.load, 6 * sizeof *d->prescribed.load,

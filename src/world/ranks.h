@@ -6,13 +6,10 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
-#include "ranks/ranks.h"
-#include "scene/scene.h"
 
 /* Refuses, by the place in the scene, what ranks cannot do yet: GNEISS_ERROR_INPUT. Does nothing
  * without ranks. */
-gneiss_status gn_world_check_ranks(const gn_scene *scene, const gn_ranks *ranks,
-                                   gneiss_error *error);
+gneiss_status gn_world_check_ranks(const gn_step_context *ctx, gneiss_error *error);
 
 /* Finds the items that every rank knows in a step, after lists were made or read. */
 gneiss_status gn_world_share_lists(gn_world *world, gneiss_error *error);

@@ -178,7 +178,7 @@ gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_bo
     ctx->effects = gn_scene_effects(&ctx->scene);
     GN_TRY(gn_threads_find(ctx->scene.threads, &ctx->threads, error));
     GN_TRY(gn_ranks_create(&ctx->ranks, error));
-    GN_TRY(gn_world_check_ranks(&ctx->scene, ctx->ranks, error));
+    GN_TRY(gn_world_check_ranks(ctx, error));
     for (int a = 0; a < 3; a++)
         ctx->period[a] = a == ctx->scene.periodic_open
                              ? 0.0
