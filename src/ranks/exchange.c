@@ -1,8 +1,8 @@
 /* Messages of a step, and the state of all ranks. */
-#include "base/memory.h"
+#include "base/new.h"
 #include "ranks/ranks.h"
+#include "ranks/ranks_private.h"
 
-#include <assert.h>
 #include <string.h>
 
 /* --- rows of partial sums --- */
@@ -32,12 +32,14 @@ void gn_ranks_begin_step(gn_ranks *r) {
     r->transport->begin(r->places_in);
 }
 
-void gn_ranks_exchange_rows(gn_ranks *r) {
+void gn_ranks_send_rows(gn_ranks *r) {
     for (int k = 0; k < r->count; k++) copy_rows(r, &r->peer[k].out, r->peer[k].rows_out, true);
     r->transport->begin(r->rows_out);
+}
+
+void gn_ranks_take_rows(gn_ranks *r) {
     r->transport->end(r->rows_in);
     for (int k = 0; k < r->count; k++) copy_rows(r, &r->peer[k].in, r->peer[k].rows_in, false);
-    r->transport->end(r->rows_out);
 }
 
 /* --- rows of particles --- */
@@ -62,6 +64,7 @@ void gn_ranks_exchange_places(gn_ranks *r) {
     r->transport->end(r->places_in);
     for (int k = 0; k < r->count; k++) copy_places(r, &r->peer[k].out, r->peer[k].places_in, false);
     r->transport->end(r->places_out);
+    r->transport->end(r->rows_out);
 }
 
 /* --- what all ranks have --- */
@@ -88,45 +91,70 @@ static unsigned char *copy_part(const gn_rank_part *part, int rank, unsigned cha
     return buffer;
 }
 
-static void copy_parts(const gn_ranks *r, const gn_rank_part *part, size_t parts, int rank,
+static void copy_parts(const gn_rank_share *share, const gn_rank_part *part, size_t parts, int rank,
                        bool out) {
-    unsigned char *buffer = r->shared + r->shared_first[rank];
+    unsigned char *buffer = share->buffer + share->first[rank];
     for (size_t k = 0; k < parts; k++) buffer = copy_part(&part[k], rank, buffer, out);
 }
 
-/* Places of the ranks in the buffer; returns its size. */
-static size_t lay_out(gn_ranks *r, const gn_rank_part *part, size_t parts) {
-    r->shared_first[0] = 0;
+/* Returns the size of the buffer. */
+static size_t lay_out(const gn_ranks *r, gn_rank_share *share, const gn_rank_part *part,
+                      size_t parts) {
+    share->first[0] = 0;
     for (int k = 0; k < r->count; k++) {
-        r->shared_first[k + 1] = r->shared_first[k];
-        for (size_t n = 0; n < parts; n++) r->shared_first[k + 1] += part_size(&part[n], k);
+        share->first[k + 1] = share->first[k];
+        for (size_t n = 0; n < parts; n++) share->first[k + 1] += part_size(&part[n], k);
     }
-    return r->shared_first[r->count];
+    return share->first[r->count];
 }
 
-gneiss_status gn_ranks_reserve(gn_ranks *r, const gn_rank_part *part, size_t parts,
-                               gneiss_error *error) {
-    const size_t size = lay_out(r, part, parts) + 1;
-    if (size <= r->shared_room) return GNEISS_OK;
-    gn_free(r->shared);
-    r->shared = gn_alloc_array_raw(size, 1);
-    r->shared_room = r->shared ? size : 0;
-    if (r->shared) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a message of %zu bytes", size);
+/* Own items go to every other rank, and theirs come to their places in the buffer. */
+static gneiss_status open_share(gn_ranks *r, gn_rank_share *share, gneiss_error *error) {
+    gn_message out[GN_RANKS_DIRECT], in[GN_RANKS_DIRECT];
+    const int tag = share == &r->sums ? GN_TAG_SUMS : GN_TAG_FORCES;
+    const size_t own = share->first[r->rank + 1] - share->first[r->rank];
+    size_t outs = 0, ins = 0;
+    for (int k = 0; k < r->count; k++) {
+        const size_t size = share->first[k + 1] - share->first[k];
+        if (k == r->rank) continue;
+        if (own) out[outs++] = (gn_message){k, share->buffer + share->first[r->rank], own};
+        if (size) in[ins++] = (gn_message){k, share->buffer + share->first[k], size};
+    }
+    share->out = r->transport->open(out, outs, GN_SENT, tag);
+    share->in = r->transport->open(in, ins, GN_RECEIVED, tag);
+    return share->out && share->in ? GNEISS_OK : gn_no_memory(error, "messages");
 }
 
-void gn_ranks_begin_sharing(gn_ranks *r, const gn_rank_part *part, size_t parts) {
-    const size_t size = lay_out(r, part, parts);
-    assert(size < r->shared_room);
-    (void)size;
-    copy_parts(r, part, parts, r->rank, true);
-    r->transport->begin_gather(r->shared, r->shared_first);
+gneiss_status gn_ranks_plan_share(gn_ranks *r, gn_rank_share *share, const gn_rank_part *part,
+                                  size_t parts, gneiss_error *error) {
+    gn_ranks_free_share(r, share);
+    GN_TRY(gn_new(&share->first, (size_t)r->count + 1, "ranks", error));
+    const size_t size = lay_out(r, share, part, parts);
+    GN_TRY(gn_new(&share->buffer, size + 1, "bytes of a message", error));
+    return r->count <= GN_RANKS_DIRECT ? open_share(r, share, error) : GNEISS_OK;
 }
 
-void gn_ranks_end_sharing(gn_ranks *r, const gn_rank_part *part, size_t parts) {
-    r->transport->end_gather();
+void gn_ranks_free_share(const gn_ranks *r, gn_rank_share *share) {
+    if (share->out) r->transport->close(share->out);
+    if (share->in) r->transport->close(share->in);
+    gn_free(share->buffer);
+    gn_free(share->first);
+    *share = (gn_rank_share){0};
+}
+
+void gn_ranks_begin_share(gn_ranks *r, gn_rank_share *share, const gn_rank_part *part,
+                          size_t parts) {
+    if (share->in) r->transport->begin(share->in);
+    copy_parts(share, part, parts, r->rank, true);
+    if (share->out) r->transport->begin(share->out);
+}
+
+void gn_ranks_end_share(gn_ranks *r, gn_rank_share *share, const gn_rank_part *part, size_t parts) {
+    if (share->in) r->transport->end(share->in);
+    if (!share->in) r->transport->gather(share->buffer, share->first);
     for (int k = 0; k < r->count; k++)
-        if (k != r->rank) copy_parts(r, part, parts, k, false);
+        if (k != r->rank) copy_parts(share, part, parts, k, false);
+    if (share->out) r->transport->end(share->out);
 }
 
 static bool is_in(const char *name, const char *const *list) {
@@ -138,7 +166,7 @@ static bool is_in(const char *name, const char *const *list) {
 void gn_ranks_gather_record(gn_ranks *r, const gn_record *record, const void *soa,
                             const size_t *first, const char *const *but) {
     const gn_soa *head = soa;
-    size_t *range = r->shared_first;
+    size_t *range = r->bytes;
     for (size_t f = 0; f < record->field_count; f++) {
         const gn_field *field = &record->fields[f];
         unsigned char *data = gn_field_data(field, soa);

@@ -52,33 +52,24 @@ static void gather_large(unsigned char *bytes, const size_t *first) {
         send_from(k, bytes + first[k], first[k + 1] - first[k]);
 }
 
-static MPI_Request gathering = MPI_REQUEST_NULL;
-
-static void begin_gather(void *data, const size_t *first) {
-    static int *length; /* [2][count]; MPI reads them until the end */
+static void gather(void *data, const size_t *first) {
+    static int *length; /* [2][count] */
     const size_t count = (size_t)transport.count;
+    MPI_Request request;
+    if (first[count] > INT_MAX) {
+        gather_large(data, first);
+        return;
+    }
     if (!length) length = calloc(2 * count, sizeof *length);
-    if (!length || first[count] > INT_MAX) MPI_Abort(MPI_COMM_WORLD, GNEISS_ERROR_MEMORY);
+    if (!length) MPI_Abort(MPI_COMM_WORLD, GNEISS_ERROR_MEMORY);
     int *place = length + count;
     for (size_t k = 0; k < count; k++) {
         length[k] = (int)(first[k + 1] - first[k]);
         place[k] = (int)first[k];
     }
     MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, data, length, place, MPI_BYTE,
-                    MPI_COMM_WORLD, &gathering);
-}
-
-static void end_gather(void) {
-    finish(1, &gathering);
-}
-
-static void gather(void *data, const size_t *first) {
-    if (first[transport.count] > INT_MAX) {
-        gather_large(data, first);
-        return;
-    }
-    begin_gather(data, first);
-    end_gather();
+                    MPI_COMM_WORLD, &request);
+    finish(1, &request);
 }
 
 static void most(int64_t *value, int count) {
@@ -135,8 +126,6 @@ void gn_program_begin(int *argc, char ***argv) {
     int given = 0;
     MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &given);
     transport = (gn_transport){.gather = gather,
-                               .begin_gather = begin_gather,
-                               .end_gather = end_gather,
                                .most = most,
                                .open = open_messages,
                                .begin = begin_messages,

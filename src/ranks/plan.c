@@ -2,6 +2,7 @@
  * from the same lists. */
 #include "base/new.h"
 #include "ranks/ranks.h"
+#include "ranks/ranks_private.h"
 
 #include <math.h>
 
@@ -18,7 +19,8 @@ gneiss_status gn_ranks_create(gn_ranks **ranks, gneiss_error *error) {
     const size_t count = (size_t)t->count;
     GN_TRY(gn_new(&r->block, count + 1, "ranks", error));
     GN_TRY(gn_new(&r->particle, count + 1, "ranks", error));
-    size_t **ranges[] = {&r->shared_first, &r->range, &r->wall_contact, &r->prescribed_first};
+    size_t **ranges[] = {&r->range, &r->bytes, &r->wall_contact, &r->wall_block_first,
+                         &r->prescribed_first};
     for (size_t k = 0; k < sizeof ranges / sizeof *ranges; k++)
         GN_TRY(gn_new(ranges[k], count + 1, "ranks", error));
     for (int l = 0; l < GN_LISTS_MOST; l++)
@@ -54,8 +56,14 @@ static void free_plan(gn_ranks *r) {
             gn_free(r->own[l].touched[end]);
             r->own[l].touched[end] = NULL;
         }
+    for (int l = 0; l < GN_LISTS_MOST; l++) {
+        gn_free(r->is_early[l]);
+        r->is_early[l] = NULL;
+    }
+    gn_free(r->early);
     gn_free(r->waits);
     gn_free(r->late);
+    r->early = NULL;
     gn_free(r->seen);
     r->waits = NULL;
     r->late = r->seen = NULL;
@@ -64,8 +72,19 @@ static void free_plan(gn_ranks *r) {
 void gn_ranks_free(gn_ranks *r) {
     if (!r) return;
     free_plan(r);
-    void *blocks[] = {r->block,     r->particle, r->shared,  r->shared_first, r->peer,
-                      r->range,     r->share,    r->busy_of, r->wall_contact, r->prescribed_first,
+    gn_ranks_free_share(r, &r->sums);
+    gn_ranks_free_share(r, &r->forces);
+    void *blocks[] = {r->block,
+                      r->particle,
+                      r->peer,
+                      r->range,
+                      r->bytes,
+                      r->share,
+                      r->busy_of,
+                      r->wall_contact,
+                      r->wall_block_first,
+                      r->wall_block,
+                      r->prescribed_first,
                       r->prescribed};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     for (int l = 0; l < GN_LISTS_MOST; l++) gn_free(r->item_block[l]);
@@ -265,7 +284,8 @@ static gneiss_status open_messages(gn_ranks *r, gneiss_error *error) {
     }
     gn_messages **group[4] = {&r->rows_out, &r->rows_in, &r->places_out, &r->places_in};
     for (int g = 0; g < 4; g++) {
-        *group[g] = r->transport->open(of[g], count[g], g % 2 ? GN_RECEIVED : GN_SENT, g / 2);
+        *group[g] = r->transport->open(of[g], count[g], g % 2 ? GN_RECEIVED : GN_SENT,
+                                       g < 2 ? GN_TAG_ROWS : GN_TAG_PLACES);
         if (!*group[g]) return gn_no_memory(error, "messages");
     }
     return GNEISS_OK;
@@ -304,6 +324,30 @@ static gneiss_status find_late(gn_ranks *r, size_t blocks, gneiss_error *error) 
     return GNEISS_OK;
 }
 
+static bool has_rows_of_others(const gn_ranks *r, const gn_partials *q, size_t block) {
+    for (int32_t k = q->first[block]; k < q->first[block + 1]; k++)
+        if (owner_of(r, q->particle[k]) != r->rank) return true;
+    return false;
+}
+
+static gneiss_status find_early(gn_ranks *r, gneiss_error *error) {
+    size_t own = 0;
+    for (int l = 0; l < r->lists; l++)
+        own += r->item_block[l][r->rank + 1] - r->item_block[l][r->rank];
+    GN_TRY(gn_new(&r->early, own + 1, "blocks of a rank", error));
+    r->early_count = 0;
+    for (int l = 0; l < r->lists; l++) {
+        const size_t begin = r->item_block[l][r->rank], end = r->item_block[l][r->rank + 1];
+        GN_TRY(gn_new(&r->is_early[l], end - begin + 1, "blocks of a rank", error));
+        for (size_t b = begin; b < end; b++) {
+            if (!has_rows_of_others(r, r->partials[l], b)) continue;
+            r->is_early[l][b - begin] = 1;
+            r->early[r->early_count++] = (struct gn_rank_block){l, b};
+        }
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_ranks_plan(gn_ranks *r, const gn_particles *particles, gn_deal_list *list,
                             int lists, gneiss_error *error) {
     const size_t blocks = (particles->soa.count + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
@@ -317,6 +361,7 @@ gneiss_status gn_ranks_plan(gn_ranks *r, const gn_particles *particles, gn_deal_
     GN_TRY(gn_new(&r->seen, r->particles + 1, "particles of a rank", error));
     GN_TRY(find_rows(r, lists, error));
     GN_TRY(find_late(r, blocks, error));
+    GN_TRY(find_early(r, error));
     find_fields(r, particles);
     GN_TRY(open_messages(r, error));
     for (int l = 0; l < lists; l++) {

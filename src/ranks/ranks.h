@@ -37,7 +37,15 @@ typedef struct gn_rank_peer {
     unsigned char *rows_out, *rows_in, *places_out, *places_in; /* buffers */
 } gn_rank_peer;
 
-enum { GN_RANK_FIELDS = 6 };
+/* Parts of arrays that are given to all ranks together. Up to GN_RANKS_DIRECT ranks send them to
+ * each other, more gather them. */
+typedef struct gn_rank_share {
+    unsigned char *buffer;
+    size_t room, *first; /* [count + 1] places of the ranks */
+    gn_messages *out, *in;
+} gn_rank_share;
+
+enum { GN_RANKS_DIRECT = 8, GN_RANK_FIELDS = 6 };
 
 typedef struct gn_ranks {
     const gn_transport *transport;
@@ -60,6 +68,14 @@ typedef struct gn_ranks {
     /* [blocks of particles] 1: it does not move in the sweep, because it is another rank's or
      * awaits rows */
     uint8_t *waits;
+    /* Own blocks of items with rows of other ranks, which are processed first: [early_count] list
+     * and block, and a mark for each block of items of a list, from the first own one on. */
+    size_t early_count;
+    struct gn_rank_block {
+        int list;
+        size_t block;
+    } * early;
+    uint8_t *is_early[GN_LISTS_MOST];
     size_t late_count;
     int32_t *late; /* [late_count] own blocks that await rows */
 
@@ -72,15 +88,16 @@ typedef struct gn_ranks {
     gn_messages *rows_out, *rows_in, *places_out, *places_in;
     int32_t *seen; /* [particles + 1] scratch of the plan */
 
-    unsigned char *shared; /* buffer of gn_ranks_begin_sharing */
-    size_t shared_room;
-    size_t *shared_first; /* [count + 1] */
-    size_t *range;        /* [count + 1] scratch */
+    size_t *range, *bytes; /* [count + 1] scratch */
 
-    /* [count + 1] first contact with walls of the particles of each rank, and first entry of
-     * `prescribed`, the slots of prescribed particles by ranks; set by the owner of the state */
-    size_t *wall_contact, *prescribed_first;
-    int32_t *prescribed;
+    /* Set by the owner of the state: what is shared in every step, and forces on walls and sets,
+     * which are shared when they are needed. */
+    gn_rank_share sums, forces;
+    bool forces_known; /* those of the last step */
+    /* [count + 1] first contact with walls of the particles of each rank; first entries of the
+     * blocks of particles near walls and of the slots of prescribed particles, by ranks */
+    size_t *wall_contact, *wall_block_first, *prescribed_first;
+    int32_t *wall_block, *prescribed;
 } gn_ranks;
 
 /* *ranks is NULL if the process is alone. To be freed also on failure. */
@@ -92,10 +109,11 @@ void gn_ranks_free(gn_ranks *ranks);
 gneiss_status gn_ranks_plan(gn_ranks *ranks, const gn_particles *particles, gn_deal_list *list,
                             int lists, gneiss_error *error);
 
-/* Exchanges rows of partial sums after own contacts are done, and rows of particles after own
- * particles have moved. */
+/* The messages of a step. Rows of partial sums are sent when the early blocks are done, and taken
+ * when all own blocks are; places are exchanged when own particles have moved. */
 void gn_ranks_begin_step(gn_ranks *ranks);
-void gn_ranks_exchange_rows(gn_ranks *ranks);
+void gn_ranks_send_rows(gn_ranks *ranks);
+void gn_ranks_take_rows(gn_ranks *ranks);
 void gn_ranks_exchange_places(gn_ranks *ranks);
 
 /* An array of which each rank knows items [first[rank], first[rank + 1]). */
@@ -106,12 +124,14 @@ typedef struct gn_rank_part {
     const int32_t *item; /* places of the items in `data`; NULL: they are consecutive */
 } gn_rank_part;
 
-/* Gives the items of all parts to all ranks, in one message between begin and end;
- * gn_ranks_reserve allocates its buffer. */
-gneiss_status gn_ranks_reserve(gn_ranks *ranks, const gn_rank_part *part, size_t parts,
-                               gneiss_error *error);
-void gn_ranks_begin_sharing(gn_ranks *ranks, const gn_rank_part *part, size_t parts);
-void gn_ranks_end_sharing(gn_ranks *ranks, const gn_rank_part *part, size_t parts);
+/* Fixes the sizes of parts that are given to all ranks together, and allocates their buffer. */
+gneiss_status gn_ranks_plan_share(gn_ranks *ranks, gn_rank_share *share, const gn_rank_part *part,
+                                  size_t parts, gneiss_error *error);
+/* Gives the items of all parts to all ranks, between begin and end. */
+void gn_ranks_begin_share(gn_ranks *ranks, gn_rank_share *share, const gn_rank_part *part,
+                          size_t parts);
+void gn_ranks_end_share(gn_ranks *ranks, gn_rank_share *share, const gn_rank_part *part,
+                        size_t parts);
 /* Gives the rows of a record to all ranks: each knows items [first[rank], first[rank + 1]). Fields
  * named in `but`, a list that ends with NULL, are left out. */
 void gn_ranks_gather_record(gn_ranks *ranks, const gn_record *record, const void *soa,

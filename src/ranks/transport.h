@@ -24,9 +24,6 @@ typedef struct gn_transport {
     int rank, count;
     /* Every rank has bytes [first[rank], first[rank + 1]) of `data`; afterwards each has all. */
     void (*gather)(void *data, const size_t *first);
-    /* The same while other work goes on; one at a time, and less than 2 GB. */
-    void (*begin_gather)(void *data, const size_t *first);
-    void (*end_gather)(void);
     /* Replaces each of `count` integers by the largest of all ranks. */
     void (*most)(int64_t *value, int count);
     /* `tag` tells groups between the same two ranks apart. NULL: no memory. */

@@ -41,11 +41,9 @@ static void waited(void *context, double seconds) {
     k->mark += seconds;
 }
 
-static void work_on_contacts(void *context, int list, size_t block) {
-    work *k = context;
+static void work_on_block(work *k, int list, size_t block) {
     gn_world *w = k->w;
     const gn_contact_args *args = &k->contacts[list];
-    if (k->ranks) block += k->ranks->item_block[list][k->ranks->rank];
     const gn_phase phase = list == GN_LIST_PAIRS ? GN_PHASE_pairs : GN_PHASE_bonds;
     gn_contact_sums *sums = w->dem.list[list].sums;
     size_t length = args->partials->length, count = args->contacts->soa.count;
@@ -61,6 +59,16 @@ static void work_on_contacts(void *context, int list, size_t block) {
         gn_box_sum_stress(&w->ctx, &w->dem, args->contacts, block * length, end,
                           sums[block].stress);
     book(k, phase);
+}
+
+/* With ranks the dealer counts own blocks only; early ones are done. */
+static void work_on_contacts(void *context, int list, size_t block) {
+    work *k = context;
+    const gn_ranks *ranks = k->ranks;
+    if (!ranks)
+        work_on_block(k, list, block);
+    else if (!ranks->is_early[list][block])
+        work_on_block(k, list, ranks->item_block[list][ranks->rank] + block);
 }
 
 /* Adds the forces of walls to a block of particles whose contacts are done, and moves it. */
@@ -80,9 +88,23 @@ static void move(void *context, size_t block) {
     if (!k->ranks || !k->ranks->waits[block]) move_block(k, block);
 }
 
+/* The begin of a sweep with ranks: what other ranks wait for. */
+static void serve_ranks(gn_world *world, const gn_contact_args *contacts, bool booked) {
+    gn_ranks *ranks = world->ctx.ranks;
+    gn_world_begin_exchange(world);
+#pragma omp parallel num_threads(world->dem.deal.team)
+    {
+        work k = {world, contacts, NULL, ranks, booked && omp_get_thread_num() == 0, gn_now()};
+#pragma omp for schedule(dynamic)
+        for (size_t e = 0; e < ranks->early_count; e++)
+            work_on_block(&k, ranks->early[e].list, ranks->early[e].block);
+    }
+    gn_ranks_send_rows(ranks);
+}
+
 /* The end of a sweep with ranks: own blocks that awaited rows of others move; then all ranks have
- * the sums of all blocks. `worked`: s of processor time of this thread in the sweep. */
-static void join_ranks(gn_world *world, const gn_motion_args *motion, bool booked, double worked) {
+ * the sums of all blocks. Returns s of processor time of this thread without messages. */
+static double join_ranks(gn_world *world, const gn_motion_args *motion, bool booked) {
     gn_ranks *ranks = world->ctx.ranks;
     work first = {world, NULL, motion, ranks, booked, gn_now()};
     gn_world_take_rows(world);
@@ -93,21 +115,16 @@ static void join_ranks(gn_world *world, const gn_motion_args *motion, bool booke
         work own = {world, NULL, motion, ranks, false, 0.0};
         move_block(&own, (size_t)ranks->late[k]);
     }
-    ranks->busy += worked + gn_thread_time() - before;
+    const double worked = gn_thread_time() - before;
     book(&first, GN_PHASE_motion);
     gn_world_share_step(world);
     book(&first, GN_PHASE_waiting);
+    return worked;
 }
 
-void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
-                  const gn_motion_args *motion) {
+static void sweep_own(gn_world *world, const gn_contact_args *contacts,
+                      const gn_motion_args *motion, bool booked) {
     static const gn_deal_work blocks = {work_on_contacts, move, waited};
-    const double begin = gn_now();
-    const bool booked = world->ctx.step % GN_BOOKED == 0;
-    gn_deal_begin(&world->dem.deal);
-    gn_near_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
-    if (world->ctx.ranks) gn_world_begin_exchange(world);
-    const double worked = world->ctx.ranks ? gn_thread_time() : 0.0;
 #pragma omp parallel num_threads(world->dem.deal.team)
     {
         work k = {world, contacts, motion, .ranks = world->ctx.ranks, .mark = gn_now()};
@@ -118,8 +135,21 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
             book(&k, GN_PHASE_waiting);
         }
     }
+}
+
+void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
+                  const gn_motion_args *motion) {
+    gn_ranks *ranks = world->ctx.ranks;
+    const double begin = gn_now(), before = ranks ? gn_thread_time() : 0.0;
+    const bool booked = world->ctx.step % GN_BOOKED == 0;
+    gn_deal_begin(&world->dem.deal);
+    gn_near_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
+    if (ranks) serve_ranks(world, contacts, booked);
+    sweep_own(world, contacts, motion, booked);
     gn_deal_end(&world->dem.deal, 1, gn_now() - begin);
-    if (world->ctx.ranks) join_ranks(world, motion, booked, gn_thread_time() - worked);
+    if (!ranks) return;
+    ranks->busy += gn_thread_time() - before;
+    ranks->busy += join_ranks(world, motion, booked);
 }
 
 /* Forces on walls were computed together with the loads. */

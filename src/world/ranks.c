@@ -5,6 +5,7 @@
 #include "frame/frame.h"
 #include "particles/active_pairs.h"
 #include "particles/particles.h"
+#include "particles/sets.h"
 #include "ranks/ranks.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
@@ -58,7 +59,24 @@ gneiss_status gn_world_check_ranks(const gn_step_context *ctx, gneiss_error *err
 
 /* --- what all ranks know in a step --- */
 
-enum { STEP_PARTS = GN_LIST_COUNT + 13 };
+enum { SUM_PARTS = GN_LIST_COUNT + 3, FORCE_PARTS = 10 };
+
+/* Sums of blocks. */
+static size_t parts_of_sums(gn_world *world, gn_rank_part *part) {
+    const gn_ranks *r = world->ctx.ranks;
+    gn_dem *d = &world->dem;
+    gn_boundary *b = &world->boundary;
+    size_t n = 0;
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        part[n++] = (gn_rank_part){d->list[l].sums, sizeof *d->list[l].sums, r->item_block[l], 0};
+    part[n++] = (gn_rank_part){d->motion_sums, sizeof *d->motion_sums, r->block, NULL};
+    if (d->near.on)
+        part[n++] = (gn_rank_part){d->near.count, sizeof *d->near.count,
+                                   r->item_block[GN_LIST_PAIRS], NULL};
+    if (world->ctx.effects & GN_FX_WALLS)
+        part[n++] = (gn_rank_part){b->sums, sizeof *b->sums, r->wall_block_first, r->wall_block};
+    return n;
+}
 
 /* The points where particles touch rigid bodies, and the moments of rolling resistance there. */
 static size_t parts_of_bodies(gn_world *world, gn_rank_part *part) {
@@ -88,29 +106,33 @@ static size_t parts_of_servos(gn_world *world, gn_rank_part *part) {
     return 2;
 }
 
-/* Sums of blocks, forces of walls, loads of prescribed particles. */
-static size_t parts_of_step(gn_world *world, gn_rank_part part[STEP_PARTS]) {
+/* Forces of walls and bodies, loads of prescribed particles. */
+static size_t parts_of_forces(gn_world *world, gn_rank_part *part) {
     const gn_ranks *r = world->ctx.ranks;
-    gn_dem *d = &world->dem;
-    gn_boundary *b = &world->boundary;
+    const gn_wall_contacts *q = &world->boundary.contacts;
+    gn_prescription *f = &world->dem.prescribed;
     size_t n = 0;
-    for (int l = 0; l < GN_LIST_COUNT; l++)
-        part[n++] = (gn_rank_part){d->list[l].sums, sizeof *d->list[l].sums, r->item_block[l], 0};
-    part[n++] = (gn_rank_part){d->motion_sums, sizeof *d->motion_sums, r->block, NULL};
-    if (d->near.on)
-        part[n++] = (gn_rank_part){d->near.count, sizeof *d->near.count,
-                                   r->item_block[GN_LIST_PAIRS], NULL};
     if (world->ctx.effects & GN_FX_WALLS) {
-        part[n++] = (gn_rank_part){b->sums, sizeof *b->sums, r->block, NULL};
-        part[n++] =
-            (gn_rank_part){b->contacts.row, 8 * sizeof *b->contacts.row, r->wall_contact, NULL};
+        part[n++] = (gn_rank_part){q->row, 8 * sizeof *q->row, r->wall_contact, NULL};
         n += parts_of_servos(world, part + n);
         n += parts_of_bodies(world, part + n);
     }
-    if (d->prescribed.count)
-        part[n++] = (gn_rank_part){d->prescribed.load, 6 * sizeof *d->prescribed.load,
-                                   r->prescribed_first, r->prescribed};
+    if (f->count)
+        part[n++] =
+            (gn_rank_part){f->load, 6 * sizeof *f->load, r->prescribed_first, r->prescribed};
     return n;
+}
+
+/* Without readings, forces on walls at rest have no effect. */
+static bool needs_forces(const gn_world *world) {
+    const gn_scene *s = &world->ctx.scene;
+    bool moves = false;
+    for (size_t k = 0; k < s->wall_count; k++) {
+        const gn_wall_def *wall = &s->walls[k];
+        moves |= wall->servo.active;
+        for (int a = 0; a < 3; a++) moves |= wall->motion.velocity[a].count > 0;
+    }
+    return moves || s->body_count || gn_scene_tested(s) || world->ctx.measure || world->ctx.sums;
 }
 
 /* Sorts the slots of prescribed particles by ranks. */
@@ -126,14 +148,33 @@ static gneiss_status list_prescribed(gn_ranks *r, const gn_dem *dem, gneiss_erro
     return GNEISS_OK;
 }
 
+/* Lists the blocks of particles that have contacts with walls; the sums of the others are zero. */
+static gneiss_status list_walls(gn_ranks *r, gn_boundary *boundary, gneiss_error *error) {
+    const int32_t *first = boundary->first;
+    size_t n = 0;
+    gn_free(r->wall_block);
+    GN_TRY(gn_new(&r->wall_block, r->block[r->count] + 1, "blocks near walls", error));
+    r->wall_contact[0] = 0;
+    for (int k = 0; k < r->count; k++) {
+        for (size_t b = r->block[k]; b < r->block[k + 1]; b++) {
+            const size_t p = b * GN_PARTICLE_BLOCK, end = p + GN_PARTICLE_BLOCK;
+            boundary->sums[b] = (gn_contact_sums){0};
+            if (first[end < r->particles ? end : r->particles] > first[p])
+                r->wall_block[n++] = (int32_t)b;
+        }
+        r->wall_block_first[k + 1] = n;
+        r->wall_contact[k + 1] = (size_t)first[r->particle[k + 1]];
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_world_share_lists(gn_world *world, gneiss_error *error) {
     gn_ranks *r = world->ctx.ranks;
-    gn_rank_part part[STEP_PARTS];
-    if (world->ctx.effects & GN_FX_WALLS)
-        for (int k = 0; k <= r->count; k++)
-            r->wall_contact[k] = (size_t)world->boundary.first[r->particle[k]];
+    gn_rank_part sums[SUM_PARTS], forces[FORCE_PARTS];
+    if (world->ctx.effects & GN_FX_WALLS) GN_TRY(list_walls(r, &world->boundary, error));
     if (world->dem.prescribed.count) GN_TRY(list_prescribed(r, &world->dem, error));
-    return gn_ranks_reserve(r, part, parts_of_step(world, part), error);
+    GN_TRY(gn_ranks_plan_share(r, &r->sums, sums, parts_of_sums(world, sums), error));
+    return gn_ranks_plan_share(r, &r->forces, forces, parts_of_forces(world, forces), error);
 }
 
 /* --- the whole state --- */
@@ -142,7 +183,7 @@ gneiss_status gn_world_share_lists(gn_world *world, gneiss_error *error) {
 static const char *const known[] = {"i", "j", "happened", "released", "row4", "row8", NULL};
 static const char *const known_of_particles[] = {"start",  "ref",  "id",    "material", "group",
                                                  "bonds0", "slot", "marks", NULL};
-static const char *const known_of_walls[] = {"i", "wall", "row", NULL};
+static const char *const known_of_walls[] = {"i", "wall", NULL};
 
 /* Columns of packed pairs are in place on the rank of their block. */
 static void settle_pairs(gn_world *world) {
@@ -154,6 +195,18 @@ static void settle_pairs(gn_world *world) {
         bytes[k] = r->item_block[GN_LIST_PAIRS][k] * (n->stride / GN_NEAR_GROUP);
     r->transport->gather(n->act, bytes);
     gn_near_settle(&world->ctx, &world->dem);
+}
+
+/* Finds what gn_boundary_forces and the sum of reactions found from outdated rows. */
+static void find_forces(gn_world *world) {
+    gn_ranks *r = world->ctx.ranks;
+    gn_rank_part part[FORCE_PARTS];
+    const size_t parts = parts_of_forces(world, part);
+    gn_ranks_begin_share(r, &r->forces, part, parts);
+    gn_ranks_end_share(r, &r->forces, part, parts);
+    gn_boundary_forces(&world->ctx, &world->dem, &world->boundary);
+    if (world->ctx.effects & GN_FX_PRESCRIBED) gn_reactions_sum(&world->ctx, &world->dem);
+    r->forces_known = true;
 }
 
 static void gather_all(void *context) {
@@ -175,6 +228,7 @@ static void gather_all(void *context) {
         gn_ranks_gather_record(r, &gn_wall_contact_record, &world->boundary.contacts,
                                r->wall_contact, known_of_walls);
     r->whole = true;
+    if (!r->forces_known) find_forces(world);
 }
 
 /* --- a step --- */
@@ -197,14 +251,18 @@ static void clear_pairs_of_others(const gn_ranks *r, gn_near *near) {
 
 void gn_world_take_rows(gn_world *world) {
     clear_pairs_of_others(world->ctx.ranks, &world->dem.near);
-    gn_ranks_exchange_rows(world->ctx.ranks);
+    gn_ranks_take_rows(world->ctx.ranks);
 }
 
 void gn_world_share_step(gn_world *world) {
     gn_ranks *r = world->ctx.ranks;
-    gn_rank_part part[STEP_PARTS];
-    const size_t parts = parts_of_step(world, part);
-    gn_ranks_begin_sharing(r, part, parts);
+    gn_rank_part sums[SUM_PARTS], forces[FORCE_PARTS];
+    const size_t sum_count = parts_of_sums(world, sums),
+                 force_count = parts_of_forces(world, forces);
+    r->forces_known = needs_forces(world);
+    gn_ranks_begin_share(r, &r->sums, sums, sum_count);
+    if (r->forces_known) gn_ranks_begin_share(r, &r->forces, forces, force_count);
     gn_ranks_exchange_places(r);
-    gn_ranks_end_sharing(r, part, parts);
+    gn_ranks_end_share(r, &r->sums, sums, sum_count);
+    if (r->forces_known) gn_ranks_end_share(r, &r->forces, forces, force_count);
 }
