@@ -185,6 +185,7 @@ static gneiss_status write_snapshot(const view *shown, const char *directory, co
 
 gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
                                  gneiss_error *error) {
+    if (!gn_rank_writes()) return GNEISS_OK;
     GN_FREED_BY(free_view) view v = {0};
     if (!world->ctx.scene.body_count) return GNEISS_OK;
     GN_TRY(make_view(world, &v, error));
