@@ -22,6 +22,7 @@ packages_mpi=(libopenmpi-dev openmpi-bin) # gneiss-mpi and its tests
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_package=(debhelper dh-python lintian mmdebstrap) # only for `package`; the last one for its --try
+packages_docs=(python3-sphinx python3-myst-parser furo doxygen python3-breathe python3-numpy python3-cffi) # only for `docs`
 packages_bench=(libbenchmark-dev)
 packages_effects=(valgrind) # only for bench --effects
 packages_validate=(yade python3-scipy) # the second for some of validate/*_study.py
@@ -36,6 +37,7 @@ usage: ./do COMMAND [...]
   test [meson options]         build and run every test; --checked: on the build of `check gcc`
   check [steps]                format layers links words release gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
+                               and docs: the site without a warning
                                and aarch64: kernels and bits on another processor, under qemu-user
   bench [--peers] [--large] [--sweep]
                                build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
@@ -48,7 +50,8 @@ usage: ./do COMMAND [...]
                                what accuracy costs in time; writes docs/evidence/accuracy.md
   package [--try]              Debian packages of the last commit in build-package, and what lintian says of them; --try: installs
                                them in a bare Debian 12 and runs a scene and its report there
-  install WHAT                 the packages of build, mpi, calibrate, python, test, check, aarch64, package, bench, validate, effects or peers
+  docs                         the site: build-docs/html/index.html, from docs/, the help of the program and both APIs
+  install WHAT                 the packages of build, mpi, calibrate, python, test, check, aarch64, package, docs, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
@@ -313,11 +316,15 @@ command_install() {
     done
 }
 
+release_version() {
+    sed -n "s/^  version: '\(.*\)',$/\1/p" "$root/meson.build"
+}
+
 command_package() {
     local out=$root/build-package version commit
     need "${packages_build[@]}" "${packages_package[@]}"
     check_release || die "package: the versions differ"
-    version=$(sed -n "s/^  version: '\(.*\)',$/\1/p" "$root/meson.build")
+    version=$(release_version)
     rm -rf "$out/gneiss-$version"
     mkdir -p "$out/gneiss-$version"
     git -C "$root" archive HEAD | tar -x -C "$out/gneiss-$version"
@@ -339,6 +346,17 @@ try_packages() { # FOLDER
         --customize-hook='chroot "$1" sh /tmp/try.sh' bookworm /dev/null
 }
 
+command_docs() {
+    local start
+    need "${packages_docs[@]}"
+    prepare
+    build build gneiss "libgneiss.so.$(release_version)"
+    start=$SECONDS
+    "$python" "$root/packaging/site/build.py" "$root/build/gneiss" "$root/build/libgneiss.so" "$root/build-docs" ||
+        die "docs: the site could not be built, or has warnings"
+    say "build-docs/html/index.html written in $((SECONDS - start)) s"
+}
+
 command_keys() {
     prepare
     build build gneiss
@@ -346,7 +364,7 @@ command_keys() {
 }
 
 command_clean() {
-    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-package "$root"/build-mpi "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
+    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-package "$root"/build-docs "$root"/build-mpi "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
         "$root"/build-aarch64-root
 }
 
@@ -501,6 +519,10 @@ hash_of() {
     done
 }
 
+check_docs() {
+    command_docs
+}
+
 check_python() {
     (cd "$root" && sources '*.py' | xargs -r "$python" -c '
 import sys
@@ -541,7 +563,7 @@ main() {
     local command=${1:-help}
     (($#)) && shift
     case $command in
-    run | mpi | test | check | bench | validate | accuracy | package | install | keys | clean) "command_$command" "$@" ;;
+    run | mpi | test | check | bench | validate | accuracy | package | docs | install | keys | clean) "command_$command" "$@" ;;
     help | -h | --help) usage ;;
     *)
         usage >&2

@@ -163,7 +163,7 @@ size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
 
 size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
-    gn_motion_args a = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, false);
+    gn_motion_args a = gn_world_motion_args(&w->ctx, &w->dem, &w->boundary, false);
     a.dt = a.dt_past = 0.0;
     size_t last = blocks * GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;

@@ -7,7 +7,7 @@ import sys
 from calibrate import units
 from calibrate.problem import Problem, code_of
 from calibrate.simulate import write_whole
-from convert import esys, lammps, particles, run, text, vtk
+from convert import esys, lammps, meshes, particles, run, text, vtk
 from convert.source import Source
 
 ERRORS = {2: "input error", 3: "file error"}
@@ -73,10 +73,13 @@ def read(path, options):
 def convert(options):
     """Converts; prints what was read, what it amounts to, and what was left out."""
     ending = os.path.splitext(options.target)[1].lower()
-    if ending not in WRITERS:
-        raise Problem(f"{options.target}: expected a file that ends with {', '.join(WRITERS)}, found '{ending}'")
+    if ending not in WRITERS and ending != ".msh":
+        raise Problem(f"{options.target}: expected a file that ends with {', '.join(WRITERS)}, or .msh for a mesh, found '{ending}'")
     if os.path.exists(options.target) and not options.force:
         raise Problem(f"{options.target}: expected a new file, found an existing one: --force replaces it")
+    if ending == ".msh":
+        convert_mesh(options)
+        return
     found, refuse, name = read(options.source, options)
     particles.check(found, refuse)
     if options.density and "density" not in found.columns:
@@ -90,6 +93,22 @@ def convert(options):
     write_whole(options.target, WRITERS[ending](found))
     if not options.quiet:
         report(found, name, options)
+
+
+def convert_mesh(options):
+    """Converts a mesh; prints its size and its groups."""
+    mesh = meshes.read(options.source)
+    content, groups = meshes.written(mesh, options.scale)
+    write_whole(options.target, content)
+    if options.quiet:
+        return
+    size, unit = meshes.volume(mesh)
+    print(f"mesh               {len(mesh.nodes)} nodes, {len(mesh.elements)} elements, {size * options.scale ** int(unit[1]):.9g} {unit}")
+    for dimension, name, elements in groups:
+        print(f"group              {name}: {len(elements)} of dimension {dimension}")
+    for one in mesh.dropped:
+        print(f"left out           {one}")
+    print(f"written            {options.target}")
 
 
 def report(found, name, options):

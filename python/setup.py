@@ -48,5 +48,5 @@ def in_tree(*parts):
 
 setup(version=VERSION, packages=["gneiss"], package_data={"gneiss": ["py.typed"]}, distclass=Binary,
       cmdclass={"build_py": Build, "bdist_wheel": Wheel},
-      data_files=[("bin", [os.path.relpath(BUILD / "gneiss", HERE)]), ("share/gneiss", in_tree("tools", "report*.py")),
+      data_files=[("bin", [os.path.relpath(BUILD / "gneiss", HERE)]), ("share/gneiss", in_tree("tools", "report*.py") + in_tree("tools", "view*")),
                   ("share/gneiss/calibrate", in_tree("calibrate", "*.py")), ("share/gneiss/data", in_tree("data", "maps.csv"))])

@@ -53,7 +53,7 @@ def a_file_for_another_command_is_named(folder):
     expect(gneiss("sweep", LATTICE), 2, "expected a sweep file, found a scene: gneiss run")
     for name in ("run", "sweep"):
         expect(gneiss(name, packing), 2, "found a specimen alone.*: gneiss pack")
-    for name in ("resume", "report"):
+    for name in ("resume", "report", "view"):
         expect(gneiss(name, LATTICE), 2, "expected a folder of results, found a scene: gneiss run")
         expect(gneiss(name, os.path.join(SCENES, "plate.msh")), 2, "expected a folder of results, found a file")
     expect(gneiss("run", folder), 2, "found a folder: gneiss resume")
@@ -589,6 +589,7 @@ def wrong_calls_are_refused(folder):
         ("resume",): "expected DIR",
         ("run", LATTICE, "more"): "'more'",
         ("info", "more"): "'more'",
+        **{("report", folder, option, *value): f"{option} is for gneiss view" for option, *value in (("--fields", "a"), ("--instants", "2"), ("--paraview",))},
         ("run", LATTICE, "--fast"): "--fast",
         ("run", LATTICE, "--out"): "--out",
         ("run", LATTICE, "--out", ""): "--out: expected a folder",
@@ -598,7 +599,7 @@ def wrong_calls_are_refused(folder):
         ("run", LATTICE, "--set", "run.threads=many"): "error: --set run.threads: .*many",
         ("run", LATTICE, "--isa", "mmx"): "error: --isa: .*mmx",
         ("run", LATTICE, "--precision", "half"): "error: --precision: .*half",
-        **{(name, LATTICE, "--out", "x"): f"gneiss {name}: --out is for gneiss run, pack" for name in ("check", "plan", "stiffness", "report")},
+        **{(name, LATTICE, "--out", "x"): f"gneiss {name}: --out is for gneiss run, pack" for name in ("check", "plan", "stiffness", "report", "view")},
         ("run", LATTICE, "--set", "time.end"): "KEY=VALUE",
         ("run", LATTICE, "--set", "=1"): "KEY=VALUE",
         ("run", LATTICE, "--set", "time.ende=1"): "--set time.ende",

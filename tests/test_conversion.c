@@ -442,9 +442,9 @@ static void the_limit_of_active_particles_is_that_of_the_full_operator(void **st
         assert_true(gn_dem_present_count(&w->dem) >= 64 &&
                     3 * gn_dem_present_count(&w->dem) <= w->dem.particles.soa.count);
         gn_step_limit all = {.bound = w->ctx.choice.limit.bound};
-        assert_int_equal(
-            gn_dem_with_spectrum(&w->ctx, &w->dem, &w->boundary, false, find_with_all, &all, NULL),
-            GNEISS_OK);
+        assert_int_equal(gn_timestep_with_spectrum(&w->ctx, &w->dem, &w->boundary, false,
+                                                   find_with_all, &all, NULL),
+                         GNEISS_OK);
         assert_true(w->ctx.choice.limit.iterations > 0 &&
                     w->ctx.choice.limit.iterations == all.iterations);
         assert_true(w->ctx.choice.limit.sharp == all.sharp &&

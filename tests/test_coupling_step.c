@@ -285,7 +285,7 @@ static void the_side_with_the_fastest_mode_is_named(void **state) {
     assert_true(gn_coupled_whole(&w->ctx, &w->zones)->side == GN_SIDE_PARTICLES);
     assert_non_null(strstr(gn_whole_culprit(gn_coupled_whole(&w->ctx, &w->zones), who, sizeof who),
                            "the particles, particle "));
-    assert_null(gn_elements_lead(&w->ctx, &w->solids, &w->zones));
+    assert_null(gn_timestep_elements_lead(&w->ctx, &w->solids, &w->zones));
     world_end(w);
 }
 

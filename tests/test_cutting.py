@@ -193,6 +193,20 @@ def elements_turn_into_particles_ahead_of_a_tool(folder):
     expect(without, 2, "bodies: expected no bodies, or couple.convert.bodies beside couple.convert, found bodies without it")
 
 
+@plain_fact
+def a_reserve_that_ends_before_the_path_is_told_by_check(folder):
+    def said(*options):
+        return " ".join(re.findall("warning: .*", gneiss("check", example("adaptive"), *options).stdout))
+
+    assert "couple.convert.bodies" not in said(), said()
+    # The chisel comes 15 mm far into the rock; it is 0.15 mm ahead of its origin at the surface, and 4 + 8 mm more convert or are a zone.
+    short = said(*sets(specimen__packing__region="{min: [0 mm, -65.1 mm], max: [25.1 mm, 0 mm]}"))
+    found = re.search(r"would cross the upper x side of couple.convert.box after a path of (\S+) m, before means end at 0.021 m", short)
+    assert found and 0.0185 < float(found[1]) < 0.0200 and "or a smaller test.length" in short, short
+    shallow = said(*sets(specimen__packing__region="{min: [0 mm, -15.1 mm], max: [125.1 mm, 0 mm]}"))
+    assert "would cross the lower y side of couple.convert.box after a path of 0 m" in shallow, shallow
+
+
 @fact
 def the_section_of_a_chisel_is_its_width_times_the_depth(folder):
     run(write_scene(folder, BLOCK), folder)

@@ -144,12 +144,15 @@ def links_and_pictures_that_are_not_there_are_named(folder):
     first = f"See [the page]({docs}/page.md#a-page-what-how), `{docs}/gone.md` and [the net](https://example.org).\n"
     write_scene(folder, first, "README.md")
     write_scene(folder, "many words " * 2000, f"{docs}/long.md")
+    os.makedirs(os.path.join(folder, "packaging", "site"))
+    write_scene(folder, "```{toctree}\npage\n```\n", "packaging/site/index.md")
     for name in ("e.png", "g.png"):
         write_scene(folder, "", f"{docs}/pictures/{name}")
     done = subprocess.run([sys.executable, LINKS, folder], capture_output=True, text=True)
     reported = (f"README.md:1: {docs}/gone.md is not there\n{docs}/long.md:1: expected at most 300 lines and 3000 words, found 1 and 4000\n"
             f"{docs}/page.md:2: #no: there is no such heading\n"
             f"{docs}/page.md:2: gone.md is not there\n{docs}/page.md:3: pictures/f.png is not there\n"
+            f"{docs}/long.md:1: expected it in packaging/site/index.md, which does not name it\n"
             f"{docs}/pictures/g.png: no page shows it\n")
     assert (done.returncode, done.stdout) == (1, reported), done.stdout + done.stderr
 

@@ -325,8 +325,8 @@ static void assert_bodies_in_file(const gn_world *w, writer *write, const char *
 static void files_distinguish_bodies_of_elements(void **state) {
     (void)state;
     two_blocks *s = stack(2, 4e-7, 1);
-    assert_bodies_in_file(s->w, gn_elements_results, "nodes/id");
-    assert_bodies_in_file(s->w, gn_elements_save, "mesh_nodes/pos");
+    assert_bodies_in_file(s->w, gn_output_elements_results, "nodes/id");
+    assert_bodies_in_file(s->w, gn_checkpoint_put_elements, "mesh_nodes/pos");
     stack_end(s);
 }
 
@@ -432,13 +432,13 @@ static void a_feature_is_called_at_every_place_of_a_step(void **state) {
     char places[64] = "", *calls = places;
     const gn_feature probe = {.hook = {[GN_HOOK_BEFORE_LISTS] = before_lists,
                                        [GN_HOOK_LIMIT] = limit,
-                                       [GN_HOOK_READING] = reading,
+                                       [GN_HOOK_REQUEST_READING] = reading,
                                        [GN_HOOK_BEFORE_FORCES] = before_forces,
                                        [GN_HOOK_ACT] = at_act,
                                        [GN_HOOK_WORK] = work,
                                        [GN_HOOK_MOVED] = moved,
                                        [GN_HOOK_ELEMENTS_MOVED] = elements_moved,
-                                       [GN_HOOK_READ] = read_all,
+                                       [GN_HOOK_ADD_TO_READING] = read_all,
                                        [GN_HOOK_AFTER_STEP] = after_step},
                               .context = &calls};
     gn_world *w = solids(2, 4e-7, 1);

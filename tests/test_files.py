@@ -9,6 +9,7 @@ from program import *  # noqa: F403
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
 from calibrate.problem import Problem  # noqa: E402
 from convert import command as converter  # noqa: E402
+from convert import meshes  # noqa: E402
 from convert import particles as columns_of  # noqa: E402
 
 SCENE = {"specimen": {"file": "particles.txt"},
@@ -217,12 +218,13 @@ def wrong_files_are_refused_by_what_is_wrong(folder):
         (data().replace("\n3 1 0.02", "\n3.5 1 0.02"), r":12:1: expected a whole id >= 0, found 3.5"),
         (data()[:170], "expected 4 lines of Atoms, found the end of the file"),
         (data().replace("Velocities\n\n3", "Velocities\n\n9"), r":19:1: expected an id of Atoms, found 9"),
+        (geometry(count=6), r":14:1: expected EndParticles, found '2'"),
         (geometry(count=3), r":11:1: expected EndParticles, found '0.004"),
-        (geometry(count=999), "expected 999 particles and EndParticles, found the end of the file"),
+        (geometry(count=999), r":7:1: expected at most \d+ \(number of particles; the rest of the file\), found 999"),
         (geometry().replace("Simple", "Rotational"), r":6:1: expected particles of the kind Simple, found 'Rotational'"),
         (legacy(True)[:150], r"byte \d+: expected \d+ bytes of points, found \d+ to the end"),
         (legacy().replace(b"POINTS 4", b"POINTS 400000000"), "expected 1200000000 numbers of points, found the end of the file"),
-        (legacy().replace(b"radius double 1\nLOOKUP_TABLE default\n", b"radius double 1\nLOOKUP_TABLE default\nx"), r":9:1: expected a number of radius, found 'x0.01'"),
+        (legacy().replace(b"radius double 1\nLOOKUP_TABLE default\n", b"radius double 1\nLOOKUP_TABLE default\nx"), r":12:1: expected a number of radius, found 'x0.01'"),
         (xml().replace(b"0.01 0.02", b"nan 0.02"), r"point 0 \(base 0\): expected a finite radius, found nan"),
         (xml()[:300], r":4:\d+: "),
         (xml("appended", "raw", True)[:-250], r"cut short"),
@@ -264,6 +266,100 @@ def damaged_files_are_sound_or_refused(folder):
             counts["read"] += 1
             assert np.all(found.columns["radius"] > 0) and all(np.all(np.isfinite(found.columns[n])) for n in ("x", "y"))
     assert min(counts.values()) > 100, counts
+
+
+# --- meshes ---------------------------------------------------------------------------------------------
+
+INP = """*HEADING
+ two bricks and a wedge, of second order and first
+** comment
+*Node, nset=All nodes
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1.d0
+8, 0, 1, 1
+9, 2, 0, 0
+10, 2, 0, 1
+11, 2, 1, 0
+12, 2, 1, 1
+13, 3, 0, 0
+14, 3, 1, 0
+15, 0.5, 0, 0
+*ELEMENT, TYPE=C3D8R, ELSET=Rock
+ 7, 1,2,3,4,
+ 5,6,7,8
+8, 2, 9, 11, 3, 6, 10, 12, 7
+*Element, type=C3D6, elset=soft
+ 20, 11, 14, 12, 9, 13, 10
+*nset, nset=Bottom, generate
+1, 4, 1
+*elset, elset=both
+ROCK, SOFT,
+*Surface, name=left, type=ELEMENT
+7, S6
+*Material, name=steel
+*Elastic
+ 210000., .3
+"""
+
+
+def mesh_of(path, text, **options):
+    """Text of the gmsh file and the mesh."""
+    with open(path, "w") as file:
+        file.write(text)
+    found = meshes.read(path)
+    return meshes.written(found, options.get("scale", 1.0)), found
+
+
+@plain_fact
+def meshes_of_calculix_become_those_of_gmsh(folder):
+    (content, groups), mesh = mesh_of(folder + "/a.inp", INP)
+    assert [(d, name, len(some)) for d, name, some in groups] == [
+        (0, "All nodes", 15), (0, "Bottom", 4), (3, "Rock", 2), (3, "soft", 1), (3, "both", 3), (2, "left", 1)], groups
+    assert abs(meshes.volume(mesh)[0] - 2.5) < 1e-14 and "*ELASTIC (1), *MATERIAL (1)" in mesh.dropped[0]
+    assert "$Elements\n5 19 1 19\n" in content, content
+    quadratic = INP.split("*ELEMENT")[0] + "*ELEMENT, TYPE=C3D10, ELSET=t\n1, 1, 2, 4, 5, 15, 15, 15, 15, 15, 15\n*NSET, NSET=in\n15, 1\n"
+    (content, groups), mesh = mesh_of(folder + "/b.inp", quadratic, scale=0.5)
+    assert mesh.dropped == ["1 nodes between the corners of 1 elements of higher order", "1 nodes between corners in the set All nodes",
+                            "1 nodes between corners in the set in"], mesh.dropped
+    assert "0.5 0.0 0.0" in content and len(groups) == 3
+
+
+@plain_fact
+def wrong_meshes_are_refused_by_what_is_wrong(folder):
+    for change, message in (
+            (("7, 1, 1, 1.d0", "7, 1, x, 1"), r"a.inp:11:7: expected a finite number \(coordinate\), found 'X'"),
+            (("7, 1, 1, 1.d0", "6, 1, 1, 1"), r":11:1: expected every node once, found node 6 again"),
+            (("5,6,7,8\n", "5,6,7,99\n"), r":21:1: expected a node of \*NODE, found 99 in element 7"),
+            (("5,6,7,8\n", "5,6,7\n*NODE\n"), r":21:1: expected number and 8 nodes, found 8 values before the next card \(cut short"),
+            (("5,6,7,8\n", "5,6,7,8,9\n"), r":22:10: expected number and 8 nodes, found 10 values"),
+            (("C3D8R", "DCOUP3D"), r":20:1: expected elements of a known type .*, found TYPE=DCOUP3D"),
+            (("ROCK, SOFT", "ROCK, SAND"), r":29:7: expected the number of a element or the name of a set above, found 'SAND'"),
+            (("7, S6", "7, S9"), r":31:4: expected a face of element 7 \(hexahedron\), found S9"),
+            (("*Material, name=steel", "*INCLUDE, INPUT=other.inp"), r":32:1: expected the mesh in one file, found \*INCLUDE"),
+            (("1, 4, 1\n", "1\n"), r"expected first, last and step, found 1 numbers")):
+        try:
+            mesh_of(folder + "/a.inp", INP.replace(*change))
+        except Problem as error:
+            assert re.search(message, str(error)), f"expected /{message}/, found: {error}"
+        else:
+            raise AssertionError(f"read without an error, expected /{message}/")
+    random.seed(4)
+    refused = 0
+    for trial in range(300):
+        bad = list(INP[:random.randrange(len(INP))] if trial % 3 == 0 else INP)
+        for _ in range(random.randrange(1, 4) if bad and trial % 3 else 0):
+            bad[random.randrange(len(bad))] = random.choice("0123456789,*=. \nxS")
+        try:
+            mesh_of(folder + "/a.inp", "".join(bad))
+        except Problem as error:
+            assert error.code == 2, error
+            refused += 1
+    assert 50 < refused < 300, refused
 
 
 # --- the program ---------------------------------------------------------------------------------------
@@ -336,6 +432,24 @@ def the_program_converts_and_runs_what_it_converted(folder):
         held, found = file["particles"], read(folder + "/end.csv")
         assert np.array_equal(found.columns["x"], held["position"][:, 0]) and np.array_equal(found.columns["vx"], held["velocity"][:, 0])
         assert np.allclose(found.columns["density"], FOUR["density"][np.argsort(FOUR["id"])], rtol=1e-14)
+
+
+@fact
+def meshes_are_converted_and_what_is_split_is_said(folder):
+    """The bricks and the wedge of the file as elements: 6, 6 and 3 tetrahedra of 2.5 m3; its sets are groups."""
+    said = expect(gneiss("convert", spill(folder, "a.inp", INP), folder + "/a.msh"), 0).stdout
+    assert "mesh               15 nodes, 3 elements, 2.5 m3" in said and "group              both: 3 of dimension 3" in said, said
+    body = {"mesh": "a.msh", "materials": [{"group": "Rock", "density": 2000, "young": 1e9, "poisson": 0.2},
+                                           {"group": "soft", "density": 1000, "young": 1e8, "poisson": 0.2}],
+            "motions": [{"name": "base", "group": "left", "motion": {"vx": 0, "vy": 0, "vz": 0}}],
+            "loads": [{"group": "Bottom", "force": {"fx": 0, "fy": 0, "fz": 1}}]}
+    path = write_scene(folder, {"elements": body, "time": {"end": 1e-5}})
+    said = expect(gneiss("check", path), 0).stdout
+    assert "of the file      1 quadrangles split into triangles, 2 hexahedra split into tetrahedra, 1 prisms split into" in said, said
+    assert "15 tetrahedra" in said and "volume           2.5 m3, mass 4500 kg" in said, said
+    expect(gneiss("run", path, "--out", folder + "/out", "--quiet"), 0, "gneiss: note: elements.mesh: 1 quadrangles split")
+    expect(gneiss("check", write_scene(folder, {"elements": {**body, "mesh": "a.inp"}, "time": {"end": 1e-5}})), 2,
+           "expected a section .*gneiss convert writes meshes of others as .msh")
 
 
 @fact

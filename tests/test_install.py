@@ -159,7 +159,7 @@ def the_report_is_where_the_program_looks_for_it(place):
     program = place.find("gneiss", "/bin")
     script = os.path.join(os.path.dirname(program), "../share/gneiss/report.py")
     for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), "tools")):
-        if re.fullmatch(r"report.*\.py", name):
+        if re.fullmatch(r"report.*\.py|view.*", name):
             assert os.path.exists(os.path.join(os.path.dirname(script), name)), f"{name} is not installed"
     for folder in ("calibrate", "convert"):
         for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), folder)):

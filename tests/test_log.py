@@ -41,7 +41,7 @@ def every_command_prints_objects_alone(folder):
 def commands_in_python_print_objects_alone(folder):
     run(LATTICE, folder)
     assert any(line.get("text", "").endswith("report.html") for line in lines_of("report", folder))
-    assert errors_of("report", folder + "/none")
+    assert errors_of("report", folder + "/none") and errors_of("view", folder + "/none")
     error = errors_of("calibrate", write_scene(folder, "targets: {young_modulus: 20 candela}\n"))[0]
     assert error["line"] == 1 and error["id"] == "input_error", error
 

@@ -248,7 +248,7 @@ static void beside_all_else_the_ledger_closes_with_the_same_bits(void **state) {
             gn_energy e = measured_step(w);
             assert_true(w->dem.broken_tension + w->dem.broken_shear > 0);
             assert_near(gn_energy_residual(&e), 0.0, 0.01); /* limit of the warning of a run */
-            double share = gn_dem_added_kinetic(&w->dem);
+            double share = gn_timestep_added_kinetic(&w->dem);
             assert_true(share > 0.0 && share < 1.0);
             hash[threads - 1] = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
             world_end(w);

@@ -3,6 +3,7 @@
  * between the two precisions. The columns are those of more_columns.h. */
 #include "world_helpers.h"
 
+#include "particles/active_pairs.h"
 #include "particles/observe.h"
 #include "run/run.h"
 #include "soa/single.h"
@@ -21,6 +22,12 @@ static const char heap[] =
     "walls:\n  - {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e4, kratio: 2, "
     "friction: 0.4}\n"
     "time: {end: 1}\n";
+/* Spheres of which fewer than three of five listed pairs touch, so that these are packed. */
+static const char loose[] =
+    "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [5, 5, 5], spacing: 1, "
+    "jitter: 0.02}}\n"
+    "materials: [{name: m, density: 2650, normal_stiffness: 1e4, kratio: 2, friction: 0.4}]\n"
+    "law: {stiffness: uniform}\ntime: {end: 1}\n";
 static const char glued[] =
     "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3]}}\n"
     "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: 0.5, "
@@ -132,6 +139,38 @@ static void a_new_column_is_kept_when_the_lists_are_made_anew(void **state) {
         assert_int_equal(check_walls(w), walls);
         run_end(run);
     }
+}
+
+/* Writes to packed pairs in place of a kernel. */
+static void write_packed(gn_active_pairs *near, size_t offset, double value) {
+    bool found = false;
+    for (int k = 0; k < near->columns; k++) {
+        if (near->column[k].offset != offset) continue;
+        for (size_t c = 0; c < near->room; c++)
+            near->data[near->column[k].stream * near->room + c] = value;
+        found = true;
+    }
+    assert_true(found);
+}
+
+static void packed_pairs_hand_back_a_new_column_that_is_state(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_run *run = run_of(loose, "double");
+    gn_world *w = &run->world;
+    for (int k = 0; k < 10; k++) assert_int_equal(gn_world_step(w, false, &error), GNEISS_OK);
+    assert_true(w->dem.near.on && w->dem.near.packed);
+    write_packed(&w->dem.near, offsetof(gn_contacts, worn), 7.0);
+    write_packed(&w->dem.near, offsetof(gn_contacts, hard), 7.0);
+    w->dem.near.unsettled = true;
+    gn_active_pairs_settle(&w->ctx, &w->dem);
+    size_t written = 0;
+    for (size_t c = 0; c < w->dem.pairs.contacts.soa.count; c++) {
+        written += w->dem.pairs.contacts.worn[c] == 7.0;
+        assert_true(w->dem.pairs.contacts.hard[c] == 0.0);
+    }
+    assert_true(written > 20);
+    run_end(run);
 }
 
 /* Rotated by 180 degrees about z, the particles have another order along the Morton curve. */
@@ -249,6 +288,7 @@ static void a_new_column_goes_from_one_precision_to_the_other(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_new_column_is_kept_when_the_lists_are_made_anew),
+        cmocka_unit_test(packed_pairs_hand_back_a_new_column_that_is_state),
         cmocka_unit_test(an_odd_column_changes_sign_with_the_ends_and_an_even_one_does_not),
         cmocka_unit_test(a_new_column_is_in_a_checkpoint),
         cmocka_unit_test(a_new_column_that_is_state_is_hashed),

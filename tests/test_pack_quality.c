@@ -11,7 +11,7 @@
 
 static gn_pack_quality measured(const double *sphere, size_t count, int dimension,
                                 const gn_domain *domain, double volume) {
-    gn_packing packing = {count, (double *)sphere};
+    gn_packing packing = {.count = count, .sphere = (double *)sphere};
     gn_pack_quality q;
     make_ok(gn_pack_measure(&packing, dimension, domain, volume, 1, &q, &failure));
     return q;
@@ -346,7 +346,7 @@ static void gaps_and_protrusions_at_walls_are_over_the_radius(void **state) {
 static void figures_do_not_depend_on_the_number_of_threads(void **state) {
     (void)state;
     cloud_random(2000, 3);
-    gn_packing packing = {points.count, points.row[0]};
+    gn_packing packing = {.count = points.count, .sphere = points.row[0]};
     gn_pack_quality one, more;
     make_ok(gn_pack_measure(&packing, 3, NULL, 1, 1, &one, &failure));
     make_ok(gn_pack_measure(&packing, 3, NULL, 1, 3, &more, &failure));

@@ -91,7 +91,7 @@ static void go_on(void *context) {
     for (int k = 0; k < c->of->steps; k++)
         if (gn_world_step(c->w, k == 0, &error) != GNEISS_OK)
             fail_msg("%s: step %d: %s", c->of->what, (int)c->w->ctx.step, error.message);
-    gn_near_settle(&c->w->ctx, &c->w->dem);
+    gn_active_pairs_settle(&c->w->ctx, &c->w->dem);
 }
 
 static void assert_alike(const course *a, const course *b, int round) {

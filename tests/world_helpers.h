@@ -92,7 +92,7 @@ static inline void run_steps(gn_world *w, int64_t count) {
     gneiss_error error = {0};
     for (int64_t k = 0; k < count; k++)
         if (gn_world_step(w, w->ctx.step == 0, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    gn_near_settle(&w->ctx, &w->dem);
+    gn_active_pairs_settle(&w->ctx, &w->dem);
 }
 
 static inline void run_until(gn_world *w, double time) {

@@ -2,7 +2,8 @@
 
 links.py [ROOT]: every relative link and picture of README.md, CONTRIBUTING.md and docs/ is there, with the heading that it
 names; every page and picture under docs/ that a source, a script or a page names is there, and every source that a page
-names, also by its folder in src and its name alone; every picture is shown on a page; no page outside docs/evidence is too long to be
+names, also by its folder in src and its name alone; every picture is shown on a page; every page
+is in the navigation of the site; no page outside docs/evidence is too long to be
 read at once. Prints file:line of every violation.
 """
 import re
@@ -73,12 +74,25 @@ def check_length(page, root):
         yield f"{name}:1: expected at most {most} lines and 3000 words, found {lines} and {words}"
 
 
+def check_navigation(root):
+    """Every page outside docs/evidence is in the navigation of the site."""
+    index = root / "packaging" / "site" / "index.md"
+    if not index.exists():
+        return
+    listed = set(index.read_text().splitlines())
+    for page in sorted((root / "docs").rglob("*.md")):
+        name = page.relative_to(root / "docs")
+        if name.parts[0] != "evidence" and name.with_suffix("").as_posix() not in listed:
+            yield f"docs/{name}:1: expected it in packaging/site/index.md, which does not name it"
+
+
 def main(root):
     problems, shown = [], set()
     for path in texts(root):
         if path.suffix == ".md":
             problems += [*check_links(path, root, shown), *check_length(path, root)]
         problems += check_names(path, root)
+    problems += check_navigation(root)
     for picture in sorted((root / "docs").rglob("*.png")):
         if picture not in shown:
             problems.append(f"{picture.relative_to(root)}: no page shows it")

@@ -16,7 +16,7 @@ def _numbers(text):
     return [float(v) for v in text.split(",")]
 
 
-def _walls(results, time):
+def walls_of(results, time):
     """[(point, normal)] of the walls of the scene, where they are at `time` (None: at the end)."""
     block = re.search(r"^walls:\n(.*?)(?=^\S|\Z)", results.scene, re.MULTILINE | re.DOTALL)
     found = []
@@ -33,7 +33,7 @@ def _walls(results, time):
     return found
 
 
-def _edges(facet, corner):
+def folds(facet, corner):
     """Rows of two vertices: sides of facets that are folded or have no neighbour."""
     if facet.shape[1] == 2:
         return facet
@@ -52,6 +52,27 @@ def _edges(facet, corner):
     return np.array(shown, int).reshape(-1, 2)
 
 
+def panes(walls, lower, upper):
+    """[walls][4][3]: of each wall that is near the specimen (farther by less than its size) the rectangle before it."""
+    corners = np.array([[x, y, z] for x in (lower[0], upper[0]) for y in (lower[1], upper[1]) for z in (lower[2], upper[2])])
+    found = []
+    for point, normal in walls:
+        n = normal / np.linalg.norm(normal)
+        away = (corners - point) @ n
+        if np.abs(away).min() > np.linalg.norm(upper - lower) or (away < 0).all():
+            continue
+        u = np.eye(3)[np.argmin(np.abs(n))]
+        u = np.cross(n, np.cross(u, n))
+        u /= np.linalg.norm(u)
+        v = np.cross(n, u)
+        foot = corners - away[:, None] * n
+        a, b = foot @ u, foot @ v
+        (a0, a1), (b0, b1) = ((s.min() - 0.06 * np.ptp(s), s.max() + 0.06 * np.ptp(s)) for s in (a, b))
+        base = (point @ n) * n
+        found.append([base + p * u + q * v for p, q in ((a0, b0), (a1, b0), (a1, b1), (a0, b1))])
+    return np.array(found).reshape(-1, 4, 3)
+
+
 class Beside:
     """`order`, `sign`: see Specimen. `snapshot`: the file of the particles that are drawn; None: the particles at the
     end."""
@@ -67,7 +88,7 @@ class Beside:
         self.owner = np.zeros(len(self.facet), int) if of is None else np.asarray(of.value, int).reshape(-1)
         if snapshot and len(self.facet):
             self._move(snapshot)
-        self.walls = [(self.turn(p)[0], self.turn(n)[0]) for p, n in _walls(results, time)]
+        self.walls = [(self.turn(p)[0], self.turn(n)[0]) for p, n in walls_of(results, time)]
         self.there = bool(len(self.facet) or self.walls)
 
     def _move(self, snapshot):
@@ -122,26 +143,6 @@ class Beside:
                 segments.append([points[0], points[-1]])
         return segments
 
-    def panes(self, lower, upper):
-        """[walls][4][3]: of each wall that is near the specimen (farther by less than its size) the rectangle before it."""
-        corners = np.array([[x, y, z] for x in (lower[0], upper[0]) for y in (lower[1], upper[1]) for z in (lower[2], upper[2])])
-        found = []
-        for point, normal in self.walls:
-            n = normal / np.linalg.norm(normal)
-            away = (corners - point) @ n
-            if np.abs(away).min() > np.linalg.norm(upper - lower) or (away < 0).all():
-                continue
-            u = np.eye(3)[np.argmin(np.abs(n))]
-            u = np.cross(n, np.cross(u, n))
-            u /= np.linalg.norm(u)
-            v = np.cross(n, u)
-            foot = corners - away[:, None] * n
-            a, b = foot @ u, foot @ v
-            (a0, a1), (b0, b1) = ((s.min() - 0.06 * np.ptp(s), s.max() + 0.06 * np.ptp(s)) for s in (a, b))
-            base = (point @ n) * n
-            found.append([base + p * u + q * v for p, q in ((a0, b0), (a1, b0), (a1, b1), (a0, b1))])
-        return np.array(found).reshape(-1, 4, 3)
-
     def draw_seen(self, axes, turn, middle, panes=()):
         """Draws edges and translucent facets of bodies and walls before the rest, so that grains inside remain
         visible."""
@@ -153,7 +154,7 @@ class Beside:
             return
         seen = (self.vertex - middle) @ turn.T
         axes.add_collection(PolyCollection(seen[self.facet][:, :, :2], facecolors=BODY, edgecolors="none", alpha=0.07, zorder=2))
-        edges = _edges(self.facet, self.vertex[self.facet])
+        edges = folds(self.facet, self.vertex[self.facet])
         axes.add_collection(LineCollection(seen[edges][:, :, :2], colors=BODY, linewidths=1.0, capstyle="round", zorder=3))
 
     def text_seen(self, panes):

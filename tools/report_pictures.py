@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 
-from report_beside import Beside
+from report_beside import Beside, panes
 from report_curves import BLUE, INK, RED, save
 from report_results import scale_of
 
@@ -203,7 +203,7 @@ class Surface:
         self.middle = middle = specimen.middle
         self.beside = specimen.beside
         framed = ((specimen.framed - middle) @ turn.T)[:, :2]
-        self.panes = specimen.beside.panes(specimen.lower, specimen.upper)
+        self.panes = panes(specimen.beside.walls, specimen.lower, specimen.upper)
         beside = np.vstack([self.beside.vertex[np.unique(self.beside.facet)], self.panes.reshape(-1, 3)])
         beside = ((beside - middle) @ turn.T)[:, :2]
         if specimen.has_bonds and specimen.count:

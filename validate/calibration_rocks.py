@@ -1,5 +1,5 @@
-"""Five rocks under pressure and Lac du Bonnet granite: files of targets from measured strengths, a `gneiss calibrate` command for each, and the same
-with every law, to compare what each law can reproduce. Fills the section `rocks` of docs/evidence/calibration.md and draws its picture. Runs are kept
+"""Five rocks under pressure, Lac du Bonnet granite and a sandstone: files of targets from measured strengths, a `gneiss calibrate` command for each, and
+the same with every law for some of them, with fewer particles, to compare what each law can reproduce. Fills the section `rocks` of docs/evidence/calibration.md and draws its picture. Runs are kept
 in runs/studies/rocks; a stopped study is taken up by the same command; some half an hour of two cores.
 
     /usr/bin/python3 validate/calibration_rocks.py [--targets] [--only ROCK] [--kept]
@@ -26,6 +26,8 @@ PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "calibration-rocks.png
 LAWS = ("auto", "linear", "friction", "moments", "softening")
 SAME_PRESSURE = 1.08  # Ratio below which confinements are taken as equal.
 USUAL = 0.05          # Tolerance if the scatter of tests is not known.
+PARTICLES, FEWER = 800, 300  # of the commands; of the comparison of laws
+COMPARED = ("Westerly granite", "Dunham dolomite", "Sandstone")  # every law is run with FEWER particles
 LAC_DU_BONNET = """# Targets of Lac du Bonnet granite: Potyondy & Cundall 2004 (IJRMMS 41:1329); {source}.
 # Tolerances are those of the command.
 title: {title}
@@ -41,6 +43,18 @@ targets:
 # Title, where the tensile strength is from, its reading, value in MPa.
 TENSILE = (("Lac du Bonnet granite", "strength in direct tension from elsewhere", "tensile_strength", 6.9),
            ("Lac du Bonnet granite (Brazilian)", "its tensile strength is that of Brazilian tests", "brazilian_strength", 9.3))
+SANDSTONE = """# Targets of a sandstone with usual values, not of a particular one. Tolerances are those of the command.
+title: Sandstone
+specimen: {cylinder: {diameter: 25 mm, height: 50 mm}, particles: 800}
+law: auto
+seeds: 3
+targets:
+  young_modulus: 20 GPa
+  poisson_ratio: 0.2
+  compressive_strength: 60 MPa
+  brazilian_strength: 5 MPa
+  friction_angle: 40
+"""
 TARGETS = """# Targets of {title}: {reference}.
 # {count} tests at {places} confinements (rocks.csv). Tolerance of a strength: {scatter}.
 # Compressive strength: {source}.
@@ -126,6 +140,7 @@ def write_targets():
     texts = {title: targets_text(title, rows) for title, rows in measured().items()}
     for title, source, reading, strength in TENSILE:
         texts[title] = LAC_DU_BONNET.format(title=title, source=source, reading=reading, strength=strength)
+    texts["Sandstone"] = SANDSTONE
     for title, text in texts.items():
         found[title] = REFERENCES / f"{stem(title)}.yaml"
         if not found[title].exists() or found[title].read_text() != text:
@@ -135,10 +150,33 @@ def write_targets():
 
 # --- calibrations --------------------------------------------------------------------------------------
 
+def laws_of(title):
+    """The laws with which a rock is calibrated."""
+    return LAWS if title in COMPARED else tuple(law for law in LAWS if law != "friction") if title == TENSILE[0][0] else LAWS[:1]
+
+
+def particles_of(title, law):
+    return FEWER if law != "auto" and title in COMPARED else PARTICLES
+
+
+def label(title, law, one):
+    """Name of a row: the law, for `auto` also the one that it takes, and the number of particles where it differs between laws."""
+    text = f"auto: {one['law']}" if law == "auto" else law
+    return f"{text}, {particles_of(title, law)}" if title in COMPARED else text
+
+
+def rows_of(title, results):
+    """{row: calibration} of what was run, without a law that is run as the choice of `auto` with as many particles."""
+    found = {law: results.get((title, law)) for law in LAWS}
+    chosen = found["auto"]["law"] if found["auto"] and title not in COMPARED else None
+    return {label(title, law, one): one for law, one in found.items() if one and law != chosen}
+
+
 def calibration(title, path, law):
     """Contents of calibration.json, None with --kept if the file does not exist. All laws of a rock share their runs."""
     folder = FOLDER / stem(title) / law
     targets, text = folder / "targets.yaml", path.read_text().replace("law: auto", f"law: {law}")
+    text = text.replace(f"particles: {PARTICLES}", f"particles: {particles_of(title, law)}")
     kept = folder / "calibration.json"
     if kept.exists() and targets.read_text() == text and not study.FRESH:
         return json.loads(kept.read_text())
@@ -185,24 +223,24 @@ def beside(found):
 
 
 def draw(titles, results):
-    """Law over readings of each rock: colour is the error in tolerances, the number its per cent; grey: not run."""
+    """Law over readings of each rock: colour is the error in tolerances, the number its per cent."""
     colours = plt.get_cmap("RdYlGn_r").copy()
     colours.set_bad("#e4e4e4")
-    figure, axes = plt.subplots(len(titles), 1, figsize=(9, 1.6 * len(titles)))
+    heights = [max(len(rows_of(title, results)), 1) for title in titles]
+    figure, axes = plt.subplots(len(titles), 1, figsize=(9, 0.25 * sum(heights) + 0.65 * len(titles)), height_ratios=heights)
     for ax, title in zip(axes, titles):
-        chosen = results.get((title, "auto"))
-        found = {law: results.get((title, law)) or (chosen if chosen and chosen["law"] == law else None) for law in LAWS[1:]}
-        readings = list(next((one["found"] for one in found.values() if one), {}))
-        table = np.full((len(found), max(len(readings), 1)), np.nan)
+        found = rows_of(title, results)
+        readings = list(next((one["found"] for one in found.values()), {}))
+        table = np.full((max(len(found), 1), max(len(readings), 1)), np.nan)
         for row, one in enumerate(found.values()):
-            for column, name in enumerate(readings if one else []):
+            for column, name in enumerate(readings):
                 entry = one["found"][name]
                 table[row, column] = min(abs(off(entry)), 3.0)
                 ax.text(column, row, error(entry).strip("*"), ha="center", va="center", fontsize=8, weight="normal" if entry["reached"] else "bold")
         ax.imshow(table, cmap=colours, vmin=0.0, vmax=3.0, aspect="auto")
         ax.set_xticks(range(len(readings)), [named(name) for name in readings], fontsize=8)
         ax.set_yticks(range(len(found)), list(found), fontsize=8)
-        ax.set_title(title + (f": auto takes {chosen['law']}" if chosen else ""), fontsize=9, loc="left")
+        ax.set_title(title, fontsize=9, loc="left")
     figure.tight_layout()
     figure.savefig(PICTURE, dpi=110, metadata={"Software": None})
     plt.close(figure)
@@ -219,23 +257,21 @@ def values(found):
 
 def of_rock(title, results):
     """Lines on one rock."""
-    found = {law: results.get((title, law)) for law in LAWS}
-    there = {law: one for law, one in found.items() if one and not (law != "auto" and found["auto"] and law == found["auto"]["law"])}
+    there = rows_of(title, results)
     if not there:
         return [f"### {title}", "", "Not run.", ""]
     readings = next(iter(there.values()))["found"]
     lines = [f"### {title}", "", f"`gneiss calibrate validate/references/{stem(title)}.yaml`", ""]
     lines += ["| law | " + " | ".join(named(name) for name in readings) + " | not fitted, MPa | runs | CPU s / 2 |", "| --- " * (len(readings) + 4) + "|"]
-    lines.append("| wanted | " + " | ".join(f"{one['target'] / (1e9 if name == 'young_modulus' else 1e6 if one['unit'] else 1):.4g}" for name, one in readings.items()) + " | | | |")
+    lines.append("| wanted | " + " | ".join(f"{one['target'] / (1e9 if name == 'young_modulus' else 1e6 if one['unit'] == 'Pa' else 1):.4g}" for name, one in readings.items()) + " | | | |")
     tolerances = [f"{one['tolerance']:.2g}" if not one["unit"] else f"{100.0 * one['tolerance'] / one['target']:.2g} %" for one in readings.values()]
     lines.append("| tolerance | " + " | ".join(tolerances) + " | | | |")
     for law, one in there.items():
-        label = f"auto: {one['law']}" if law == "auto" else law
-        lines.append(f"| {label} | " + " | ".join(error(entry) for entry in one["found"].values())
+        lines.append(f"| {law} | " + " | ".join(error(entry) for entry in one["found"].values())
                      + f" | {beside(one)} | {one['runs']} | {0.5 * one['cpu_seconds']:.0f} |")
     lines += ["", "| law | E contact, GPa | k_t/k_n | tensile, MPa | shear/tensile | bond friction | friction |", "| --- | --- | --- | --- | --- | --- | --- |"]
     lines += [f"| {law} | {values(one)} |" for law, one in there.items()]
-    lines += [""] + [f"- {law}: {note}." for law, one in there.items() for note in (one["tried"] if law == "auto" else []) + one["notes"]]
+    lines += [""] + [f"- {re.sub('[:,].*', '', law)}: {note}." for law, one in there.items() for note in one["tried"] + one["notes"]]
     return lines + [""]
 
 
@@ -247,7 +283,7 @@ without confinement that were not measured are those of the Hoek-Brown fit, with
 
 ![Errors of the readings of six rocks by law](pictures/calibration-rocks.png)
 
-Colours: green at 0, red from 3 tolerances on; grey: not run.
+Colours: green at 0, red from 3 tolerances on.
 
 - *Envelopes.* Brittle bonds reach steep ones (granites, m_i 26 to 33) if a contact's shear strength is five to eight times its tensile strength, and flat
   ones (dolomite, limestone) if it is one to two times that and contacts that slide have less friction. Chi is found from the strengths under pressure, the
@@ -268,7 +304,7 @@ def main():
     if "--targets" in sys.argv:
         return
     chosen = [sys.argv[sys.argv.index("--only") + 1]] if "--only" in sys.argv else list(paths)
-    results = {(title, law): calibration(title, paths[title], law) for law in LAWS for title in chosen}
+    results = {(title, law): calibration(title, paths[title], law) for law in LAWS for title in chosen if law in laws_of(title)}
     if "--only" not in sys.argv:
         draw(list(paths), results)
         calibration_page.put("rocks", "Six rocks", TEXT + "\n".join(line for title in paths for line in of_rock(title, results)))

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Forces on disc cutters over depth, strength, diameter, speed, friction, facets and packings, in a block small enough for minutes.
+"""Forces on tools over depth, strength, diameter, speed, friction, facets and packings, and the cost of coupling.
 
-    validate/cutting_study.py build/gneiss runs/cutting-study            # all runs that are not there yet, then the tables
-    validate/cutting_study.py build/gneiss runs/cutting-study --tables   # the tables of the runs that are there
+    validate/cutting_study.py build/gneiss runs/cutting-study                   # all runs that are not there yet, then the tables
+    validate/cutting_study.py build/gneiss runs/cutting-study --only wide       # runs whose name begins so
+    validate/cutting_study.py build/gneiss runs/cutting-study --tables          # the tables of the runs that are there
 
-The base is scenes/cutting-disc.yaml with larger particles; every group varies one quantity of it, and relieved cuts are those of
-scenes/cutting-relieved.yaml. A run counts once: a folder with a
-finished summary.json is not computed again."""
+Cuts in space are scenes/cutting-disc.yaml with other blocks and particles; every group varies one quantity of it, and relieved cuts are
+those of scenes/cutting-relieved.yaml. Cuts in the plane are scenes/cutting-adaptive.yaml in a larger body, of particles alone, of
+particles on elements, and of elements that convert. A run counts once: a folder with a finished summary.json is not computed again."""
 import argparse
 import json
 import math
@@ -14,17 +15,23 @@ import os
 import subprocess
 
 import numpy as np
+import yaml
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, os.pardir, "scenes")
-BASE = {"specimen.box.size": "[110 mm, 90 mm, 35 mm]", "specimen.origin": "[0 mm, -45 mm, -35 mm]", "specimen.mean_radius": "3.6 mm",
+# Rock whose contacts resist ten times as much shear as tension.
+OLD = {"materials.rock.contact_modulus": "34.1 GPa", "materials.rock.kratio": 8.6, "materials.rock.tensile_strength": "29.4 MPa",
+       "materials.rock.shear_strength": "294 MPa", "materials.rock.bond_friction": 0}
+BASE = {**OLD, "specimen.box.size": "[110 mm, 90 mm, 35 mm]", "specimen.origin": "[0 mm, -45 mm, -35 mm]", "specimen.mean_radius": "3.6 mm",
         "output.snapshots": 0, "output.history_rows": 1000, "run.threads": 1}
 FINE = {"specimen.box.size": "[130 mm, 120 mm, 45 mm]", "specimen.origin": "[0 mm, -60 mm, -45 mm]", "specimen.mean_radius": "3 mm",
         "bodies.disc.motion.vx": "8 m/s"}
 LONG = {"specimen.box.size": "[200 mm, 90 mm, 35 mm]", "bodies.disc.motion.vx": "8 m/s"}
 MOMENTS = {"materials.rock.contact_modulus": "34.7 GPa", "materials.rock.kratio": 9.7, "materials.rock.tensile_strength": "10.8 MPa",
            "materials.rock.shear_strength": "25.9 MPa", "materials.rock.bond_friction": 1, "bonds.radius_multiplier": 1, "bonds.moment_share": 0}
-RADIUS = {"17": 216.0, "19": 241.3}  # mm
+CALIBRATED = {"materials.rock.contact_modulus": "37.2 GPa", "materials.rock.kratio": 8.52, "materials.rock.tensile_strength": "11.25 MPa",
+              "materials.rock.shear_strength": "35.5 MPa", "materials.rock.bond_friction": 0.5, "bonds.radius_multiplier": 1, "bonds.moment_share": 0}
+RADIUS = {"17": 216.0, "19": 241.3, "small": 125.0}  # mm
 
 
 def disc(inch, depth, facet=None):
@@ -36,6 +43,48 @@ def disc(inch, depth, facet=None):
     if facet:
         keys["bodies.disc.disc_cutter.facet"] = f"{facet} mm"
     return keys
+
+
+def in_block(inch, depth, size, speed, keys):
+    """Overrides for a block of length, width and height in mm, of particles of 5 mm, with the rock of the scene."""
+    return {**disc(inch, depth), "specimen.box.size": "[{} mm, {} mm, {} mm]".format(*size), "specimen.mean_radius": "2.5 mm",
+            "specimen.origin": f"[0 mm, {-0.5 * size[1]} mm, {-size[2]} mm]", "bodies.disc.motion.vx": f"{speed} m/s", "run.seed": 1,
+            "time.end": f"{(size[0] + 2) / speed} ms", "output.energy": "off", "test.spacing": f"{size[1]} mm", **keys}
+
+
+def plane(kind, depth=5, speed=3, length=280, height=160):
+    """Scene of a chisel in the plane: 'particles', 'fixed' or 'adaptive', in a body of length and height in mm."""
+    with open(os.path.join(SCENES, "cutting-adaptive.yaml")) as file:
+        scene = yaml.safe_load(file)
+    body, elements, tool = scene["specimen"], scene["elements"], scene["bodies"][0]
+    layer = 54 if kind == "fixed" else height  # mm, with particles
+    body["rectangle"] = {"width": f"{length} mm", "height": f"{layer} mm"}
+    body["origin"] = ["0 mm", f"{-layer} mm"]
+    held = [{"name": "back", "select": {"end": {"axis": "x", "side": "upper", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}},
+            {"name": "base", "select": {"end": {"axis": "y", "side": "lower", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}}]
+    low = height if kind == "adaptive" else height - 42  # mm, height of the elements
+    elements["rectangle"] = {"size": [f"{length} mm", f"{low} mm"], "cells": [length // 4, low // 4 + (low % 4 > 0)], "origin": ["0 mm", f"{-height} mm"]}
+    if kind == "adaptive":
+        body["packing"]["region"] = {"min": ["0 mm", f"{-height + 14.9} mm"], "max": [f"{length - 14.9} mm", "0 mm"]}
+        scene["couple"]["convert"]["width"] = "12 mm"
+    else:
+        del body["packing"]["region"]
+        scene["sets"] = held if kind == "particles" else held[:1]
+        scene["couple"] = {"zones": [{"edges": [{"from": ["0 mm", "-42 mm"], "to": ["0 mm", "-54 mm"]}]}]}
+    if kind == "particles":
+        del scene["elements"], scene["couple"]
+    tool["origin"] = ["-6 mm", f"{-depth} mm"]
+    tool["motion"] = {"vx": f"{speed} m/s"}
+    scene["test"]["depth"] = f"{depth} mm"
+    scene["output"]["snapshots"] = 0
+    return scene
+
+
+def chisel(depth):
+    scene = plane("particles", depth, 6, 160, 100)
+    scene["test"] |= {"run_in": "16 mm", "length": "60 mm"}
+    scene["time"]["end"] = "30 ms"
+    return scene
 
 
 def strength(factor):
@@ -66,6 +115,13 @@ def runs():
         found[f"spacing-{spacing}-seed-1"] = {"bodies.first.origin[1]": f"{spacing} mm", "test.spacing": f"{spacing} mm", "run.seed": 1,
                                               "specimen.box.size": "[110 mm, 130 mm, 35 mm]", "specimen.origin": "[0 mm, -45 mm, -35 mm]"}
     found |= {f"moments-seed-{seed}": {**disc("17", 4), **MOMENTS, "run.seed": seed} for seed in (1, 2)}
+    calibrated = CALIBRATED | {"bodies.disc.disc_cutter.tip_width": "16 mm", "output.energy": "on", "test.spacing": "80 mm"}
+    narrow = {"bodies.disc.disc_cutter.tip_width": "12.5 mm"}
+    brittle = {key: None for key in OLD}
+    found |= {f"calibrated-{depth}": in_block("17", depth, (130, 90, 45), 8, calibrated) for depth in (7.5, 10, 12.5, 15)}
+    found |= {f"wide-{depth}": in_block("small", depth, (150, 130, 70), 16, {**brittle, **narrow}) for depth in (5, 7.5, 10, 15)}
+    found |= {f"chisel-{depth}-seed-{seed}": {"scene": chisel(depth), "run.seed": seed} for depth in (2.5, 5, 7.5, 10) for seed in (1, 2)}
+    found |= {f"plane-{kind}": {"scene": plane(kind), "run.seed": 1} for kind in ("particles", "fixed", "adaptive")}
     found |= {"radius-2.5-seed-1": {**disc("17", 4), "specimen.mean_radius": "2.5 mm", "run.seed": 1}}
     return found
 
@@ -80,12 +136,18 @@ def finished(folder):
 
 
 def compute(program, place, only):
+    os.makedirs(place, exist_ok=True)
     for name, keys in runs().items():
         folder = os.path.join(place, name)
         if finished(folder) or not name.startswith(only):
             continue
-        options = [part for key, value in {**BASE, **keys}.items() for part in ("--set", f"{key}={value}")]
         scene = os.path.join(SCENES, "cutting-relieved.yaml" if name.startswith("spacing") else "cutting-disc.yaml")
+        if "scene" in keys:
+            scene = os.path.join(place, f"{name}.yaml")
+            with open(scene, "w") as file:
+                yaml.safe_dump(keys["scene"], file)
+        given = {**({} if "scene" in keys else BASE), **keys, "run.threads": 1}
+        options = [part for key, value in given.items() if key != "scene" and value is not None for part in ("--set", f"{key}={value}")]
         subprocess.run([program, "run", scene, "--out", folder, "--quiet", "--force", *options], check=False)
 
 
@@ -130,11 +192,17 @@ def tables(place):
               **{f"long-{p}": f"block of 200 mm, 8 m/s, depth {p} mm" for p in (3, 4, 6, 8)},
               "spacing-20": "relieved, spacing 20 mm", "spacing-40": "relieved, spacing 40 mm", "spacing-60": "relieved, spacing 60 mm",
               "moments": "bonds with moments and friction, 149 and 10.3 MPa",
+              **{f"calibrated-{p}": f"calibrated to all strengths, block of 130 x 90 x 45 mm, {p} mm" for p in (7.5, 10, 12.5, 15)},
+              **{f"wide-{p}": f"disc of 250 mm, block of 150 x 130 x 70 mm, {p} mm" for p in (5, 7.5, 10, 15)},
+              **{f"chisel-{p}-": f"chisel in the plane, {p} mm" for p in (2.5, 5, 7.5, 10)},
+              **{f"plane-{kind}": f"chisel in the plane, 5 mm, {kind}" for kind in ("particles", "fixed", "adaptive")},
               "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
     for start, label in labels.items():
         print(row(place, label, start))
     depths = {"mean radius 3.6 mm": {3: "depth-3", 4: "seed", 6: "depth-6", 8: "depth-8"},
-              "mean radius 3 mm": {p: f"fine-{p}" for p in (4.5, 6, 9, 12)}, "block of 200 mm": {p: f"long-{p}" for p in (3, 4, 6, 8)}}
+              "mean radius 3 mm": {p: f"fine-{p}" for p in (4.5, 6, 9, 12)}, "block of 200 mm": {p: f"long-{p}" for p in (3, 4, 6, 8)},
+              "calibrated": {p: f"calibrated-{p}" for p in (7.5, 10, 12.5, 15)}, "wide block": {p: f"wide-{p}" for p in (5, 7.5, 10, 15)},
+              "chisel": {p: f"chisel-{p}-" for p in (2.5, 5, 7.5, 10)}}
     strengths = ("strength-0.5", "strength-0.7", "seed", "strength-1.4")
     for name in ("normal_force", "rolling_force"):
         for title, starts in depths.items():

@@ -60,6 +60,18 @@ def if_there(make, *arguments, **named):
         return None
 
 
+def kept(path, make):
+    """Returns the result of make(), stored as JSON in a file when it is first made; the file is there in full or not at all."""
+    if not path.exists():
+        if KEPT:
+            raise Missing(path.name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(path.name + ".part")
+        part.write_text(json.dumps(make()))
+        part.replace(path)
+    return json.loads(path.read_text())
+
+
 def not_run(names):
     """A line below a table on the rows that it lacks; nothing if it lacks none."""
     names = list(names)

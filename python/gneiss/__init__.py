@@ -9,7 +9,7 @@ docs/python.md describes the module; every class and function has its own text.
 """
 from ._library import lib as _lib, text as _text
 from . import keys
-from .commands import calibrate, check, pack, plan, report, run, stiffness, sweep
+from .commands import calibrate, check, pack, plan, report, run, stiffness, sweep, view
 from .errors import FileError, GneissError, InputError, Interrupted, OutOfMemory, Problem, Unstable
 from .results import Results
 from .scene import Scene
@@ -17,4 +17,4 @@ from .world import Specimen, World
 
 __version__ = _text(_lib.gneiss_version())
 __all__ = ["FileError", "GneissError", "InputError", "Interrupted", "OutOfMemory", "Problem", "Results", "Scene", "Specimen", "Unstable",
-           "World", "calibrate", "check", "keys", "pack", "plan", "report", "run", "stiffness", "sweep"]
+           "World", "calibrate", "check", "keys", "pack", "plan", "report", "run", "stiffness", "sweep", "view"]

@@ -167,3 +167,10 @@ def report(folder: Path) -> str:
     """Makes report.html of a folder of results. Returns its path."""
     _call("report", folder)
     return os.path.join(folder, "report.html")
+
+
+def view(folder: Path, *, instants: int | None = None, fields: Sequence[str] | None = None, paraview: bool = False) -> str:
+    """Makes view.html, in which a run turns and moves in a browser (docs/view.md); with `paraview` a script that opens it in ParaView.
+    Returns the path."""
+    _call("view", folder, instants=instants, fields=fields, paraview=paraview)
+    return os.path.join(folder, "paraview_state.py" if paraview else "view.html")

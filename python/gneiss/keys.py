@@ -59,7 +59,7 @@ class Specimen(_Specimen, total=False):
     polygon: Rows  # list of at least 3 points [x, y], m, in [-1e9, 1e9]: 2D shape: its corners in either sense of rotation
     box: SpecimenBox  # 3D shape; its lower corner is at the origin
     cylinder: SpecimenCylinder  # 3D shape, axis along z; the centre of its lower end is at the origin
-    surface: str  # file: 3D shape: STL file of a closed surface
+    surface: str  # file: 3D shape: STL, PLY or OBJ file of a closed surface
     mesh: str  # file: 2D or 3D shape: gmsh .msh file, whose triangles (3D: tetrahedra) are the body; or a .geo, .step, .brep or .iges file, which the gmsh program meshes first: only with --allow-gmsh, as such a file can execute commands
     origin: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: position of the origin of a rectangle, disc, box or cylinder (default 0)
     mean_radius: Number  # number, m, in [1e-9, 1e9], or none: mean radius of the particles to pack into a shape, instead of their number (default none)
@@ -213,7 +213,7 @@ class Law(TypedDict, total=False):
 
 
 class Elements(TypedDict, total=False):
-    mesh: str  # file: gmsh .msh file, format 2.2 or 4.1, linear triangles (3D: tetrahedra)
+    mesh: str  # file: gmsh .msh file of triangles (3D: tetrahedra); quadrangles, hexahedra, prisms and pyramids are split, and of elements of higher order the corners are used
     scale: Number  # number, in [1e-12, 1e12]: lengths in the file times this give metres (default 1)
     rectangle: ElementsRectangle  # built-in 2D mesh; groups body, x_lower, x_upper, ...
     box: ElementsBox  # built-in 3D mesh; groups body, x_lower, x_upper, y_lower, ...
@@ -500,7 +500,7 @@ class WallServo(TypedDict, total=False):
 
 class Body(TypedDict, total=False):
     name: str  # name: name by which the rest of the scene refers to it
-    surface: str  # file: 3D shape: STL file; a free body needs a closed surface that does not intersect itself, unless mass, inertia and reference are given
+    surface: str  # file: 3D shape: STL, PLY or OBJ file; a free body needs a closed surface that does not intersect itself, unless mass, inertia and reference are given
     box: BodyBox  # 3D shape; its lower corner is its origin
     cylinder: BodyCylinder  # 3D shape, axis along z; the centre of its lower end is its origin
     polygon: Rows  # list of at least 3 points [x, y], m, in [-1e9, 1e9]: 2D shape: closed line through its corners

@@ -113,6 +113,7 @@ def plans_and_reports_are_made(folder):
             assert (found["particles"], found["bonds"]) == (world.counts.particles, world.counts.bonds) and found["steps"] > 0
     gneiss.run(LATTICE, os.path.join(folder, "run"))
     assert os.path.getsize(gneiss.report(os.path.join(folder, "run"))) > 1000
+    assert os.path.getsize(gneiss.view(os.path.join(folder, "run"), instants=2, fields=["velocity"])) > 10000
 
 
 @fact
@@ -124,6 +125,7 @@ def what_the_program_refuses_is_an_exception_with_its_place(folder):
     assert raised(gneiss.InputError, gneiss.calibrate, {"title": "nothing"}, os.path.join(folder, "c"))
     os.mkdir(os.path.join(folder, "shut"))
     assert raised(gneiss.GneissError, gneiss.report, os.path.join(folder, "shut")).status == 2
+    assert raised(gneiss.GneissError, gneiss.view, os.path.join(folder, "shut")).status == 2
     error = raised(gneiss.Unstable, gneiss.run, LATTICE, os.path.join(folder, "run"), set={"time.end": "100 s"})
     assert "left the domain" in str(error)
 

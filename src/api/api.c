@@ -35,7 +35,7 @@ gneiss_status gn_api_require(const void *pointer, const char *what, gneiss_error
     return gn_fail(error, GNEISS_ERROR_INPUT, "argument %s: expected a pointer, found NULL", what);
 }
 
-/* Names of the files of a run must fit after the path. */
+/* Checks that names of the files of a run fit after the path. */
 static gneiss_status require_path(const char *path, const char *what, gneiss_error *error) {
     GN_TRY(gn_api_require(path, what, error));
     if (strlen(path) < GN_PATH_SIZE - 64) return GNEISS_OK;
@@ -86,7 +86,7 @@ static gneiss_status make_overrides(const char *const *texts, size_t count, over
 
 /* --- scenes --- */
 
-/* Reads a scene for both entry points; `text` NULL: from the file `name`. */
+/* Reads a scene for both functions of the API; `text` NULL: from the file `name`. */
 static gneiss_status read_scene(const char *text, const char *name, const char *folder,
                                 const override_list *list, gneiss_scene *scene,
                                 gneiss_error *error) {
@@ -170,7 +170,7 @@ static gneiss_status new_world(gneiss_world **world, gneiss_error *error) {
     return gn_new(world, 1, "a world", error);
 }
 
-/* Returns the world to the caller, or frees its handle on failure; a failed run owns nothing. */
+/* Gives the world to the caller, or frees its handle on failure; a failed run owns nothing. */
 static gneiss_status hand_over(gneiss_status status, gneiss_world *made, gneiss_world **world) {
     if (status == GNEISS_OK)
         *world = made;
@@ -215,7 +215,8 @@ gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error
     return gn_fail(error, world->failure.status, "%s", world->failure.message);
 }
 
-/* As gn_api_require_good, for calls that end a step or begin one. */
+/* Does the same as gn_api_require_good, for functions that must not be called inside a call between
+ * steps. */
 static gneiss_status require_free(const gneiss_world *world, gneiss_error *error) {
     GN_TRY(gn_api_require_good(world, error));
     if (!world->hooks.inside) return GNEISS_OK;
@@ -223,7 +224,7 @@ static gneiss_status require_free(const gneiss_world *world, gneiss_error *error
                    "expected no advance of a world inside a call of its own hooks, found one");
 }
 
-/* Appends the place of the stored bad state to the message. */
+/* Appends to the message where the bad state was stored. */
 static void keep_bad_state(gneiss_world *world) {
     gneiss_error second = {0}, first = world->failure;
     if (!world->run.directory[0]) return;
@@ -234,7 +235,7 @@ static void keep_bad_state(gneiss_world *world) {
 }
 
 /* Called after an advance. An output that could not be written leaves the world intact; any other
- * error ends it. */
+ * error ends it permanently. */
 static gneiss_status settle(gneiss_world *world, gneiss_status status, const gneiss_error *found,
                             gneiss_error *error) {
     if (status == GNEISS_OK) return GNEISS_OK;

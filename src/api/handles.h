@@ -16,7 +16,7 @@ struct gneiss_scene {
 typedef struct gn_api_hook {
     int64_t number;
     gneiss_call *call; /* NULL: removed */
-    int64_t every;     /* steps; 0: none */
+    int64_t every;     /* number of steps; 0: none */
     double *times;     /* [time_count] s */
     size_t time_count, next;
     gneiss_force *force;  /* NULL: removed */
@@ -27,17 +27,17 @@ typedef struct gn_api_hook {
 
 /* The hooks of a world, which are one feature of it (frame/feature.h). */
 typedef struct gn_api_hooks {
-    bool added;  /* the feature is there */
-    bool inside; /* a call is running: the world may not be advanced */
-    bool acting; /* a field of force is evaluated: nothing may be changed */
+    bool added;  /* the feature has been added to the world */
+    bool inside; /* a call is running, so that the world must not be advanced */
+    bool acting; /* a field of force is being evaluated, so that nothing may be changed */
     volatile sig_atomic_t due;
-    int64_t numbers; /* given so far */
+    int64_t numbers; /* number of hooks added so far */
     size_t count;
-    gn_api_hook *hook;      /* [count] */
-    double *load;           /* [load_count][6] N, N m: sum of all fields on particles, then nodes */
-    double *force, *moment; /* [load_count][3] work data of one of them */
-    size_t load_count;      /* particles and nodes */
-    double lightest[2];     /* 1/kg: largest inverse mass of particles, nodes */
+    gn_api_hook *hook; /* [count] */
+    double *load;      /* [load_count][6] N, N m: sum of all fields on particles, then on nodes */
+    double *force, *moment; /* [load_count][3] scratch for a single field */
+    size_t load_count;      /* number of particles and nodes */
+    double lightest[2];     /* 1/kg: largest inverse mass of particles, and of nodes */
 } gn_api_hooks;
 
 struct gneiss_world {
@@ -47,11 +47,11 @@ struct gneiss_world {
 };
 
 void gn_api_hooks_free(gn_api_hooks *hooks);
-/* Runs the calls that are due. GNEISS_INTERRUPTED: one of them ends the advance. */
+/* Runs the calls that are due. GNEISS_INTERRUPTED: one of them has ended the advance. */
 gneiss_status gn_api_hooks_call(gneiss_world *world, gneiss_error *error);
-/* Fails inside a field of force. */
+/* Fails if called inside a field of force. */
 gneiss_status gn_api_require_whole(const gneiss_world *world, gneiss_error *error);
-/* Fails inside a field of force, and after the world has failed. */
+/* Fails if called inside a field of force, or after the world has failed. */
 gneiss_status gn_api_require_good(const gneiss_world *world, gneiss_error *error);
 
 /* Fails with GNEISS_ERROR_INPUT if `pointer` is NULL; `what` is the name of the argument. */

@@ -1,6 +1,6 @@
 /* Public API: calls between steps and fields of force of a program. All hooks of a world are one
- * feature (frame/feature.h): it notes that a call is due, and the advance then stops between two
- * steps for it; forces join the loads of held particles. */
+ * feature (frame/feature.h). It records that a call is due, for which the advance stops between two
+ * steps; forces are added to the loads of held particles. */
 #include "api/handles.h"
 #include "base/memory.h"
 #include "base/new.h"
@@ -12,8 +12,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Points on which fields act: particles, or the nodes of the body of elements that the API shows.
- */
+/* Points on which fields act: particles, or the nodes of the body of elements that the API
+ * provides. */
 typedef struct points {
     const gn_particles *list;
     gn_hold *hold;
@@ -37,7 +37,7 @@ static bool has_forces(const gn_api_hooks *hooks, gneiss_record record) {
     return false;
 }
 
-/* 1/s2: the largest that all fields together add to the square of a frequency. */
+/* Returns the largest value, 1/s2, that all fields together add to the square of a frequency. */
 static double added_square(const gn_api_hooks *hooks) {
     double sum[2] = {0.0, 0.0};
     for (size_t k = 0; k < hooks->count; k++)
@@ -84,8 +84,8 @@ GN_HOOK(hold_points) {
     return GNEISS_OK;
 }
 
-/* s: the limit of the step with springs to fixed points, which add `square` to the square of a
- * frequency 2/limit, at most. */
+/* Returns the limit of the step, s, with springs to fixed points, which add at most `square` to the
+ * square of the frequency 2/limit. */
 static double limit_with(const gn_step_context *ctx, double square) {
     const double rate2 = isfinite(ctx->stable) ? 1.0 / (ctx->stable * ctx->stable) : 0.0;
     return 1.0 / sqrt(rate2 + 0.25 * square);
@@ -129,13 +129,13 @@ static gneiss_status evaluate(gn_api_hooks *h, const gn_api_hook *hook, const po
     return GNEISS_OK;
 }
 
-/* In a plane: forces along x and y, moments about z. */
+/* Keeps loads in the plane: forces along x and y, moments about z. */
 static void keep_to_plane(const gn_world *w, double *load) {
     if (w->ctx.scene.dimension == 3) return;
     load[2] = load[3] = load[4] = 0.0;
 }
 
-/* W: of all fields on these points. */
+/* Returns the power of all fields on these points, W. */
 static double power_on(const gn_api_hooks *h, const points *on) {
     const gn_particles *q = on->list;
     double sum = 0.0;
@@ -192,7 +192,8 @@ GN_HOOK(book_nodes) {
     return GNEISS_OK;
 }
 
-/* A run ends at the step nearest to its end in the same way. */
+/* Tells whether a time has passed; as at the end of a run, the step that ends nearest to it counts.
+ */
 static bool has_passed(const gn_api_hook *hook, const gn_step_context *ctx) {
     return hook->next < hook->time_count && ctx->time >= hook->times[hook->next] - 0.5 * ctx->dt;
 }
@@ -220,7 +221,7 @@ static const gn_feature feature = {
 
 /* --- calls --- */
 
-/* Removed hooks keep their place until no call is running. */
+/* Drops removed hooks, which keep their place until no call is running. */
 static void drop_removed(gn_api_hooks *h) {
     size_t kept = 0;
     for (size_t k = 0; k < h->count; k++) {
@@ -232,7 +233,7 @@ static void drop_removed(gn_api_hooks *h) {
     h->count = kept;
 }
 
-/* A call may add hooks, so that the list may have another place after it. Those begin later. */
+/* A call may add hooks, after which the list may be at another address. New hooks begin later. */
 gneiss_status gn_api_hooks_call(gneiss_world *world, gneiss_error *error) {
     gn_api_hooks *h = &world->hooks;
     const gn_step_context *ctx = &world->run.world.ctx;
@@ -273,7 +274,7 @@ void gn_api_hooks_free(gn_api_hooks *hooks) {
     gn_free(hooks->moment);
 }
 
-/* Appends a hook, which is the caller's to fill with what cannot fail. */
+/* Appends a hook, which the caller completes with members whose setting cannot fail. */
 static gneiss_status append(gneiss_world *world, gn_api_hook **hook, int64_t *number,
                             gneiss_error *error) {
     gn_api_hooks *h = &world->hooks;
@@ -345,7 +346,7 @@ static gneiss_status check_field(const gneiss_world *world, gneiss_record record
                                              : "such a box");
 }
 
-/* A given step is not lowered. */
+/* Checks a given step, which is not lowered. */
 static gneiss_status check_given_step(const gneiss_world *world, gneiss_error *error) {
     const gn_step_context *ctx = &world->run.world.ctx;
     const double square = added_square(&world->hooks);

@@ -43,7 +43,7 @@ static const char *kind_of(const gn_key *key) {
     return "tree";
 }
 
-/* The key at a place in the list of all. */
+/* Search for the key at an index in the list of all keys. */
 typedef struct sought {
     size_t left; /* number of keys that precede it */
     bool found;

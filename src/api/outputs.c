@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* Available outputs of a record: its fields and number of items. No table: none. */
+/* The outputs of a record: its fields and its number of items. Without a table there are none. */
 typedef struct outputs {
     const gn_output_table *table;
     gn_effects effects;
@@ -103,6 +103,6 @@ gneiss_status gneiss_world_output(const gneiss_world *world, gneiss_record recor
                        "argument count: expected %zu numbers (%zu x %zu of %s), found %zu",
                        o.count * field->components, o.count, field->components, name, count);
     if (record == GNEISS_NODES || record == GNEISS_ELEMENTS)
-        return gn_elements_read(w, 0, record == GNEISS_NODES, field, values, error);
+        return gn_output_elements_read(w, 0, record == GNEISS_NODES, field, values, error);
     return read_particles_or_bonds(w, record == GNEISS_PARTICLES, field, values, error);
 }

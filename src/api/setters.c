@@ -39,7 +39,8 @@ gneiss_status gneiss_world_set_velocities(gneiss_world *world, const double *vel
     GN_TRY(check_rows(spin, count, "spin", error));
     const double gained = gn_dem_set_velocities(&w->ctx, &w->dem, velocity, spin);
     if (w->ctx.step > 0) w->ledger.energy.work_user += gained;
-    /* The skin is at least as wide as two particles can approach each other in a step. */
+    /* The skin must be at least the distance by which two particles can approach each other in a
+     * step. */
     const double path = 2.0 * w->ctx.dt * sqrt(w->dem.done.motion.speed2);
     return path > 0.5 * w->dem.verlet.skin ? gn_world_renew_lists(w, error) : GNEISS_OK;
 }

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Names for messages, as many as fit. */
+/* Names for messages, as many as there is room for. */
 typedef struct name_list {
     char text[1024];
     size_t used;
@@ -43,7 +43,7 @@ static record_place find_record(const gneiss_world *world, gneiss_record record)
     case GNEISS_BONDS:
         return (record_place){&gn_contact_record, &inner->dem.bonds.contacts.soa};
     case GNEISS_PAIRS:
-        gn_near_settle(&inner->ctx, &inner->dem);
+        gn_active_pairs_settle(&inner->ctx, &inner->dem);
         return (record_place){&gn_contact_record, &inner->dem.pairs.contacts.soa};
     case GNEISS_WALL_CONTACTS:
         return (record_place){&gn_wall_contact_record, &inner->boundary.contacts.soa};
@@ -64,7 +64,7 @@ static gneiss_status require_record(const gneiss_world *world, gneiss_record rec
                    (int)record);
 }
 
-/* All fields of an unused record are NULL, whatever its effects are. */
+/* Returns an active field. All fields of an unused record are NULL, whatever its effects are. */
 static const gn_field *active_field(record_place place, size_t index, size_t *count) {
     *count = 0;
     for (size_t f = 0; f < place.record->field_count; f++) {
@@ -319,8 +319,8 @@ gneiss_status gneiss_world_energy_at(const gneiss_world *world, size_t index, gn
     return pick_at(all, ENERGIES, index, term, error);
 }
 
-/* A ledger that was not measured in this process is that of the last row if their residuals are
- * equal. */
+/* If a ledger was not measured in this process, it is that of the last row provided that their
+ * residuals are equal. */
 gneiss_status gneiss_world_energy_instant(const gneiss_world *world, int64_t *step, double *time,
                                           gneiss_error *error) {
     GN_TRY(gn_api_require(world, "world", error));

@@ -85,4 +85,9 @@ _Static_assert(GN_EFFECT_COUNT <= 63, "effects are bits of a long long");
 const char *gn_effect_name(gn_effect_index index);
 const char *gn_effect_text(gn_effect_index index);
 
+/* Writes the names of a set of effects to `text`, with `between` between two, and returns it. */
+enum { GN_EFFECT_NAMES_SIZE = 1024 };
+const char *gn_effect_names(gn_effects effects, const char *between,
+                            char text[GN_EFFECT_NAMES_SIZE]);
+
 #endif

@@ -227,7 +227,7 @@ gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary) {
     gn_assembly a = {0};
     gn_ranks_whole(ctx->ranks);
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     a.dimension = (int)ctx->scene.dimension;
     a.particles = &dem->particles;
     for (int l = 0; l < GN_LIST_COUNT; l++) a.list[l] = &dem->list[l].contacts;

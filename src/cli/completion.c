@@ -5,7 +5,7 @@
 
 /* ---- parts of the texts of options ---- */
 
-/* Calls `print` for "--out" of "--out DIR"; `value`: the option takes one. */
+/* Calls `print` for each option, such as "--out" of "--out DIR"; `value`: the option takes one. */
 static void each_option(const gn_command *command,
                         void (*print)(const char *name, int length, bool value,
                                       const gn_option_text *option)) {
@@ -16,7 +16,7 @@ static void each_option(const gn_command *command,
     }
 }
 
-/* The words that an option takes; "": a file, a number or a key. */
+/* Returns the words that an option accepts; "": a file, a number or a key. */
 static const char *words_of(const char *name) {
     static const char *const words[][2] = {{"--log", "json text"},
                                            {"--precision", "double mixed"},
@@ -90,7 +90,7 @@ static void print_bash(void) {
 
 /* ---- zsh ---- */
 
-/* "--out[output folder]:DIR:_files" */
+/* Prints such as "--out[output folder]:DIR:_files". */
 static void print_zsh_option(const char *name, int length, bool value,
                              const gn_option_text *option) {
     const bool key = strncmp(name, "--set", 5) == 0;

@@ -21,7 +21,7 @@ static bool is_accepted(gn_units *units, const gn_key *key, const char *text) {
            (!key->range || gn_range_holds(key->range, value));
 }
 
-/* Writes the example of the unit, "23 mm", or a number of the range. */
+/* Writes the example of the unit, "23 mm", or a number within the range. */
 static void write_quantity(const gn_key *key, char *text, size_t size) {
     const char *of_unit = strchr(gn_unit_text(key->unit ? key->unit : "1"), '\'');
     const gn_range range = gn_range_read(key->range);
@@ -163,7 +163,7 @@ static const char *element_name(const char *list) {
     return "rock";
 }
 
-/* Prints the sections above a key, and elements of lists with their name. */
+/* Prints the sections above a key, with a name for each element of a list. */
 static void print_example(const char *path, int dimension) {
     const gn_section *section = &gn_scene_section;
     const char *dash = "";
@@ -195,8 +195,8 @@ static void print_example(const char *path, int dimension) {
 
 /* ---- finding the key ---- */
 
-/* Compares "walls[].motion.vz" with the same path, or with one that names the element or leaves it
- * out: walls.top.motion.vz, walls[0].motion.vz, walls.motion.vz. */
+/* Compares a path such as "walls[].motion.vz" with a given one, which may also name an element or
+ * leave it out: walls.top.motion.vz, walls[0].motion.vz, walls.motion.vz. */
 static bool is_path(const char *own, const char *given) {
     for (;;) {
         const size_t length = strcspn(own, ".[");

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #define ALL_COMMANDS                                                                               \
-    "run check plan stiffness pack sweep calibrate resume status report convert keys explain "     \
-    "schema info "                                                                                 \
+    "run check plan stiffness pack sweep calibrate resume status report view convert keys "        \
+    "explain schema info "                                                                         \
     "help "                                                                                        \
     "version"
 
@@ -64,6 +64,12 @@ static const gn_command commands[] = {
      "gneiss status runs/ucs-rock\n"},
     {"report", "DIR", "make report.html from the results of a run, a packing or a sweep", true,
      false, "It can be made during the run.\n", "gneiss report runs/ucs-rock\n"},
+    {"view", "DIR", "make view.html, in which a run turns and moves in a browser", true, false,
+     "One file from the snapshots: particles, bonds, cracks, elements and tools over time, colours "
+     "by\nfield, cuts, curves of the history (docs/view.md). It can be made during the run.\n",
+     "gneiss view runs/ucs-rock\n"
+     "gneiss view runs/ucs-rock --instants 40 --fields damage,velocity,force\n"
+     "gneiss view runs/ucs-rock --paraview\n"},
     {"convert", "IN OUT",
      "write particles or a mesh of another program as a file that gneiss reads, or back", true,
      true,
@@ -145,6 +151,14 @@ const gn_option_text gn_option_texts[] = {
     {"stiffness", "--strain E",
      "stiffness: strain up to which the test is loaded (default 1e-5;\nbetween walls that of the "
      "predicted peak)"},
+    {"view", "--instants N", "view: most snapshots that it shows (default 20)"},
+    {"view", "--fields LIST",
+     "view: colours to choose from: damage,velocity,stress_zz,force or all\n(default: those that "
+     "tell most; force: of bonds)"},
+    {"view", "--paraview",
+     "view: write paraview_state.py, which opens the run in ParaView, and\nrun.vtkhdf, all "
+     "snapshots in "
+     "one file for ParaView 5.13 and later"},
     {"convert", "--length UNIT", "convert: unit of lengths in IN that states none (default m)"},
     {"convert", "--density D", "convert: density in kg/m3 of particles that have none"},
     {"convert", "--columns 'X ...'", "convert: names of columns of a text without a header"},
@@ -177,7 +191,7 @@ bool gn_command_takes(const gn_command *command, const gn_option_text *option) {
     return false;
 }
 
-/* Prints the lines of a text, the first one after the name. */
+/* Prints the lines of a text, the first of them after the name. */
 static void print_option(FILE *out, const char *name, const char *text) {
     fprintf(out, *text ? "  %-18s " : "  %s", name);
     for (; *text; text++) {

@@ -23,7 +23,7 @@ void gn_line_brief(gn_line_field *field, const char *format, ...) {
     va_end(args);
 }
 
-/* Two blanks between fields. */
+/* Joins the fields with two blanks between them. */
 static void join(const gn_line *line, char *out, size_t size) {
     size_t used = 0;
     out[0] = '\0';
@@ -36,7 +36,8 @@ static void join(const gn_line *line, char *out, size_t size) {
     }
 }
 
-/* Returns the least important field that can still be shortened or dropped; NULL: none. */
+/* Returns the least important field that can still be shortened, or with `by_dropping` be dropped;
+ * NULL: none. */
 static gn_line_field *next_to_give_way(gn_line *line, bool by_dropping) {
     gn_line_field *found = NULL;
     for (size_t k = 0; k < line->count; k++) {
@@ -57,7 +58,7 @@ void gn_line_fit(gn_line *line, size_t width, char *out, size_t size) {
     if (width && width < size && strlen(out) > width) out[width] = '\0';
 }
 
-/* Columns of the terminal less one, because some terminals wrap at the last column. */
+/* Returns the columns of the terminal less one, because some terminals wrap at the last column. */
 static size_t room(void) {
     struct winsize window = {0};
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) != 0 || window.ws_col == 0) return 79;

@@ -27,7 +27,7 @@ void gn_line_brief(gn_line_field *field, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* Writes at most `width` characters of the line to `out`: first long texts are replaced by brief
- * ones, then fields are dropped, the least important first; 0: everything fits. */
+ * ones, then fields are dropped, the least important first; `width` 0: no limit. */
 void gn_line_fit(gn_line *line, size_t width, char *out, size_t size);
 
 /* Writes the line to standard error. `last`: the cursor moves to the next line. */

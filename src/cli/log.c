@@ -10,7 +10,7 @@
 
 enum { LINE_FIRST = 1 << 10, ID_SIZE = 64 };
 
-/* A stream whose lines become objects. */
+/* A stream whose lines are printed as JSON objects. */
 typedef struct line_stream {
     gn_log *log;
     FILE *stream, *former;
@@ -22,7 +22,7 @@ typedef struct line_stream {
 struct gn_log {
     const char *command;
     char level[16],
-        id[ID_SIZE]; /* level and id of the last message, to which further lines belong */
+        id[ID_SIZE]; /* level and id of the last message; lines that continue it get the same */
     line_stream out, errors;
 };
 
@@ -35,7 +35,7 @@ static bool starts(const char **text, const char *with) {
     return true;
 }
 
-/* Moves past "name: " if the name has only the characters of keys. */
+/* Moves past "name: " if the name has only characters that keys may have. */
 static bool take_name(const char **text, char *name, size_t size) {
     const size_t length = strspn(*text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                         "0123456789_.[]-");
@@ -93,7 +93,7 @@ static void write_place(gn_json *json, const char **text) {
     }
 }
 
-/* Writes a part of a message, without quotation marks around the whole. */
+/* Writes a part of a message, without quotation marks that enclose it. */
 static void write_part(gn_json *json, const char *key, const char *text, size_t length) {
     const bool quoted = length > 1 && text[0] == '\'' && text[length - 1] == '\'' &&
                         !memchr(text + 1, '\'', length - 2);
@@ -140,7 +140,7 @@ static gn_json *begin(const char *level, const char *id) {
     return json;
 }
 
-/* `more`: members behind those of `json`, with the closing brace; NULL: none. */
+/* `more`: further members after those of `json`, and the closing brace; NULL: none. */
 static bool print_and_free(gn_log *log, gn_json *json, const char *more) {
     char *text = gn_json_finish(json, false);
     if (!text) return false;
@@ -178,7 +178,7 @@ static bool print_line(line_stream *s, const char *line) {
     return print_and_free(log, json, NULL);
 }
 
-/* Returns false without memory: the line is then cut. */
+/* Returns false if there is no memory: the line is then cut. */
 static bool append(line_stream *s, char byte) {
     if (s->used + 1 >= s->capacity) {
         const size_t capacity = s->capacity ? 2 * s->capacity : LINE_FIRST;

@@ -52,7 +52,7 @@ static bool has_any(const gn_node *root, const char *const *keys) {
     return false;
 }
 
-/* The kind follows from top-level keys that no other kind has. */
+/* Returns the kind of a file, which follows from top-level keys that no other kind has. */
 static kind kind_of_root(const gn_node *root) {
     static const char *const sweep[] = {"parameters", "seeds", "sampling", "combine", NULL},
                              *const scene[] = {"materials", "law",  "time",   "elements", "walls",
@@ -86,11 +86,12 @@ static bool is_one_of(const char *name, const char *const *list) {
 }
 
 static const char *const takes_scene[] = {"run", "check", "plan", "stiffness", NULL},
-                         *const takes_folder[] = {"resume", "report", "status", NULL},
+                         *const takes_folder[] = {"resume", "report", "view", "status", NULL},
                          *const takes_file[] = {"run",  "check", "plan",      "stiffness",
                                                 "pack", "sweep", "calibrate", NULL};
 
-/* NULL: the command accepts such a file, and the problem is another. */
+/* Returns what was found instead of a file for this command; NULL: the command accepts such a file,
+ * and the error has another cause. */
 static const char *found_text(const gn_options *options, kind found) {
     const bool sweep = strcmp(options->command, "sweep") == 0,
                calibrate = strcmp(options->command, "calibrate") == 0;
@@ -113,7 +114,7 @@ static const char *expected_text(const gn_options *options) {
 }
 
 /* After an input error: if the file or folder belongs to another command, replaces the message by
- * one that names this command. */
+ * one that names that command. */
 static void name_wrong_file(const gn_options *options, gneiss_error *error) {
     struct stat status;
     if (!options->command || !options->target || stat(options->target, &status) != 0) return;
@@ -151,7 +152,7 @@ static void name_option(const gn_options *options, gneiss_error *error) {
     }
 }
 
-enum { LONG_RUN = 60 }; /* s of computing above which results are replaced only on request */
+enum { LONG_RUN = 60 }; /* s of computing; results that took longer are replaced only on request */
 
 static const char nothing_lost[] =
     "gneiss: interrupted: before the first step; there is nothing to save\n";
@@ -170,7 +171,7 @@ static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error
     return gn_run_check_final_ledger(run, error);
 }
 
-/* Stores the bad state for inspection; the message of the first error is kept. */
+/* Stores the failed state for inspection; the message of the first error is kept. */
 static gneiss_status fail(gn_run *run, gneiss_error *error) {
     gneiss_error second = {0};
     gneiss_status status = error->status;
@@ -200,6 +201,9 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
     if (*gn_elements_doubts(&run->world.ctx, &run->world.dem, &run->world.boundary,
                             &run->world.solids, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
+    for (size_t k = 0; run->world.ctx.step == 0 && k < run->world.solids.count; k++)
+        if (gn_mesh_changed(&run->world.solids.elements[k]->solid.mesh, light, sizeof light))
+            fprintf(stderr, "gneiss: note: elements.mesh: %s\n", light);
     if (*gn_conversion_watches(&run->world.ctx, &run->world.solids, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(options, run, error));
@@ -240,7 +244,7 @@ static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *er
     return status;
 }
 
-/* The scene is on the heap because it is too large for a small stack. */
+/* Reads the scene, which is on the heap because it is too large for a small stack. */
 static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
     GN_TRY(gn_new(scene, 1, "a scene", error));
     GN_TRY(
@@ -250,8 +254,8 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
     return GNEISS_OK;
 }
 
-/* A repeated command does not replace hours of computing, and a mistaken folder does not lose other
- * files; both are refused before anything is computed. */
+/* Refuses to replace results of hours of computing, or a folder with other files. This is checked
+ * before anything is computed. */
 static gneiss_status check_replacing(const gn_options *options, const gn_scene *scene,
                                      gneiss_error *error) {
     char folder[GN_PATH_SIZE], text[32];
@@ -318,8 +322,8 @@ static bool shares_run(void) {
     return gn_transport_now() && gn_transport_now()->count > 1;
 }
 
-/* Each of several confinements in a scene is a scene of its own: a problem of one is reported as
- * `run` reports it. */
+/* Several confinements in a scene give several scenes; an error in one of them is reported as `run`
+ * reports it. */
 static gneiss_status check_confinements(const gn_options *options, bool *several,
                                         gneiss_error *error) {
     GN_FREED gn_sweep *sweep = NULL;
@@ -330,7 +334,7 @@ static gneiss_status check_confinements(const gn_options *options, bool *several
     return GNEISS_OK;
 }
 
-/* The result of `plan` and `check` for other programs. */
+/* Prints the result of `plan` and `check` as JSON. */
 static void print_model(const gn_world *world, int warnings) {
     const gn_scene *scene = &world->ctx.scene;
     gn_json *json = gn_json_begin();
@@ -345,8 +349,8 @@ static void print_model(const gn_world *world, int warnings) {
     gn_print_object("result", gn_json_finish(json, false));
 }
 
-/* `plan` and `check` build the world and write nothing but a planned scene. `packings`: see
- * gn_plan_accuracy. */
+/* Carries out `plan` and `check`, which build the world and write nothing but a planned scene.
+ * `packings`: see gn_plan_accuracy. */
 static gneiss_status look(const gn_options *options, bool plan, int *packings,
                           gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
@@ -392,8 +396,8 @@ static gneiss_status command_run_once_or_more(const gn_options *options, gneiss_
 
 /* --- run --error --- */
 
-/* The planned scene is kept beside the folder of the results: <folder>.yaml. *reading: that of
- * the plan. */
+/* Makes the path of the planned scene, <folder>.yaml beside the folder of the results. *reading:
+ * the reading of the plan. */
 static gneiss_status planned_paths(const gn_options *options, char folder[GN_PATH_SIZE],
                                    char file[GN_PATH_SIZE], const char **reading,
                                    gneiss_error *error) {
@@ -422,7 +426,7 @@ static gneiss_status check_planned_options(const gn_options *options, gneiss_err
     return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss run --error and %s", refused);
 }
 
-/* Writes the planned scene; the specimen of the plan is released before the run. */
+/* Writes the planned scene; frees the specimen of the plan before the run. */
 static gneiss_status plan_ahead(const gn_options *options, const char *file, int *packings,
                                 gneiss_error *error) {
     char parent[GN_PATH_SIZE];
@@ -484,7 +488,8 @@ static gneiss_status command_run_all(const gn_options *options, gneiss_error *er
 /* Symbols of the linker: the start of the program in memory, and the end of its machine code. */
 extern const char __executable_start[], etext[];
 
-/* The numbers of variants of kernels are those of one instruction set. */
+/* Prints the version and the variants of kernels, whose numbers are those of one instruction set.
+ */
 static void print_info(void) {
     size_t contact = 0, motion = 0;
     const gn_kernel_set *set = gn_kernel_set_at(0);
@@ -538,7 +543,8 @@ static gneiss_status command_help(const gn_options *options, gneiss_error *error
     return GNEISS_OK;
 }
 
-/* Returns the reason why no key concerns a word of the field; NULL: unknown. */
+/* Returns the reason why no key exists for a technical term that the program does not model; NULL:
+ * unknown. */
 static const char *not_modelled(const char *word) {
     static const char *const words[][2] = {
         {"water", "no water or other fluid is modelled: stresses are effective ones"},
@@ -581,6 +587,7 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     if (strcmp(options->command, "stiffness") == 0) return gn_command_stiffness(options, error);
     if (strcmp(options->command, "status") == 0) return gn_command_status(options, error);
     if (strcmp(options->command, "report") == 0) return gn_command_report(options, error);
+    if (strcmp(options->command, "view") == 0) return gn_command_view(options, error);
     if (strcmp(options->command, "calibrate") == 0) return gn_command_calibrate(options, error);
     if (strcmp(options->command, "convert") == 0) return gn_command_convert(options, error);
     if (strcmp(options->command, "explain") == 0) return gn_command_explain(options, error);
@@ -595,11 +602,12 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     return command_keys(options, error);
 }
 
-/* Threads synchronise twice a step. By default the OpenMP library spins for long while it waits,
- * and on a shared machine the spinning thread keeps the awaited one from running. A short spin
- * before blocking costs little on an idle machine. The library reads this before main, hence the
- * second start. With bound threads the library has already put this thread on one core, and a
- * second start would inherit only that core. */
+/* Starts the program again with a short spin of waiting threads. Threads synchronise twice a step.
+ * By default the OpenMP library spins for a long time while it waits, and on a shared machine the
+ * spinning thread delays the one that it waits for. A short spin before blocking costs little on an
+ * idle machine. The library reads this setting before main, hence the second start. If threads are
+ * bound to cores, the library has already bound this thread to one core, and a second start would
+ * inherit only that core. */
 static void spin_briefly(char **argv) {
     static const char *const given[] = {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMP_PROC_BIND",
                                         "OMP_PLACES", "GOMP_CPU_AFFINITY"};
@@ -609,19 +617,20 @@ static void spin_briefly(char **argv) {
     execv("/proc/self/exe", argv); /* on failure the default remains */
 }
 
-static bool finished; /* set when main returns: no library ended the program */
+static bool finished; /* true when main returns: no library has ended the program */
 
-/* Libraries that lack memory may exit: the scanner of UDUNITS-2 by exit(2), which would count as an
- * input error, the OpenMP library by exit(1). They have printed the reason. */
+/* Corrects the exit code if a library ended the program for lack of memory: UDUNITS-2 calls
+ * exit(2), which would count as an input error, and the OpenMP library exit(1). They have printed
+ * the reason. */
 static void report_library_exit(void) {
     if (finished) return;
     fputs("gneiss: out of memory: a library ended the program\n", stderr);
     _exit(GNEISS_ERROR_MEMORY);
 }
 
-/* Large blocks are returned to the system when they are freed. By default the allocator of glibc
- * keeps blocks of up to 32 MB after some were freed, and files that are formed in memory leave
- * holes: the same run took 118 or 268 MB. */
+/* Makes the allocator return large blocks to the system when they are freed. By default glibc keeps
+ * blocks of up to 32 MB once some were freed, and files that are formed in memory leave unused
+ * space: the same run took 118 or 268 MB. */
 static void give_back_large_blocks(void) {
 #ifdef __GLIBC__
     (void)mallopt(M_MMAP_THRESHOLD, 4 << 20);
@@ -642,9 +651,9 @@ static gn_log *begin_log(int argc, char **argv) {
     return wanted ? gn_log_begin(command ? command->name : "gneiss") : NULL;
 }
 
-/* Ends the program with a status; the message of an error was not printed before. */
+/* Ends the program with a status; prints the message of an error, which was not printed before. */
 static void leave(gn_log *log, gneiss_status status, gneiss_error *error) {
-    /* An earlier flush may have failed with nothing left to write now. */
+    /* A flush before may have failed and left nothing to write now. */
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
         status = gn_fail(error, GNEISS_ERROR_IO, "standard output cannot be written");
     if (status != GNEISS_OK && error->message[0])
@@ -663,12 +672,13 @@ int main(int argc, char **argv) {
     gn_program_begin(&argc, &argv);
     give_back_large_blocks();
     (void)atexit(report_library_exit);
-    omp_set_dynamic(
-        0); /* results do not depend on it, but the speed does: OMP_DYNAMIC is ignored */
+    omp_set_dynamic(0); /* results do not depend on the number of threads, but the speed does:
+                           OMP_DYNAMIC is ignored */
     gneiss_error error = {0};
     gn_options options;
     bool done = false;
-    signal(SIGXFSZ, SIG_IGN); /* a file size limit is a write error and does not end the program */
+    signal(SIGXFSZ,
+           SIG_IGN); /* a write beyond the file size limit fails and does not end the program */
     gn_log *log = begin_log(argc, argv);
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) {

@@ -5,7 +5,8 @@
 #include <ctype.h>
 #include <string.h>
 
-/* A minus would become a hyphen, and a dot at the start of a line a request. */
+/* Writes a text for man: a minus would become a hyphen, and a dot at the start of a line a command.
+ */
 static void put(FILE *out, const char *text) {
     bool start = true;
     for (; *text; text++) {

@@ -69,7 +69,7 @@ static gneiss_status check_sweep_options(const gn_options *options, const gn_com
     return GNEISS_OK;
 }
 
-/* Refuses options of `plan --error` without it. */
+/* Refuses the options of `plan --error` if --error is missing. */
 static gneiss_status check_plan_options(const gn_options *options, const gn_command *command,
                                         gneiss_error *error) {
     const char *given = options->error > 0.0     ? "--error"
@@ -95,6 +95,18 @@ static gneiss_status check_stiffness_options(const gn_options *options, const gn
                    command->name, given, options->one_json ? "; --log json prints JSON lines" : "");
 }
 
+/* Refuses options of `view` for other commands. */
+static gneiss_status check_view_options(const gn_options *options, const gn_command *command,
+                                        gneiss_error *error) {
+    const char *given = options->instants   ? "--instants"
+                        : options->fields   ? "--fields"
+                        : options->paraview ? "--paraview"
+                                            : NULL;
+    if (!given || strcmp(command->name, "view") == 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss view", command->name,
+                   given);
+}
+
 static bool is_among(const gn_command *command, const char *const *names) {
     for (; *names; names++)
         if (strcmp(command->name, *names) == 0) return true;
@@ -103,9 +115,9 @@ static bool is_among(const gn_command *command, const char *const *names) {
 
 static gneiss_status check_files(const gn_options *options, const gn_command *command,
                                  gneiss_error *error) {
-    static const char *const no_scene[] = {"calibrate", "report",  "keys",    "info",
-                                           "status",    "explain", "schema",  "completion",
-                                           "help",      "version", "convert", NULL},
+    static const char *const no_scene[] = {"calibrate", "report",  "view",   "keys",       "info",
+                                           "status",    "explain", "schema", "completion", "help",
+                                           "version",   "convert", NULL},
                              *const writing[] = {"run", "pack", "sweep", "calibrate", NULL};
     if (options->out && strcmp(command->name, "resume") == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -142,6 +154,7 @@ static gneiss_status check_target(const gn_options *options, int argc, char **ar
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss convert: expected two arguments, %s, found %d", command->arguments,
                        argc - first);
+    GN_TRY(check_view_options(options, command, error));
     if (first + 1 < argc && !command->several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", command->name,
@@ -178,6 +191,9 @@ enum {
     OPT_AS,
     OPT_COLUMNS,
     OPT_FRAME,
+    OPT_INSTANTS,
+    OPT_FIELDS,
+    OPT_PARAVIEW,
     OPT_HELP,
     OPT_VERSION
 };
@@ -211,6 +227,9 @@ static const struct option long_options[] = {
     {"as", required_argument, 0, OPT_AS},
     {"columns", required_argument, 0, OPT_COLUMNS},
     {"frame", required_argument, 0, OPT_FRAME},
+    {"instants", required_argument, 0, OPT_INSTANTS},
+    {"fields", required_argument, 0, OPT_FIELDS},
+    {"paraview", no_argument, 0, OPT_PARAVIEW},
     {"help", no_argument, 0, OPT_HELP},
     {"version", no_argument, 0, OPT_VERSION},
     {0, 0, 0, 0},
@@ -230,6 +249,23 @@ static gneiss_status read_error(const char *text, double *wanted, gneiss_error *
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "--error: expected a share in (0, 1] or (0, 100] %% such as 5%%, found '%s'",
                    text);
+}
+
+static gneiss_status apply_to_view(gn_options *options, int option, const char *value,
+                                   gneiss_error *error) {
+    switch (option) {
+    case OPT_INSTANTS:
+        options->instants = value;
+        return GNEISS_OK;
+    case OPT_FIELDS:
+        options->fields = value;
+        return GNEISS_OK;
+    case OPT_PARAVIEW:
+        options->paraview = true;
+        return GNEISS_OK;
+    default:
+        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+    }
 }
 
 static gneiss_status apply_to_plan(gn_options *options, int option, const char *value,
@@ -263,7 +299,7 @@ static gneiss_status apply_to_plan(gn_options *options, int option, const char *
         options->json = options->one_json = true;
         return GNEISS_OK;
     default:
-        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+        return apply_to_view(options, option, value, error);
     }
 }
 
@@ -359,7 +395,7 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
     }
 }
 
-/* Reports the option at which getopt stopped, and the one that was probably intended. */
+/* Reports the option at which getopt stopped, and the option that was probably intended. */
 static gneiss_status no_option(char **argv, gneiss_error *error) {
     const char *given = argv[optind - 1];
     char name[96], advice[GN_ADVICE_SIZE] = "";
@@ -377,7 +413,7 @@ static gneiss_status no_option(char **argv, gneiss_error *error) {
                    name, advice);
 }
 
-/* Returns the first argument that is a command; NULL: none. */
+/* Returns the first argument that is the name of a command; NULL: none. */
 static const gn_command *command_among(int argc, char **argv) {
     for (int k = 1; k < argc; k++)
         if (gn_command_named(argv[k])) return gn_command_named(argv[k]);

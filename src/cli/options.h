@@ -17,22 +17,26 @@ typedef struct gn_options {
     size_t word_count;
     const char *out;  /* --out */
     bool quiet, json; /* --quiet, --log json and --json */
-    bool log;         /* --log json: standard output has JSON objects alone (log.h) */
+    bool log;         /* --log json: standard output consists of JSON objects only (log.h) */
     bool force;       /* run: replaces a finished long run */
     bool markdown;    /* keys --markdown */
     bool manual;      /* help --man */
     bool allow_gmsh;  /* --allow-gmsh: a geometry may be meshed, which may execute commands */
-    /* sweep; the first also run: --seeds, --jobs, --array ("": from Slurm); NULL: not given */
+    /* sweep; the first, seeds, also for run: --seeds, --jobs, --array ("": from Slurm); NULL: not
+     * given */
     const char *seeds, *jobs, *array;
     bool dry_run, collect;       /* sweep */
     double error;                /* plan and run: --error, a share; 0: not given */
     const char *reading, *write; /* plan: --reading, --write; NULL: not given */
     bool any_particles;          /* plan: --particles any */
-    double reached;              /* run: the error of a plan that the run carries out; 0: none */
-    bool one_json;               /* stiffness: --json */
+    double reached; /* run --error: the error of the plan for which this run is made; 0: no plan */
+    bool one_json;  /* stiffness: --json */
     const char *passed[GN_MAX_OVERRIDES]; /* convert: --length=mm and others, in `held` */
     size_t passed_count;
-    const char *strain; /* stiffness: --strain; NULL: not given */
+    const char *strain;   /* stiffness: --strain; NULL: not given */
+    const char *instants; /* view: --instants; NULL: not given */
+    const char *fields;   /* view: --fields; NULL: not given */
+    bool paraview;        /* view: --paraview */
     gn_override overrides[GN_MAX_OVERRIDES];
     const char *option[GN_MAX_OVERRIDES]; /* option that gave the override, such as --threads; NULL:
                                              --set */
@@ -41,7 +45,7 @@ typedef struct gn_options {
     size_t held_count;
 } gn_options;
 
-/* Parses the arguments. *exit_code is set when there is nothing more to do (--help, --version). */
+/* Parses the arguments. *done is set if the program has nothing more to do (--help, --version). */
 gneiss_status gn_options_parse(int argc, char **argv, gn_options *options, bool *done,
                                gneiss_error *error);
 void gn_options_free(gn_options *options);

@@ -78,10 +78,13 @@ static gneiss_status obtain(const gn_options *options, const gn_scene *scene,
     gneiss_status status = gn_pack_obtain(scene, show, &d, result, note, sizeof note, error);
     if (d.shown && !options->json && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
     if (*note) fprintf(stderr, "gneiss: warning: %s\n", note);
+    if (status == GNEISS_OK && *result->changes)
+        fprintf(stderr, "gneiss: note: specimen: %s\n", result->changes);
     return status;
 }
 
-/* Packs the scene relative to its origin, so that the packing does not depend on the origin. */
+/* Packs the scene in coordinates relative to its origin, so that the packing does not depend on the
+ * origin. */
 static gneiss_status obtain_shifted(const gn_options *options, gn_scene *scene, gn_scene *shifted,
                                     gn_pack_result *result, gneiss_error *error) {
     GN_TRY(gn_origin_choose(scene, NULL, error));
@@ -148,8 +151,8 @@ static void print_quality(const gn_scene *scene, const gn_pack_result *result,
            100.0 * quality->wall_protrusion);
 }
 
-/* Prints the requested and the actual sizes. In a refined packing, or on a mesh, sizes vary in
- * space. */
+/* Prints the requested and the actual sizes. Sizes vary in space in a refined packing or a packing
+ * on a mesh. */
 static void print_sizes(const gn_scene *scene, const gn_pack_result *result,
                         const gn_pack_quality *quality) {
     const gn_pack_def *def = &scene->specimen.pack;
@@ -194,7 +197,8 @@ static void print_quality_json(const gn_pack_result *result, const gn_pack_quali
     gn_print_object("result", gn_json_finish(json, false));
 }
 
-/* A packing from the cache has no body, which is made again here. */
+/* Measures the quality of a packing. A packing from the cache has no body; it is made again here.
+ */
 static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result,
                              gn_pack_quality *quality, gneiss_error *error) {
     gn_pack_shape body = {0};
@@ -207,14 +211,15 @@ static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result
     return status;
 }
 
-/* Shifts particles to the user's coordinates, for files. */
+/* Shifts particles to the user's coordinates, in which files are written. */
 static void move_out(const gn_scene *scene, gn_packing *packing) {
     for (size_t k = 0; k < packing->count; k++)
         for (size_t a = 0; a < 3; a++)
             packing->sphere[4 * k + a] = gn_point_out(scene->origin[a], packing->sphere[4 * k + a]);
 }
 
-/* Checks the scale by the size alone, because a packing has no velocities and densities. */
+/* Warns of an unusual scale, by the size alone, because a packing has no velocities and densities.
+ */
 static void note_scale(const gn_scene *scene, const gn_pack_result *result) {
     const double large = 5.0; /* m */
     const gn_specimen *specimen = &scene->specimen;
@@ -251,7 +256,7 @@ static gneiss_status pack_into(const gn_options *options, gn_scene *scene, const
     if (!obtained) return status;
     move_out(scene, &result.packing);
     if (status == GNEISS_OK) {
-        (void)gn_signals_set_flag(); /* writing is short and is completed */
+        (void)gn_signals_set_flag(); /* writing takes little time and is completed */
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK) warn_of_sizes(scene, &result, &quality);
         if (status == GNEISS_OK && options->json) print_quality_json(&result, &quality);
@@ -269,8 +274,8 @@ static gneiss_status pack_into(const gn_options *options, gn_scene *scene, const
     return status;
 }
 
-/* The folder is created first, so that an unwritable one fails before packing; a new folder is
- * removed if it stays empty. */
+/* Packs the scene. The folder is created first, so that an unwritable folder fails before packing;
+ * a new folder is removed if it stays empty. */
 static gneiss_status pack_scene(const gn_options *options, gn_scene *scene, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;

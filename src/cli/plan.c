@@ -43,7 +43,7 @@ static void print_record(const gn_record *record, const char *name, gn_effects e
     printf("\n");
 }
 
-/* Prints how forces are summed on particles, and which parameters are shared by all contacts. */
+/* Prints how forces are summed on particles, and which parameters are equal for all contacts. */
 static void print_sums(const char *name, const gn_partials *partials, const gn_uniform *same) {
     if (!partials->blocks) return;
     printf("  forces of %-8s %10d rows of %zu bytes, in %zu blocks of %zu contacts", name,
@@ -98,7 +98,7 @@ static void print_kernels(const gn_world *world) {
     gn_print_element_kernels(world);
 }
 
-/* Prints the reasons why the step's limit is below that of the springs in contact. */
+/* Prints why the limit of the step is below that of the springs in contact. */
 static void print_lowered(const gn_world *world) {
     double share = gn_nonviscous_share(&world->ctx), particles = world->ctx.choice.stable;
     if (world->solids.count) return;
@@ -143,8 +143,8 @@ static void print_particle_limits(const gn_world *world) {
                sharp);
 }
 
-/* Prints the limits from collisions, and from particles that may touch before the lists are
- * rebuilt. */
+/* Prints the limits of the step from collisions, and from particles that may touch before the lists
+ * are rebuilt. */
 static void print_contacts_to_come(const gn_world *world) {
     const gn_resolution *r = &world->ctx.choice.resolution;
     char text[GNEISS_MESSAGE_SIZE];
@@ -182,7 +182,7 @@ static void print_mass_scaling(const gn_world *world) {
         printf("  warning: time.mass_scaling: added mass does not give %.6g s\n", s->step);
 }
 
-/* Prints servo walls whose relaxation is lowered by the step. */
+/* Prints the servo-controlled walls whose relaxation is lowered by the step. */
 static void print_servos(const gn_world *world) {
     for (size_t k = 0; k < world->ctx.scene.wall_count; k++) {
         const gn_wall_def *wall = &world->ctx.scene.walls[k];
@@ -235,8 +235,8 @@ gneiss_status gn_plan_seconds(gn_world *world, double *seconds, gneiss_error *er
     return GNEISS_OK;
 }
 
-/* The states up to the start are computed in full, because no cheaper way gives the last of them.
- * */
+/* Finds the state of first break. All states before it are computed, because no cheaper way gives
+ * it. */
 static gneiss_status find_start(gn_world *world, gneiss_error *error) {
     gn_first_break found;
     if (world->ctx.scene.start != GN_START_FIRST_BREAK) return GNEISS_OK;
@@ -311,7 +311,8 @@ void gn_print_range(const gn_world *world, int axis, double lower, double upper,
 
 /* --- check --- */
 
-/* Prints stiffness and radius of the beams of bonds, and the share of moments in their strength. */
+/* Prints radius and stiffnesses of the beams of bonds, and the factor of moments in their strength.
+ */
 static void print_beams(const gn_world *world) {
     const gn_contacts *b = &world->dem.bonds.contacts;
     const double n[3] = {1.0, 0.0, 0.0};
@@ -385,7 +386,8 @@ static void print_walls(const gn_world *world, int *warnings) {
     }
 }
 
-/* Prints particles on a surface, after the text on it in the same line. */
+/* Prints how many particles touch a surface and how deep, in the line that names it; warns of
+ * particles whose centre is inside it. */
 static void print_overlap(const gn_world *world, const gn_overlap *overlap, const char *name,
                           int *warnings) {
     if (world->ctx.scene.has_specimen) {
@@ -399,7 +401,7 @@ static void print_overlap(const gn_world *world, const gn_overlap *overlap, cons
     (*warnings)++;
 }
 
-/* A body placed without an overlap presses with at most twice its weight. */
+/* A body placed without overlap presses on walls with at most twice its weight. */
 static void print_on_walls(const gn_world *world, size_t body, int *warnings) {
     const double *g = world->ctx.scene.gravity;
     double most = 2.0 * world->boundary.bodies[body].mass * sqrt(gn_dot3(g, g));
@@ -473,7 +475,7 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
         printf("  warning: %s\n", light);
         (*warnings)++;
     }
-    /* The surface of the elements is the last one, after those of bodies. */
+    /* The surface of the elements is the last of the surfaces, after those of bodies. */
     if (world->boundary.surface_count == world->ctx.scene.body_count) return GNEISS_OK;
     const gn_surface *s = &world->boundary.surfaces[world->ctx.scene.body_count];
     printf("  elements         %zu facets for contact with particles", s->facets.count);
@@ -495,8 +497,8 @@ static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss
     return GNEISS_OK;
 }
 
-/* Unbonded particles have gaps to the ends as they have to each other: these count as strain, which
- * is reported above a thousandth. */
+/* Unbonded particles have gaps to the ends of the specimen as they have to each other. These gaps
+ * count as strain, which is reported if it is above a thousandth. */
 static void print_loose_gap(const gn_world *world) {
     double lower, upper;
     bool away[2];
@@ -508,7 +510,7 @@ static void print_loose_gap(const gn_world *world) {
            gap, gap / world->ctx.test_length);
 }
 
-/* Prints the definitions by which moduli and strains of the test are read. */
+/* Prints which definitions the moduli and strains of the test follow. */
 static void print_section(const gn_world *world) {
     const gn_bar_section *x = &world->section;
     if (x->mean > 0.0 && x->guessed != 0.0)
@@ -618,8 +620,8 @@ static gneiss_status check_particles(const gn_world *world, int *warnings, gneis
     return GNEISS_OK;
 }
 
-/* Warns of sources that feed too fast for the length of the run, and of sinks too thin for the
- * particles. */
+/* Warns of sources that feed too fast for the length of the run, and of sinks that are too thin for
+ * the particles. */
 static void print_flow(const gn_world *world, int *warnings) {
     char text[GNEISS_MESSAGE_SIZE];
     for (size_t k = 0; k < world->ctx.scene.sink_count; k++) {

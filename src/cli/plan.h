@@ -5,15 +5,15 @@
 #include "frame/parts.h"
 #include "world/world.h"
 
-/* Prints effects, bytes, kernels, step, steps, memory, time. Takes a few steps to measure the
- * speed, so that the world is not at its start afterwards. */
+/* Prints the effects of the scene, bytes, kernels, time step, number of steps, memory and time.
+ * Takes a few steps to measure the speed, and leaves the world after these steps. */
 gneiss_status gn_print_plan(gn_world *world, gneiss_error *error);
 
-/* Returns the wall time of a whole run on the world's threads, s, from a few of its steps, which
- * the world has taken afterwards. */
+/* Returns the wall time of a whole run on the world's threads, s. It is measured over a few steps;
+ * the world is left after them. */
 gneiss_status gn_plan_seconds(gn_world *world, double *seconds, gneiss_error *error);
 
-/* Prints figures of the packing, bonds per particle and warnings, and counts the latter in
+/* Prints the figures of the packing, bonds per particle and warnings, and counts the latter in
  * *warnings. The world is unchanged. */
 gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error);
 

@@ -63,7 +63,7 @@ static void print_settings(const gn_plan *plan, const gn_proposal *proposal) {
     }
 }
 
-/* A scaling law extrapolated to a reading of zero gives no number. */
+/* Writes an error in percent. A scaling law extrapolated to a reading of zero gives no number. */
 static const char *percent(double error, char *text, size_t size) {
     if (error > 1.0)
         snprintf(text, size, "above 100");
@@ -188,7 +188,8 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
 
 /* --- the scene --- */
 
-/* Overrides of the command line are written to the new scene too, before the proposed settings. */
+/* Collects the settings of the new scene: overrides of the command line, then the proposed
+ * settings. */
 static gneiss_status all_settings(const gn_options *options, const gn_plan *plan,
                                   const gn_world *world, gn_settings *settings,
                                   gneiss_error *error) {
@@ -198,7 +199,7 @@ static gneiss_status all_settings(const gn_options *options, const gn_plan *plan
     return gn_settings_make(&world->ctx, plan, &plan->best, settings, error);
 }
 
-/* The number of cells and the step they allow are found by making them. */
+/* Corrects the number of cells and the step that they allow, by making the cells. */
 static gneiss_status correct(const gn_options *options, const gn_settings *settings, gn_plan *plan,
                              gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
@@ -219,12 +220,13 @@ static void put_comment(FILE *out, const char *text) {
         if (*text == '\n')
             fputs("\n# ", out);
         else if (*text == '\'')
-            fputs("'\\''", out); /* an apostrophe between quotes, as a shell reads it */
+            fputs("'\\''", out); /* an apostrophe inside quotation marks, as a shell reads it */
         else
             fputc((unsigned char)*text < ' ' ? '?' : *text, out);
 }
 
-/* The scene with the settings, resolved, below a list of the settings. */
+/* Returns the text of the scene with the settings filled in, after a list of the settings as a
+ * comment. */
 static gneiss_status scene_text(const gn_options *options, const gn_settings *settings,
                                 const gn_scene *scene, char **text, gneiss_error *error) {
     GN_FREED char *resolved = gn_scene_write(scene);
@@ -299,7 +301,7 @@ static gneiss_status tell(const gn_options *options, const gn_world *world, gn_p
     return write_scene(options, &settings, error);
 }
 
-/* Results of a planned run go to the folder named after its scene file. This is checked before the
+/* Checks the folder for results of a planned run, which is named after its scene file, before the
  * scene of earlier results is replaced. */
 static gneiss_status check_folder_of_runs(const gn_options *options, int packings,
                                           gneiss_error *error) {

@@ -10,9 +10,9 @@
 /* Returns the reading that a plan concerns: "strength" or "stiffness". */
 const char *gn_planned_reading(const gn_options *options, const gn_scene *scene);
 
-/* Prints a plan and writes its scene to options->write. `setup`: processor time, s, for making the
- * world. `packings`: receives the number of packings whose mean has the error, and a plan that does
- * not reach it is GNEISS_ERROR_INPUT; NULL: not asked for. */
+/* Prints a plan and writes its scene to options->write. `setup`: processor time for making the
+ * world, s. `packings` receives the number of packings whose mean has the requested error; then a
+ * plan that does not reach the error fails with GNEISS_ERROR_INPUT. NULL: not needed. */
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                int *packings, gneiss_error *error);
 

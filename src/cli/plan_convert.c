@@ -14,33 +14,34 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Result of a trial run up to the first conversion, and of conversions around it. */
+/* Results of a trial run up to the first conversion, and of conversions at that time and after it.
+ */
 typedef struct trial {
-    gn_step_limit all;        /* limits of all particles without elements */
-    double collision;         /* s, a step that resolves collisions of all particles */
+    gn_step_limit all;        /* limits of the step of all particles, without those of elements */
+    double collision;         /* s, step that resolves the collisions of all particles */
     double alone;             /* s, step of elements alone at the start */
     double end;               /* s, the latest end of the run */
     double time;              /* s, at which the trial ended */
     double steps;             /* number of steps of the trial */
     double seconds[2];        /* s per step, with elements alone and after conversions */
     bool begun;               /* elements were converted, or conversion would have ended the run */
-    gn_most_loaded most, now; /* during the trial, and at its end */
+    gn_most_loaded most, now; /* the most loaded element during the trial, and at its end */
     const char *stage;        /* stage in which the trial ended; NULL: no stages */
-    bool guessed;        /* a stage that waits for equilibrium was left after an assumed time */
-    const char *open;    /* the first stage whose only end cannot be predicted; NULL: none */
-    double first, later; /* s, the step after the first conversion, and after further ones */
+    bool guessed;     /* a stage that ends in equilibrium was assumed to end after a certain time */
+    const char *open; /* the first stage whose only end cannot be predicted; NULL: none */
+    double first, later; /* s, step after the first conversion, and after further ones */
     const char *side[2]; /* what determines the first step and the shortest later step */
-    double least;        /* s, the shortest later step, with any particles active */
-    size_t elements;     /* left after further conversions */
-    int fronts;          /* behind the first conversion */
+    double least;        /* s, the shortest later step, whichever particles are active */
+    size_t elements;     /* elements left after further conversions */
+    int fronts;          /* number of fronts after the first conversion */
     double part;         /* fraction of the load at the last front */
     char halt[512];      /* reason why the first conversion ends the run; "": it does not end */
-    char stop[512];      /* why a further one does */
+    char stop[512];      /* reason why a further conversion ends the run */
 } trial;
 
 /* --- the trial run --- */
 
-/* Finds the limits of all particles as if they were active. */
+/* Finds the limits of the step as if all particles were active. */
 static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
     gn_resolution collision;
     const gn_convertible model = gn_world_convertible(world);
@@ -70,7 +71,7 @@ static double latest_end(const gn_world *world) {
 /* Returns the time that waves take along the longest side of the body at the speed in a bar, s. */
 static double wave_travel(const gn_world *world) {
     const gn_fem_solid *b = &world->solids.elements[0]->solid;
-    double slowest = INFINITY; /* square of the speed */
+    double slowest = INFINITY; /* square of the lowest speed */
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double l = b->elements.lambda[e], m = b->elements.mu[e];
         const double young = m * (3.0 * l + 2.0 * m) / (l + m);
@@ -79,8 +80,9 @@ static double wave_travel(const gn_world *world) {
     return gn_elements_longest_side(&world->ctx, &world->solids) / sqrt(slowest);
 }
 
-/* Enters the next stage after the end of the present one. A stage that ends in equilibrium, which
- * the trial does not evaluate, is assumed to last twenty transit times of waves. */
+/* Enters the next stage after the end of the present one. The trial does not evaluate equilibrium;
+ * a stage that ends in equilibrium is assumed to last twenty times the time that waves take through
+ * the body. */
 static gneiss_status follow_stages(gn_world *world, trial *t, double settled, gneiss_error *error) {
     while (world->stages.now + 1 < world->ctx.scene.stage_count) {
         const size_t now = world->stages.now;
@@ -100,10 +102,11 @@ static gneiss_status follow_stages(gn_world *world, trial *t, double settled, gn
 /* Runs up to the first conversion, or as long as the budget of element steps lasts. */
 static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error) {
     enum { WARM_UP = 20 };
-    /* A step has a fixed cost of some two hundred elements. */
+    /* The fixed cost of a step is about that of two hundred elements. */
     const double budget = 2e8 / (200.0 + (double)gn_elements_left_count(&world->solids));
     const double settled = 20.0 * wave_travel(world);
-    double start = gn_now(), untimed = 0.0; /* steps before the start of the clock */
+    double start = gn_now(),
+           untimed = 0.0; /* untimed: computing time, s, of steps before the start of the clock */
     while (!t->begun && t->steps < budget &&
            world->ctx.time < latest_end(world) - 0.5 * world->ctx.dt) {
         GN_TRY(follow_stages(world, t, settled, error));
@@ -126,7 +129,7 @@ static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error
                                      error);
 }
 
-/* Rounding alone does not load a body. */
+/* True if the load of the body is above rounding. */
 static bool is_loaded(const trial *t) {
     return t->begun || t->most.share > 1e-6;
 }
@@ -139,7 +142,7 @@ static bool is_near(double a, double b) {
 
 static const char by_collisions[] = "collisions";
 
-/* Returns which part determines the present step. */
+/* Returns the part, elements or particles, that determines the present step. */
 static const char *side_of(const gn_world *world) {
     const gn_step_choice *choice = &world->ctx.choice;
     const double share = gn_nonviscous_share(&world->ctx),
@@ -154,8 +157,8 @@ static const char *side_of(const gn_world *world) {
                                                              : "particles";
 }
 
-/* Converts the elements that are loaded to a part of a limit or more; `halt` says why this would
- * end the run. A given step that is too long for the particles is such a reason. */
+/* Converts the elements whose load is at least a fraction of the limit; `halt` states why this
+ * would end the run, for example because a given step is too long for the particles. */
 static gneiss_status try_front(gn_world *world, double part, char *halt, size_t size,
                                gneiss_error *error) {
     *world->outcome.halt = '\0';
@@ -166,8 +169,8 @@ static gneiss_status try_front(gn_world *world, double part, char *halt, size_t 
     return status == GNEISS_ERROR_UNSTABLE ? GNEISS_OK : status;
 }
 
-/* Converts front by front the elements of lower load, down to a part of the limit, as if the load
- * grew. */
+/* Converts, as if the load grew, the elements of ever lower load, front by front, down to a
+ * fraction of the limit. */
 static gneiss_status try_fronts(gn_world *world, trial *t, double load, double least,
                                 gneiss_error *error) {
     enum { FRONTS = 30 };
@@ -185,7 +188,8 @@ static gneiss_status try_fronts(gn_world *world, trial *t, double load, double l
 /* Two steps with a larger ratio are printed as one. */
 static const double equal_ratio = 0.95;
 
-/* Any particle may become active as a crack grows, including the one with the shortest period. */
+/* Finds the shortest step. Any particle may become active as a crack grows, including the one with
+ * the shortest period. */
 static void find_least(const gn_world *world, trial *t) {
     const double all = gn_nonviscous_share(&world->ctx) * world->ctx.scene.safety * t->all.sharp;
     t->least = t->later;
@@ -220,13 +224,14 @@ typedef struct cost {
     double steps[2], seconds[2];
 } cost;
 
-/* Without a conversion in the trial the fewest steps are those of elements alone. */
+/* Returns the cost of a run. If nothing was converted in the trial, the fewest steps are those of
+ * elements alone. */
 static cost cost_of(const trial *t) {
     const double left = *t->halt ? 0.0 : fmax(t->end - t->time, 0.0);
     const double dt[2] = {t->begun ? t->later : t->alone, t->least > 0.0 ? t->least : t->alone};
     cost c;
     for (int k = 0; k < 2; k++) {
-        /* A rest below half a step is rounding. */
+        /* A remaining time of less than half a step is due to rounding. */
         const double more = left > 0.5 * dt[k] ? ceil(left / dt[k] - 1e-9) : 0.0;
         const bool with_particles = t->least > 0.0 && (k || t->begun);
         c.steps[k] = t->steps + more;
@@ -328,12 +333,13 @@ gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds,
     else if (t.least > 0.0)
         print_dt(world, &t);
     print_cost(world, &t);
-    world->ctx.dt = t.alone; /* the list is at the step of the first stage */
+    world->ctx.dt = t.alone; /* the list of stages uses the step of the first stage */
     gn_print_stages(world, t.seconds[0]);
     return GNEISS_OK;
 }
 
-/* Steps become shorter with the first conversion, not before. */
+/* Warns if the time between two checks for conversion is longer than the run with the step of
+ * elements alone; steps become shorter only with the first conversion. */
 static void warn_of_looks(const gn_world *world, int *warnings) {
     const double steps = world->ctx.scene.end / world->ctx.dt,
                  every = (double)world->ctx.scene.couple.convert.every;

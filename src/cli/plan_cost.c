@@ -29,7 +29,7 @@ gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gnei
             steps = 0;
         }
         if (steps > 0 && world->ctx.time >= until) break;
-        /* Failure in a later step is left to the run. */
+        /* A failure in a later step will be reported by the run. */
         gneiss_status status = gn_world_step(world, false, error);
         if (status == GNEISS_ERROR_UNSTABLE && steps > 0) break;
         GN_TRY(status);
@@ -40,12 +40,12 @@ gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gnei
 }
 
 gneiss_status gn_time_fixed_steps(gn_world *world, double *seconds, gneiss_error *error) {
-    const double work = 2e7; /* element and particle steps */
+    const double work = 2e7; /* number of steps times number of elements and particles */
     const double size =
         (double)(world->dem.particles.soa.count + gn_elements_totals(&world->solids).elements);
     const int most = (int)fmin(fmax(work / fmax(size, 1.0), 20.0), 400.0);
     double start = gn_now();
-    int steps = -most / 4; /* warm-up */
+    int steps = -most / 4; /* number of steps, negative while the speed warms up */
     for (; steps < most; steps++) {
         if (steps == 0) start = gn_now();
         gneiss_status status = gn_world_step(world, false, error);
@@ -65,8 +65,9 @@ static double saved(const gn_record *record, const gn_soa *soa) {
     return (double)soa->count * (double)gn_record_bytes(record, soa->effects);
 }
 
-/* Bytes of the history: its columns have a length that is a power of two; they grew from columns of
- * half that length, whose memory is not reused, and are copied once more when they are written. */
+/* Returns the bytes of the history. The length of its columns is a power of two; the columns grew
+ * from others of half that length, whose memory is not reused, and they are copied once more for
+ * writing. */
 static double bytes_of_history(const gn_world *world) {
     const double rows = gn_run_rows_expected(world);
     gn_history columns;
@@ -78,9 +79,9 @@ static double bytes_of_history(const gn_world *world) {
     return world->ctx.scene.history_rows > 0 ? bytes : 0.0;
 }
 
-/* Bytes needed after the failure of a specimen: events, and contacts between formerly bonded
- * particles. Measured per broken bond, for the share of bonds that tests have broken after their
- * peak (a tenth to four tenths). */
+/* Returns the bytes needed after the failure of a specimen, for events and for contacts between
+ * particles whose bond broke. Both were measured per broken bond; tests have broken a tenth to four
+ * tenths of their bonds after the peak. */
 static double bytes_of_failure(const gn_world *world) {
     static const double broken = 330.0, share = 0.2;
     const gn_test_descriptor *test = gn_scene_test(&world->ctx.scene);
@@ -89,9 +90,9 @@ static double bytes_of_failure(const gn_world *world) {
     return fails ? share * broken * (double)world->dem.bonds.contacts.soa.count : 0.0;
 }
 
-/* Returns the bytes that a run holds beside the world when it writes. The numbers are those of the
- * fields of a snapshot, for each particle, contact and element, and of HDF5 itself, all measured.
- */
+/* Returns the bytes that a run holds in addition to the world when it writes. The numbers are those
+ * of the fields of a snapshot for each particle, contact and element, and those of HDF5, all
+ * measured. */
 static double bytes_of_writing(const gn_world *world, double coming) {
     static const double particle = 280.0, contact = 240.0, shown = 420.0, element = 290.0,
                         library = 4e6, listed = 5.0;
@@ -124,7 +125,7 @@ void gn_print_plan_memory(const gn_world *world, double coming) {
         (double)gn_world_bytes(&world->ctx, &world->dem, &world->boundary, &world->solids);
     gn_h5_load();
 #ifdef __GLIBC__
-    (void)malloc_trim(0); /* freed memory would otherwise count as used */
+    (void)malloc_trim(0); /* freed memory would otherwise count as used memory */
 #endif
     if (!gn_resident_read(&r)) {
         printf("memory\n  in all %.1f MB of state; further memory of a run is unknown here\n",
@@ -141,7 +142,7 @@ void gn_print_plan_memory(const gn_world *world, double coming) {
 
 /* ---- cost of a run with sources, whose particles do not exist yet ---- */
 
-/* s of computing; steps between two readings of the clock. */
+/* s of computing for the trial, and steps between two readings of the clock */
 static const double budget = 2.0;
 enum { STEPS_BETWEEN_CLOCK_READS = 20 };
 
@@ -149,7 +150,7 @@ enum { STEPS_BETWEEN_CLOCK_READS = 20 };
 
 /* Totals of a part of the trial. */
 typedef struct time_span {
-    double seconds, steps, particles; /* the last one is a sum over steps */
+    double seconds, steps, particles; /* `particles` is the sum over the steps */
 } time_span;
 
 static gneiss_status take_steps(gn_world *world, time_span *span, bool *over, gneiss_error *error) {
@@ -196,8 +197,8 @@ static double present_by(const gn_world *world, double time) {
     return sum;
 }
 
-/* Fits the seconds of a step by a + b N through both halves of the trial; if the second has hardly
- * more particles, or shows no growth, in proportion to N. */
+/* Fits the seconds of a step by a + b N to both halves of the trial. The fit is proportional to N
+ * if the second half has hardly more particles or takes no longer. */
 static void fit_cost(const time_span half[2], double *a, double *b) {
     double n[2], t[2];
     for (int k = 0; k < 2; k++) {

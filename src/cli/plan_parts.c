@@ -37,9 +37,10 @@ void gn_print_element_kernels(const gn_world *world) {
 static void print_limits(const gn_world *world, const gn_element_model *model) {
     char text[160];
     const gn_fem_limit *limit = &model->limit;
-    printf("  elements%s\n", gn_elements_lead(&world->ctx, &world->solids, &world->zones) == model
-                                 ? ", which set the step"
-                                 : "");
+    printf("  elements%s\n",
+           gn_timestep_elements_lead(&world->ctx, &world->solids, &world->zones) == model
+               ? ", which set the step"
+               : "");
     if (limit->iterations == 0)
         printf(
             "  sharp limit      not computed: the rigorous bound suffices and replaces it below\n");
@@ -98,13 +99,13 @@ void gn_print_element_notes(const gn_world *world, const char *indent) {
         print_notes(world, world->solids.elements[k], indent);
 }
 
-/* A few slivers make the whole run slow. */
+/* Warns of slivers: a few of them make the whole run slow. */
 static void print_slivers(const gn_world *world, const gn_element_model *model, int *warnings) {
     const gn_fem_solid *solid = &model->solid;
     size_t count = solid->elements.soa.count;
     char text[160];
     double *scale = calloc(count + 1, sizeof *scale);
-    if (!scale) return; /* a hint only */
+    if (!scale) return; /* this is a note and no check */
     gn_fem_step_scales(solid, scale);
     gn_sort_numbers(scale, count);
     double ratio = scale[0] / scale[count / 2];
@@ -120,9 +121,12 @@ static void print_check(const gn_world *world, const gn_element_model *model, in
     const gn_fem_solid *solid = &model->solid;
     const gn_element_def *elements = model->def;
     double lower[3], upper[3];
+    char changes[GN_MESH_CHANGES_SIZE];
     printf("elements\n  mesh             %s: %zu nodes, %zu %s\n", solid->name,
            solid->nodes.soa.count, solid->elements.soa.count,
            solid->dimension == 3 ? "tetrahedra" : "triangles");
+    if (gn_mesh_changed(&solid->mesh, changes, sizeof changes))
+        printf("  of the file      %s\n", changes);
     for (size_t a = 0; a < (size_t)solid->dimension; a++) {
         lower[a] = INFINITY;
         upper[a] = -INFINITY;
@@ -184,7 +188,8 @@ void gn_print_zone_material(const gn_zone_material *material, bool several, int 
     if (several)
         printf("  material         %d of the elements, with %zu particles\n",
                (int)material->material, material->particles);
-    if (!(material->modulus[0] > 0.0)) return; /* without bonds there is no initial modulus */
+    if (!(material->modulus[0] > 0.0))
+        return; /* without bonds there is no initial modulus of particles */
     printf("  modulus          %.4g Pa of particles that follow elements, %.4g Pa of these "
            "(confined)\n",
            material->modulus[0], material->modulus[1]);
@@ -207,8 +212,9 @@ static void warn_of_edges(const gn_zone_figures *figures, int *warnings) {
                  figures->least);
         warn(warnings, text);
     }
-    /* Half a distance of neighbours leaves a weight of that over the width, and a plane through the
-     * middle of elements up to a quarter of theirs. */
+    /* Half a spacing of neighbours around the middle plane leaves unbalanced weights of that
+     * fraction of the width; a plane through the middle of elements adds up to a quarter of their
+     * size. */
     if (figures->edge * figures->width > figures->diameter + 0.25 * figures->element &&
         !figures->shared) {
         snprintf(text, sizeof text,
@@ -265,15 +271,17 @@ void gn_print_whole_limit(const gn_world *world) {
 
 static void print_step(const gn_world *world) {
     const gn_whole_limit *whole = gn_coupled_whole(&world->ctx, &world->zones);
-    bool elements = whole ? whole->side == GN_SIDE_ELEMENTS
-                          : gn_elements_lead(&world->ctx, &world->solids, &world->zones) != NULL;
+    bool elements =
+        whole ? whole->side == GN_SIDE_ELEMENTS
+              : gn_timestep_elements_lead(&world->ctx, &world->solids, &world->zones) != NULL;
     printf("step of the coupled model\n  dt               %.6g s, set by the %s\n", world->ctx.dt,
            whole      ? gn_side_text(whole->side)
            : elements ? "elements"
                       : "particles");
 }
 
-/* Notes diagonals of meshes with zones, whose waves they scatter: docs/evidence/coupling.md. */
+/* Notes diagonals in the mesh of a coupling zone, which scatter its waves:
+ * docs/evidence/coupling.md. */
 static void note_diagonals(const gn_world *world) {
     const gn_element_def *elements = &world->ctx.scene.elements;
     const gn_diagonals diagonals =
@@ -294,7 +302,7 @@ void gn_print_zones(const gn_world *world, int *warnings) {
     if (world->ctx.scene.has_couple) print_step(world);
 }
 
-/* A sentence that applies to all of them is printed once. */
+/* A sentence that concerns all walls is printed once. */
 static const char no_contact[] = "elements have no contact with walls and pass through them; hold "
                                  "or load elements by motions or loads of elements";
 
@@ -329,7 +337,7 @@ gneiss_status gn_print_walls_passed(gn_world *world, int *warnings, gneiss_error
 
 /* ---- contact parameters from the materials of a scene, for `gneiss check` ---- */
 
-/* Prints the least, mean and largest value of a column over the bonds. */
+/* Prints the smallest, mean and largest value of a column over the bonds. */
 static void print_range(const char *name, const double *column, const gn_contacts *bonds,
                         const char *unit) {
     double least = INFINITY, most = 0.0, sum = 0.0;
@@ -364,8 +372,8 @@ static void print_area(const gn_world *world, const gn_area_check *check) {
     printf("\n");
 }
 
-/* Prints Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing
- * whose sections fill it: see docs/physics.md. */
+/* Prints Young's modulus and Poisson's ratio of the body under uniform strain, for an isotropic
+ * packing whose sections fill the body; see docs/physics.md. */
 static void print_body(const gn_world *world, const gn_area_check *check) {
     const gn_material *material = &world->ctx.scene.materials[0];
     double rho = material->beta / material->alpha / (2.0 * (1.0 + material->poisson)), e, nu;
@@ -383,7 +391,7 @@ static void print_body(const gn_world *world, const gn_area_check *check) {
            space ? "" : "'", nu);
 }
 
-/* A cubic lattice has 1.3, at its surface about half more. */
+/* A simple cubic lattice has 1.3, and about half more at its surface. */
 static const double gamma_most = 3.0;
 
 gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error) {
@@ -442,7 +450,8 @@ static bool held_at_rest(const gn_table *channel) {
     return rests;
 }
 
-/* The first set of a particle drives it: later ones have no effect. */
+/* True if motions hold the spins of all particles. The first set that contains a particle drives
+ * it; later sets have no effect on it. */
 static bool all_spins_held(const gn_scene *scene) {
     const gn_set_def *set = scene->sets;
     bool held = scene->set_count > 0 && set->all && !set->has_initial_spin;
@@ -451,8 +460,8 @@ static bool all_spins_held(const gn_scene *scene) {
     return held && scene->set_count == 1;
 }
 
-/* Only tangential forces turn a sphere. Forces on facets are distributed over points beside the one
- * below its centre. */
+/* Returns why rotation is idle. Only tangential forces turn a sphere. Forces on facets are
+ * distributed over points beside the one below the centre of the sphere. */
 static const char *idle_rotation(const gn_world *world) {
     bool tangential = world->ctx.effects & (GN_FX_SHEAR | GN_FX_WALL_SHEAR);
     if (all_spins_held(&world->ctx.scene))
@@ -465,7 +474,7 @@ static const char *idle_rotation(const gn_world *world) {
 static const char *idle_friction(const gn_world *world) {
     const gn_particles *q = &world->dem.particles;
     if (world->ctx.effects & GN_FX_ROLLING)
-        return NULL; /* moments need the storage of tangential forces */
+        return NULL; /* moments use the storage of tangential forces */
     for (size_t p = 0; p < q->soa.count; p++)
         if (world->ctx.scene.materials[q->material[p]].friction > 0.0) return NULL;
     return "no particle has a material with friction";
@@ -495,7 +504,7 @@ static const char *idle_mass_scaling(const gn_world *world) {
     return world->dem.raised.count ? NULL : "no mass has to be raised (time.mass_scaling)";
 }
 
-/* Effects that only output reads. */
+/* Returns why sums of energy are idle: only output reads them. */
 static const char *idle_energy(const gn_world *world) {
     (void)world;
     return "read only by output and its warning, no motion depends on it (output.energy: off)";
@@ -511,7 +520,7 @@ static const struct {
     gn_effect effect;
     gn_effect_index index;
     const char *(*idle)(const gn_world *world); /* returns the reason why the effect is idle; NULL:
-                                                   it may change something */
+                                                   it is not idle */
 } idle_effects[] = {
 #define IDLE(NAME, find)                                                                           \
     { GN_FX_##NAME, GN_FX_INDEX_##NAME, find }

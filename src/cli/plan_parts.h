@@ -1,5 +1,5 @@
-/* Output of `plan` and `check` on materials, elements, zones and idle effects; nothing is printed
- * of parts that a scene lacks. */
+/* Output of `plan` and `check` on materials, elements, zones and idle effects. Nothing is printed
+ * about parts that a scene lacks. */
 #ifndef GN_CLI_PLAN_PARTS_H
 #define GN_CLI_PLAN_PARTS_H
 
@@ -13,18 +13,18 @@ void gn_print_element_limits(const gn_world *world);
 void gn_print_element_notes(const gn_world *world, const char *indent);
 void gn_print_element_check(const gn_world *world, int *warnings);
 
-/* Returns the advised width, m, of a zone of elements and particles of these sizes: such zones
- * reflect as docs/coupling.md states. */
+/* Returns the recommended width, m, of a zone between elements and particles of these sizes;
+ * docs/coupling.md states how much such a zone reflects. */
 double gn_zone_advised_width(double element, double diameter);
 
-/* True if the width is less than advised, beyond the rounding of a given width. */
+/* True if the width is less than the recommended one by more than rounding. */
 bool gn_zone_is_thin(double width, double advised);
 
-/* Prints the limit of particles and elements together, for `plan`. */
+/* Prints the limit of the step for particles and elements together, for `plan`. */
 void gn_print_whole_limit(const gn_world *world);
 
-/* Prints moduli and densities of particles beside those of elements; `several`: with the material.
- */
+/* Prints moduli and densities of particles and elements side by side; `several`: with the name of
+ * the material. */
 void gn_print_zone_material(const gn_zone_material *material, bool several, int *warnings);
 void gn_print_zones(const gn_world *world, int *warnings);
 
@@ -32,8 +32,8 @@ void gn_print_zones(const gn_world *world, int *warnings);
 gneiss_status gn_print_walls_passed(gn_world *world, int *warnings, gneiss_error *error);
 gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error);
 
-/* Prints these effects for `gneiss plan`: only those that are certain from the scene and its first
- * lists. */
+/* Prints the idle effects for `gneiss plan`: only those that are certain from the scene and the
+ * first lists of neighbours. */
 void gn_print_idle(const gn_world *world);
 
 #endif

@@ -13,7 +13,7 @@ static void add(char *text, size_t size, const char *format, double value) {
     if (used < size) snprintf(text + used, size - used, format, value);
 }
 
-/* Writes "5e-05 s or unbalanced < 0.01". */
+/* Writes the conditions that end a stage, such as "5e-05 s or unbalanced < 0.01". */
 static void conditions(const gn_stage *stage, char *text, size_t size) {
     *text = '\0';
     if (stage->time >= 0.0) add(text, size, "%g s", stage->time);
@@ -26,7 +26,7 @@ static void conditions(const gn_stage *stage, char *text, size_t size) {
     if (!*text) snprintf(text, size, "time.end");
 }
 
-/* Returns the largest number of steps of a stage at the present step. */
+/* Returns the largest number of steps of a stage with the present step. */
 static double steps_of(const gn_world *world, const gn_stage *stage) {
     double time =
         stage->time >= 0.0 ? fmin(stage->time, world->ctx.scene.end) : world->ctx.scene.end;
@@ -41,8 +41,8 @@ double gn_plan_steps(const gn_world *world) {
     return world->ctx.scene.stage_count ? fmin(all, sum) : all;
 }
 
-/* A given step is checked with the scene; an automatic one may become shorter, so that this is a
- * warning and no error. */
+/* A given step is checked when the scene is read; an automatic step may become shorter, so that
+ * this is a warning and no error. */
 bool gn_stage_is_overlong(const gn_world *world, char *text, size_t size) {
     for (size_t k = world->stages.now; k < world->ctx.scene.stage_count; k++) {
         const gn_stage *stage = &world->ctx.scene.stages[k];

@@ -4,11 +4,11 @@
 
 #include "run/run.h"
 
-/* Prints the stages before the first step; `per_step`, s of computing. Prints nothing without
- * stages. */
+/* Prints the stages before the first step; `per_step`: computing time, s. Prints nothing if the
+ * scene has no stages. */
 void gn_print_stages(const gn_world *world, double per_step);
-/* True if a stage that ends by its steps alone would last longer than the run with the present
- * step; `text` then states which. */
+/* True if a stage that ends by its steps alone would, with the present step, last longer than the
+ * run; `text` then states which. */
 bool gn_stage_is_overlong(const gn_world *world, char *text, size_t size);
 /* Returns the largest number of steps up to the end of the run, at the present step. */
 double gn_plan_steps(const gn_world *world);

@@ -24,7 +24,8 @@
 
 static gn_shown pressure(double value, bool modulus) {
     static const gn_shown units[] = {{1e9, "GPa"}, {1e6, "MPa"}, {1e3, "kPa"}};
-    /* For rock, moduli and stresses of 0.5 GPa and 0.5 MPa are usual, and strengths of 200 MPa. */
+    /* Moduli from 0.1 GPa are printed in GPa and stresses from 0.1 MPa in MPa, as is usual for
+     * rock. */
     for (size_t k = modulus ? 0 : 1; k < sizeof units / sizeof *units; k++)
         if (fabs(value) >= 0.1 * units[k].factor) return units[k];
     return (gn_shown){1.0, "Pa"};
@@ -55,14 +56,16 @@ static void print_one(const gn_readings *readings, const char *name, const char 
            gn_budget_text(causes, value / shown.factor, text, sizeof text));
 }
 
-/* The causes that no sum includes are the same for most readings, and are printed once. */
+/* Prints the causes that no sum includes; they are the same for most readings, and are printed
+ * once. */
 static void print_notes(const gn_budget *budget) {
     const gn_error_causes *causes = &budget->of[GN_READING_peak_stress];
     if (!causes->count) causes = &budget->of[GN_READING_young_modulus_average];
     for (size_t k = 0; k < causes->note_count; k++) printf("    note: %s\n", causes->note[k]);
 }
 
-/* Prints a line for each reading with a budget; if there is a test but no budget, the reason. */
+/* Prints a line for each reading with an error budget; if there is a test but no budget, the
+ * reason. */
 static gneiss_status gn_print_budget(const gn_run *run, gneiss_error *error) {
     const gn_readings *readings;
     const gn_budget *budget;
@@ -202,7 +205,7 @@ static void print_limits(const gn_world *world) {
     printf(")\n");
 }
 
-/* Particles that begin on the wrong side of a wall or inside a body are expelled within a few
+/* Warns of particles on the wrong side of a wall or inside a body, which are expelled within a few
  * steps. */
 static void warn_of_inside(const char *where, const char *name, size_t count) {
     if (count)
@@ -216,7 +219,7 @@ static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
     const gn_scene *scene = &world->ctx.scene;
     GN_FREED gn_overlap *overlaps = NULL;
     if (world->ctx.step > 0) return GNEISS_OK;
-    for (size_t k = 0; k < scene->wall_count; k++) /* a passive wall expels nothing */
+    for (size_t k = 0; k < scene->wall_count; k++) /* a passive wall does not expel particles */
         if (!scene->walls[k].passive)
             warn_of_inside("behind wall", scene->walls[k].name,
                            gn_wall_overlap(&world->dem, &world->boundary, k).inside);
@@ -298,7 +301,7 @@ gneiss_status gn_print_initial_state(const gn_options *options, gn_run *run, gne
     return status;
 }
 
-/* Writes a name as words. */
+/* Writes the name of a reading as words. */
 static const char *words_of(const char *name, char *text, size_t size) {
     snprintf(text, size, "%s", name);
     for (char *c = text; *c; c++)
@@ -306,7 +309,7 @@ static const char *words_of(const char *name, char *text, size_t size) {
     return text;
 }
 
-/* Prints a line with the number, or with the reason why there is none. */
+/* Prints a line with the value, or with the reason why there is none. */
 static void print_reading(const char *label, double value, const char *unit, const char *note,
                           const char *reason) {
     if (*reason)

@@ -5,7 +5,7 @@
 #include "cli/options.h"
 #include "run/run.h"
 
-/* Predicts before the first step when a test ends, for the ETA. */
+/* Predicts before the first step when a test ends, for the remaining time in the progress line. */
 gneiss_status gn_predict_end(const gn_options *options, gn_run *run, gneiss_error *error);
 
 /* Prints one line, rewritten in place on a terminal and as wide as it, otherwise one line per call.
@@ -15,7 +15,7 @@ void gn_print_progress(const gn_options *options, const gn_run *run);
 /* Moves to the line below the progress line of a terminal. */
 void gn_end_progress_line(const gn_options *options);
 
-/* Prints the step and its limits at the start; with any options, warns of particles on the wrong
+/* Prints the step and its limits at the start. Also with --quiet, warns of particles on the wrong
  * side of walls and bodies. */
 gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneiss_error *error);
 
@@ -26,11 +26,11 @@ void gn_print_first_break(const gn_world *world, const gn_first_break *first_bre
 /* Prints readings and counts, also when quiet, and the profile. */
 gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gneiss_error *error);
 
-/* Names of the readings that a plan can concern, NULL at the end, the best first. */
+/* Returns the names of the readings that a plan can concern, the best first, NULL at the end. */
 const char *const *gn_planned_names(const char *reading);
 
 /* Prints whether the error of a reading (a fraction) is at most the requested one; `reason` says
- * why the error is not known. NULL, "": no reading has an error. */
+ * why the error is not known. `name` NULL and `reason` "": no reading has an error. */
 void gn_print_reached(const gn_options *options, const char *name, double error,
                       const char *reason);
 
@@ -46,14 +46,14 @@ const char *gn_format_seconds(double seconds, char *text, size_t size);
 /* Writes 1234567 as "1.23 M". */
 const char *gn_format_count(double value, char *text, size_t size);
 
-/* Divisor of a reading and the resulting unit. All moduli of a run have the unit of Young's
- * modulus, and all stresses that of the largest stress. */
+/* Divisor of a printed reading and the resulting unit. All moduli of a run are printed in the unit
+ * of Young's modulus, and all stresses in that of the largest stress. */
 typedef struct gn_shown {
     double factor;
     const char *unit; /* "" for a plain number */
 } gn_shown;
 
-/* Rounds `value` to two digits that %.6g prints without an exponent. */
+/* Rounds `value` to two digits so that %.6g prints it without an exponent. */
 double gn_two_digits(double value);
 
 #endif

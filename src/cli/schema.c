@@ -1,4 +1,4 @@
-/* JSON Schemas (draft 7, which editors know) made from the tables of keys. */
+/* JSON Schemas (draft 7, which editors support) made from the tables of keys. */
 #include "cli/schema.h"
 
 #include "base/version.h"
@@ -11,19 +11,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A file has one dimension, which decides the lengths of vectors and the possible shapes. The
- * schema has the keys of both and selects them by the value of `dimension`. */
+/* State of writing a schema. A file has one dimension, which decides the lengths of vectors and the
+ * possible shapes. The schema contains the keys of both dimensions and selects them by the value of
+ * `dimension`. */
 typedef struct schema {
     FILE *out;
     int dimension;
     bool specimen_only; /* keys that `gneiss pack` does not read may have any value */
-    bool in_stage;      /* keys that a stage may change; none is required */
+    bool in_stage;      /* writes keys that a stage may change; none of them is required */
 } schema;
 
 /* ---- texts ---- */
 
 /* Regular expressions that ECMA-262 and Python read alike; src/scene/units.c has the grammar. A
- * minus is allowed before zero. */
+ * minus sign is allowed before zero. */
 #define DIGITS   "(?:[0-9]+\\.?[0-9]*|\\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 #define NUMBER   "(?!0[xX])" DIGITS
 #define ANY_SIGN "^ *[+-]?"
@@ -84,7 +85,7 @@ static void write_whole(FILE *out, const char *range) {
     fputs("},{\"$ref\":\"#/definitions/whole\"}", out);
 }
 
-/* A number in SI, or a text with a unit. */
+/* Writes the schema of a number in SI, or a text with a unit. */
 static void write_number(FILE *out, const char *unit, const char *range) {
     const bool plain = strcmp(unit, GN_PLAIN_NUMBER) == 0, fraction = strcmp(unit, "1") == 0;
     fputs("{\"type\":\"number\"", out);
@@ -110,7 +111,8 @@ static void open_array(FILE *out, size_t least, size_t most) {
     fputs(",\"items\":", out);
 }
 
-/* A list of `count` numbers with a unit and a range each; NULL as a unit: only zero. */
+/* Writes the schema of a list of `count` numbers, each with its unit and range; NULL as a unit:
+ * only zero. */
 static void write_row(FILE *out, size_t least, size_t count, const char *const units[],
                       const char *const ranges[]) {
     open_array(out, least, count);
@@ -125,8 +127,8 @@ static void write_row(FILE *out, size_t least, size_t count, const char *const u
     fputs("]}", out);
 }
 
-/* In a plane a vector may have a third component, which is zero; a spin is a number or lies along
- * z. */
+/* Writes the schema of a vector. In 2D it may have a third component, which is zero; a spin is a
+ * number or is directed along z. */
 static void write_vector(const schema *s, const gn_key *key) {
     const bool plane = s->dimension == 2 && key->shape_dimension != 3,
                spin = key->type == GN_KEY_SPIN;
@@ -181,7 +183,8 @@ static void write_choices(FILE *out, const gn_choice *choices) {
     fputs("]}", out);
 }
 
-/* Any scalar is a text in a scene, `title: 2024`, but a name is no number. */
+/* Writes the schema of a text. Any scalar is a text in a scene, such as `title: 2024`, but a name
+ * must not be a number. */
 static void write_text(FILE *out, const gn_key *key) {
     const bool filled = key->presence == GN_PRESENT_TEXT || key->type == GN_KEY_FILE,
                name = key->type == GN_KEY_NAME;
@@ -195,7 +198,8 @@ static void write_text(FILE *out, const gn_key *key) {
 #define SCALAR "{\"type\":[\"string\",\"number\",\"boolean\"]}"
 #define WHOLES "{\"type\":\"integer\",\"minimum\":0},{\"type\":\"string\",\"pattern\":\"^[0-9]+$\"}"
 
-/* Values of any form, by the name of their key; others may be anything. */
+/* Returns the schema of a value of free form, by the name of its key; other values may be anything.
+ */
 static const char *tree_text(const char *name) {
     static const char *const trees[][2] = {
         {"confinement", "{\"type\":\"array\",\"minItems\":3,\"items\":{\"anyOf\":[{\"type\":"
@@ -211,7 +215,7 @@ static const char *tree_text(const char *name) {
     return "{}";
 }
 
-/* Lists, and values that may be lists; others may be anything. */
+/* Writes the schema of lists, and of values that may be lists; other values may be anything. */
 static void write_list_value(const schema *s, const gn_key *key) {
     switch (key->type) {
     case GN_KEY_VECTOR:
@@ -291,7 +295,8 @@ static bool has_required(const gn_section *section) {
     return false;
 }
 
-/* An empty section takes its defaults. A stage removes a section by `off`. */
+/* Writes the schema of a section. An empty section takes its defaults. A stage removes a section by
+ * `off`. */
 static void write_section(const schema *s, const gn_key *key, const char *path) {
     const bool removable = s->in_stage && gn_stage_may_change(path),
                optional = s->in_stage ? removable : !has_required(key->section);
@@ -305,7 +310,8 @@ static void write_section(const schema *s, const gn_key *key, const char *path) 
     if (key->word || removable) fputc('}', s->out);
 }
 
-/* A stage takes elements by name: of a section the keys, of a list the values of `name`. */
+/* Writes the schema of a list. A stage refers to items by name: a section has their keys, a list
+ * the values of `name`. */
 static void write_list(const schema *s, const gn_key *key, const char *path) {
     const gn_range count = gn_range_read(key->range);
     char element[GN_KEY_PATH_SIZE + 2];
@@ -353,7 +359,8 @@ static bool belongs(const schema *s, const gn_key *key, const char *path) {
     return !s->in_stage || gn_stage_may_hold(path) || strcmp(key->name, "name") == 0;
 }
 
-/* Writes the keys of a section, separated by commas; returns their number with those before. */
+/* Writes the keys of a section, separated by commas; returns their number plus that of the keys
+ * written before. */
 static size_t write_keys(const schema *s, const gn_section *section, const char *above,
                          size_t count) {
     for (size_t k = 0; k < section->key_count; k++) {

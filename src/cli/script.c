@@ -13,22 +13,23 @@
 
 static const char python[] = "/usr/bin/python3";
 
-/* A script: the variable that overrides its path, its path below share/gneiss of an installation,
- * and its path in the source tree. */
+/* A script, with the environment variable that replaces its path, its path below share/gneiss of an
+ * installation, and its path in the source tree. */
 typedef struct script {
     const char *variable, *installed, *source;
 } script;
 
 enum { SELF_SIZE = GN_PATH_SIZE, SCRIPT_SIZE = 2 * GN_PATH_SIZE };
 
-/* Path of this program; "" if unknown. */
+/* Finds the path of this program; "" if unknown. */
 static void find_self(char self[SELF_SIZE]) {
     ssize_t n = readlink("/proc/self/exe", self, SELF_SIZE - 1);
     self[n > 0 ? n : 0] = 0;
 }
 
-/* A script is at the place of installation, in the program's source tree, or moved along with the
- * program. A folder `tools` beside an installed program may be unrelated. */
+/* Finds a script in the place of installation, in the source tree of the program, or beside a
+ * program that was moved with its files. A folder `tools` beside an installed program may belong to
+ * something else. */
 static gneiss_status find(const script *wanted, const char *self, char path[SCRIPT_SIZE],
                           gneiss_error *error) {
     const char *given = getenv(wanted->variable), *slash = strrchr(self, '/');
@@ -69,8 +70,8 @@ static void relay(const int from[2]) {
     }
 }
 
-/* A process of its own, whose output passes through the streams of this one. A signal for both is
- * left to the child, which ends with this process. */
+/* Runs a script as a child process whose output passes through the streams of this one. A signal
+ * that reaches both is left to the child, with which this process ends. */
 static gneiss_status run_beside(char *const *arguments, gneiss_error *error) {
     int out[2], errors[2], status = 0;
     if (pipe(out) != 0 || pipe(errors) != 0)
@@ -89,28 +90,54 @@ static gneiss_status run_beside(char *const *arguments, gneiss_error *error) {
     signal(SIGINT, SIG_IGN);
     relay((const int[]){out[0], errors[0]});
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-    /* The child has reported the reason. */
+    /* The child has printed the reason. */
     return WIFEXITED(status) ? (gneiss_status)WEXITSTATUS(status) : GNEISS_INTERRUPTED;
 }
 
-/* Python finds its modules by its first argument: a bare name would lead to an active virtual
- * environment. */
+/* Starts a script with a full path of Python, by which it finds its modules: a bare name would lead
+ * to an active virtual environment. */
 static gneiss_status start(const gn_options *options, char *const *arguments, gneiss_error *error) {
     if (options->log) return run_beside(arguments, error);
     execv(python, arguments);
     return gn_fail(error, GNEISS_ERROR_IO, "%s could not be started", python);
 }
 
-gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) {
-    static const script report = {"GNEISS_REPORT", "report.py", "tools/report.py"};
-    char self[SELF_SIZE], path[SCRIPT_SIZE];
+/* Checks that the target is not a file, and finds a script that reads a folder of results. */
+static gneiss_status find_reader(const gn_options *options, const script *wanted,
+                                 char path[SCRIPT_SIZE], gneiss_error *error) {
+    char self[SELF_SIZE];
     struct stat target;
     if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
                        options->target);
     find_self(self);
-    GN_TRY(find(&report, self, path, error));
+    return find(wanted, self, path, error);
+}
+
+gneiss_status gn_command_report(const gn_options *options, gneiss_error *error) {
+    static const script report = {"GNEISS_REPORT", "report.py", "tools/report.py"};
+    char path[SCRIPT_SIZE];
+    GN_TRY(find_reader(options, &report, path, error));
     return start(options, (char *[]){(char *)python, path, (char *)options->target, NULL}, error);
+}
+
+gneiss_status gn_command_view(const gn_options *options, gneiss_error *error) {
+    static const script view = {"GNEISS_VIEW", "view.py", "tools/view.py"};
+    char path[SCRIPT_SIZE], *arguments[10] = {(char *)python, path};
+    size_t n = 2;
+    GN_TRY(find_reader(options, &view, path, error));
+    const struct {
+        const char *name, *value;
+    } given[] = {{"--instants", options->instants}, {"--fields", options->fields}};
+    for (size_t k = 0; k < 2; k++)
+        if (given[k].value) {
+            arguments[n++] = (char *)given[k].name;
+            arguments[n++] = (char *)given[k].value;
+        }
+    if (options->paraview) arguments[n++] = "--paraview";
+    arguments[n++] = "--";
+    arguments[n] = (char *)options->target;
+    return start(options, arguments, error);
 }
 
 static const script calibrate = {"GNEISS_CALIBRATE", "calibrate/__main__.py",

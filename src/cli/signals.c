@@ -6,12 +6,13 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The only file-scope state: signal handlers have no other means of communication. */
+/* These are the only variables at file scope, because signal handlers have no other means of
+ * communication. */
 static volatile sig_atomic_t interrupted, at_once;
 static const char *volatile last_words;
 static const char *volatile own_folder;
 
-/* Only calls that POSIX allows in a handler. */
+/* Handles a signal by calls that POSIX allows in a handler. */
 static void on_signal(int number) {
     (void)number;
     if (!at_once) {

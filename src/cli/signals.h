@@ -5,13 +5,14 @@
 
 #include <signal.h>
 
-/* Before there is anything to save (reading, meshing, packing, the first lists) a signal ends the
- * program immediately: it prints `message` on standard error and exits with code 6. `folder` (may
- * be NULL) is removed if it is still empty. Both must stay valid until the next call. */
+/* For the time before there are results to save (reading, meshing, packing, the first lists): a
+ * signal ends the program immediately; it prints `message` on standard error and exits with code 6.
+ * `folder` (may be NULL) is removed if it is still empty. Both must stay valid until the next call.
+ */
 void gn_signals_end_at_once(const char *message, const char *folder);
 
-/* After this call a signal only sets the flag, which is read between steps; a second one ends the
- * program. */
+/* After this call the first signal only sets the flag, which a run reads between steps; a second
+ * signal ends the program. */
 const volatile sig_atomic_t *gn_signals_set_flag(void);
 
 #endif

@@ -19,7 +19,8 @@ static const char *text_of(const gn_node *root, const char *key) {
     return node && node->kind == GN_NODE_SCALAR ? node->text : "";
 }
 
-/* A process is the same if it began at the same time: numbers of processes are used again. */
+/* True if the process of the run exists. It must have begun at the recorded time, because systems
+ * use process numbers again. */
 static bool is_alive(const gn_node *root) {
     char host[256] = "";
     (void)gethostname(host, sizeof host - 1);

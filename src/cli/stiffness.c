@@ -20,12 +20,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Strain of a test between ends that hold the specimen, unless --strain gives one: far below
- * failure, far above rounding. The largest that is taken. */
+/* Default strain of a test between ends that hold the specimen: far below failure, far above
+ * rounding. `strain_most` is the largest strain that --strain accepts. */
 static const double default_strain = 1e-5, strain_most = 0.1;
-/* Particles of a shape below which one thread is used unless the scene gives a number. */
+/* Number of particles of a specimen below which one thread is used, unless the scene gives the
+ * number of threads. */
 static const size_t particles_shared = 50000;
-enum { STATES = 20 }; /* readings use the rows up to half of the largest stress */
+enum { STATES = 20 }; /* number of states; readings use those up to half of the largest stress */
 
 /* Readings of a test that are elastic constants. */
 #define CONSTANTS(X)                                                                               \
@@ -48,11 +49,11 @@ static bool has_constant(const gn_scene *scene, gn_reading which) {
 
 typedef struct outcome {
     gn_network network;
-    double strain;               /* strain of the test */
-    bool unseated;               /* walls load the specimen and no strain at the peak is known */
+    double strain; /* strain of the test */
+    bool unseated; /* walls load the specimen, and the strain at the peak is unknown */
     const gn_readings *readings; /* readings, owned by the run; NULL: no test */
     char absent[GNEISS_MESSAGE_SIZE];
-    int64_t solutions, iterations; /* of both */
+    int64_t solutions, iterations; /* of both computations */
     double start;                  /* gn_now() */
 } outcome;
 
@@ -91,8 +92,8 @@ static void drop_stages(gn_scene *scene) {
     scene->stage_count = scene->bonds_stage = scene->membrane_stage = 0;
 }
 
-/* Removes the stages of the scene: the loads become those of its last stage, and the specimen stays
- * that of the start. */
+/* Removes the stages of the scene: the loads become those of the last stage, and the specimen
+ * remains that of the start. */
 static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *whole = NULL;
     GN_TRY(gn_new(&whole, 1, "a scene", error));
@@ -109,14 +110,14 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
         drop_stages(*scene);
     }
     (*scene)->allow_gmsh = options->allow_gmsh;
-    gn_options packing = *options; /* standard output gets only the JSON object */
+    gn_options packing = *options; /* standard output gets the JSON object only */
     packing.quiet = packing.quiet || options->json;
     packing.json = false;
     GN_TRY(gn_pack_ahead(&packing, *scene, error));
-    /* Solutions of few particles are too short to be shared. */
+    /* Solutions for few particles are too short for several threads. */
     if (!(*scene)->threads && (*scene)->specimen.packed_count < particles_shared)
         (*scene)->threads = 1;
-    /* The pressure of a membrane is constant and has no part in an increment. */
+    /* The pressure of a membrane is constant and therefore has no increment. */
     (*scene)->has_membrane = false;
     (*scene)->history_rows = STATES;
     return GNEISS_OK;
@@ -141,7 +142,8 @@ static const char *test_refusal(const gn_scene *scene) {
     return gn_scene_loading_refusal(scene);
 }
 
-/* Returns the largest displacement of a wall or a set of an end up to the end of the scene, m. */
+/* Returns the largest displacement, up to the end of the scene, of the wall or set that is an end
+ * of the specimen, m. */
 static double end_path(const gn_scene *scene, const gn_test_end *end) {
     double most = 0.0;
     for (size_t k = 0; k < end->count; k++) {
@@ -157,7 +159,7 @@ static double end_path(const gn_scene *scene, const gn_test_end *end) {
     return most;
 }
 
-/* Returns the displacement of both ends over the larger one. */
+/* Returns the sum of the displacements of both ends over the larger one. */
 static double sides(const gn_scene *scene) {
     const double lower = end_path(scene, &scene->test.lower),
                  upper = end_path(scene, &scene->test.upper);
@@ -172,8 +174,9 @@ static bool has_walls(const gn_scene *scene) {
     return false;
 }
 
-/* Platens are seated by the load: with the strain at the predicted peak, readings are of that part
- * of the curve which those of a run are of. Otherwise the curve is straight. */
+/* Chooses the strain of the test. Platens come into contact gradually. At the strain of the
+ * predicted peak, readings are taken over the same part of the curve as in a run. Otherwise the
+ * curve is straight. */
 static gneiss_status choose_strain(const gn_world *w, double *strain, bool *unseated,
                                    gneiss_error *error) {
     gn_estimate estimate = {0};
@@ -202,7 +205,8 @@ static gneiss_status load_test(gn_run *run, outcome *found, gneiss_error *error)
     return gn_run_readings(run, &found->readings, error);
 }
 
-/* A test that has no equilibria, or none of this kind, leaves the constants of the network. */
+/* Runs the test. If the test is not possible without time steps, only the elastic constants of the
+ * network are found. */
 static gneiss_status find_test(gn_run *run, outcome *found, gneiss_error *error) {
     const char *reason = test_refusal(&run->world.ctx.scene);
     if (reason) {

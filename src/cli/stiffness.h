@@ -5,7 +5,7 @@
 
 #include "cli/options.h"
 
-/* Prints a table, or with options->json one object on standard output. */
+/* Prints a table, or with options->one_json one JSON object on standard output. */
 gneiss_status gn_command_stiffness(const gn_options *options, gneiss_error *error);
 
 #endif

@@ -53,7 +53,8 @@ static bool read_number(const char *text, long least, long *value) {
     return text && *text && !*rest && !errno && *value >= least;
 }
 
-/* Reads the shard from Slurm's variables of a job array, which may be numbered in steps. */
+/* Reads the number of this part from Slurm's variables of a job array, which may be numbered in
+ * steps. */
 static gneiss_status shard_of_slurm(gn_sweep_way *way, gneiss_error *error) {
     long id, first = 0, step = 1, count;
     const char *lowest = getenv("SLURM_ARRAY_TASK_MIN"), *every = getenv("SLURM_ARRAY_TASK_STEP");
@@ -118,8 +119,8 @@ static gneiss_status choose_folder(const gn_options *options, const gn_sweep *sw
 
 /* ---- --dry-run ---- */
 
-/* Returns the wall time of a run on one thread from a few of its steps; NaN if the specimen would
- * have to be packed first. */
+/* Returns the wall time of a run on one thread from a few of its steps; NaN if the specimen must be
+ * packed first. */
 static gneiss_status estimate(const gn_sweep *sweep, size_t run, bool allow_gmsh, double *seconds,
                               gneiss_error *error) {
     GN_FREED gn_scene *scene = NULL;
@@ -142,7 +143,7 @@ static gneiss_status estimate(const gn_sweep *sweep, size_t run, bool allow_gmsh
     return GNEISS_OK;
 }
 
-/* Returns a stride that visits all of `count` items, with neighbours far apart in time. */
+/* Returns a stride that visits all of `count` items, with long intervals between neighbours. */
 static size_t stride_through(size_t count) {
     size_t stride = (size_t)(0.618 * (double)count) + 1;
     for (;; stride++) {
@@ -156,8 +157,8 @@ static size_t stride_through(size_t count) {
     }
 }
 
-/* Estimates as many runs as a second allows, spread over all; others take the mean. A scene that
- * cannot be made fails when it is run. */
+/* Estimates as many runs as fit into a second, distributed over all of them; others take the mean.
+ * A scene that cannot be made fails when it is run. */
 static void estimate_some(const gn_sweep *sweep, const gn_summary *summary, const gn_sweep_way *way,
                           double *seconds) {
     const double budget = 1.0; /* s */
@@ -202,8 +203,8 @@ static gneiss_status summarise(const gn_options *options, const gn_sweep *sweep,
     return status;
 }
 
-/* The folder is locked. An interrupted sweep writes a summary as well; a shard leaves it to the
- * call that collects the shards. */
+/* Carries out a sweep whose folder is locked. An interrupted sweep writes a summary as well; a part
+ * of a sweep leaves the summary to the call that collects the parts. */
 static gneiss_status carry_out(const gn_options *options, const gn_sweep *sweep, gn_sweep_way *way,
                                gneiss_error *error) {
     gn_sweep_display display;
@@ -223,7 +224,7 @@ static gneiss_status carry_out(const gn_options *options, const gn_sweep *sweep,
     return status;
 }
 
-/* A geometry without permission is refused once, not in every run. */
+/* Refuses a geometry without permission to mesh once, not in every run. */
 static gneiss_status check_geometry(const gn_options *options, const gn_sweep *sweep,
                                     gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
@@ -254,7 +255,8 @@ static gneiss_status sweep_into(const gn_options *options, const gn_sweep *sweep
     return status;
 }
 
-/* `alone`: the file is a single scene; *wanted: it needs several runs. */
+/* Carries out a sweep. `alone`: the file is a single scene; *wanted: the scene needs several runs.
+ */
 static gneiss_status command(const gn_options *options, bool alone, bool *wanted,
                              gneiss_error *error) {
     gn_override overrides[GN_MAX_OVERRIDES];
@@ -271,7 +273,7 @@ static gneiss_status command(const gn_options *options, bool alone, bool *wanted
             alone ? gn_sweep_of_scene(options->target, overrides, count, options->seeds, sweep,
                                       wanted, error)
                   : gn_sweep_load(options->target, overrides, count, options->seeds, sweep, error);
-    /* Problems of a scene that is run once are reported by that run. */
+    /* An error in a scene that is run once is reported by that run. */
     bool reported = status == GNEISS_ERROR_MEMORY || !alone || options->seeds || *wanted;
     if (status != GNEISS_OK && !reported) status = GNEISS_OK;
     if (status == GNEISS_OK && *wanted) {

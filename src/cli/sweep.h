@@ -6,8 +6,7 @@
 
 gneiss_status gn_command_sweep(const gn_options *options, gneiss_error *error);
 
-/* Runs the scene of `gneiss run` with several seeds or confinements; *wanted: the scene has them.
- */
+/* Runs the scene of `gneiss run` if it has several seeds or confinements; *wanted: it has them. */
 gneiss_status gn_command_several(const gn_options *options, bool *wanted, gneiss_error *error);
 
 #endif

@@ -69,7 +69,7 @@ static void watch(void *context, const gn_sweep_progress *progress) {
         display->shown = false;
     }
     if (options->quiet) return;
-    /* Prints a line for each event if the output is no terminal; on a terminal, and while waiting,
+    /* If the output is no terminal, prints a line for each event; on a terminal, and while waiting,
      * updates the time. */
     bool due = gn_now() >= display->next;
     if (options->json ? !progress->what && !due : terminal ? !due && !ended : !ended) return;
@@ -117,7 +117,7 @@ void gn_sweep_display_end(gn_sweep_display *display) {
 
 /* ---- the summary ---- */
 
-/* Returns a prefix that keeps numbers near 1; strains are unchanged. */
+/* Returns a unit with a prefix that keeps numbers near 1; strains remain unchanged. */
 static const char *scaled(const char *unit, double size, double *factor, char *text, size_t bytes) {
     static const struct {
         double factor;
@@ -135,7 +135,7 @@ static const char *scaled(const char *unit, double size, double *factor, char *t
     return text;
 }
 
-/* Two digits, and all of a whole number. */
+/* Returns the number of digits to print: two, or all of a whole number. */
 static int digits(double value) {
     return fabs(value) >= 1000.0 ? 4 : fabs(value) >= 100.0 ? 3 : 2;
 }
@@ -157,15 +157,15 @@ static void print_reading(const gn_summary_reading *reading, const gn_statistics
                statistics->deviation / factor);
     else
         printf("%s%s", *unit ? " " : "", unit);
-    /* The seeds measure scatter over packings and by rounding; they do not measure the errors that
-     * all of them share. */
+    /* Several seeds show the scatter over packings and by rounding, but not the errors that all
+     * packings share. */
     if (statistics->count > 1 && !isnan(rest))
         printf("; it includes packing and round-off, the rest of the error is estimated as %.*g",
                digits(rest / factor), rest / factor);
     printf("\n");
 }
 
-/* Prints "friction = 0.3", without the seed. */
+/* Prints a combination of parameters without the seed, such as "friction = 0.3". */
 static void print_combination(const gn_summary *summary, size_t c) {
     const gn_sweep *sweep = summary->sweep;
     char label[LABEL];
@@ -270,7 +270,7 @@ static void print_failed(const gn_summary *summary) {
     }
 }
 
-/* Walls and sets are known once a run has been made. */
+/* Warns of parameters whose walls or sets do not exist, which is known once a run has been made. */
 static void warn_of_absent(const gn_summary *summary) {
     for (size_t r = 0;
          summary->done > 0 && summary->sweep->reading_count && r < summary->reading_count; r++) {
@@ -283,7 +283,8 @@ static void warn_of_absent(const gn_summary *summary) {
     }
 }
 
-/* Scatter and the error that all packings share are independent. */
+/* Prints whether the error is as requested. The scatter, and the error that all packings share, are
+ * independent. */
 static void print_reached(const gn_options *options, const gn_summary *summary) {
     if (!(options->reached > 0.0)) return;
     for (const char *const *name = gn_planned_names(options->reading); *name; name++)

@@ -10,11 +10,11 @@ typedef struct gn_sweep_display {
     const gn_options *options;
     const gn_sweep *sweep;
     bool shown;  /* a line is on the terminal */
-    double next; /* gn_now() of the next line */
+    double next; /* time of the next line, by gn_now() */
 } gn_sweep_display;
 
-/* Prints the plan of the sweep and from then on its progress; one line on a terminal, otherwise a
- * line for every run, JSON lines on standard output. */
+/* Prints the plan of the sweep and from then on its progress: one line on a terminal, otherwise a
+ * line for every run, or JSON lines on standard output. */
 void gn_sweep_display_begin(gn_sweep_display *display, const gn_options *options,
                             const gn_sweep *sweep, gn_sweep_way *way);
 void gn_sweep_display_end(gn_sweep_display *display);

@@ -577,7 +577,7 @@ gneiss_status gn_conversion_relax(const gn_conversion *conversion, gneiss_error 
     if (status == GNEISS_OK && r.count) {
         note(&r, relax(&r));
         update_drift(&r);
-        gn_near_forget(model->ctx, model->dem);
+        gn_active_pairs_forget(model->ctx, model->dem);
     }
     release(&r);
     return status;

@@ -423,8 +423,9 @@ gneiss_status gn_conversion_limit(const gn_convertible *model, gn_step_limit *li
     const double stable = model->ctx->choice.stable;
     bool due;
     gn_dormant_swap(model->ctx, model->dem);
-    gneiss_status status = gn_dem_limit(model->ctx, model->dem, model->boundary, model->solids,
-                                        model->zones, model->ledger, true, &due, error);
+    gneiss_status status =
+        gn_timestep_particle_limit(model->ctx, model->dem, model->boundary, model->solids,
+                                   model->zones, model->ledger, true, &due, error);
     gn_dormant_swap(model->ctx, model->dem);
     *limit = model->ctx->choice.limit;
     model->ctx->choice.limit = before;

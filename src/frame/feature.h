@@ -21,9 +21,9 @@ typedef enum gn_hook_place {
        GN_HOOK_ACT needs (gn_hold_particle on world->dem.hold and on the hold of a body of
        elements). Also called when a feature is added to a world that has lists. */
     GN_HOOK_LISTS,
-    GN_HOOK_LIMIT,   /* lists are up to date: the hook may lower the step */
-    GN_HOOK_READING, /* the hook may set ctx.measure, so that readings are taken at the instant, and
-                        ctx.sums */
+    GN_HOOK_LIMIT,           /* lists are up to date: the hook may lower the step */
+    GN_HOOK_REQUEST_READING, /* the hook may set ctx.measure, so that readings are taken at the
+                        instant, and ctx.sums */
     GN_HOOK_BEFORE_FORCES,
     /* Forces of contacts, walls and elements are known: the hook adds to the loads of held blocks
        (gn_hold_load). Gravity, applied forces and background damping are added in the motion.
@@ -33,7 +33,8 @@ typedef enum gn_hook_place {
                       instant */
     GN_HOOK_MOVED, /* particles, walls and bodies have moved; readings of the instant were taken */
     GN_HOOK_ELEMENTS_MOVED,
-    GN_HOOK_READ, /* when readings are taken: the hook adds to ledger.reading and ledger.stress */
+    GN_HOOK_ADD_TO_READING, /* when readings are taken: the hook adds to ledger.reading and
+                               ledger.stress */
     GN_HOOK_AFTER_STEP,
     GN_HOOK_PLACES
 } gn_hook_place;

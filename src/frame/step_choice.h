@@ -33,7 +33,7 @@ typedef struct gn_step_choice {
                             searched; negative: outdated, because nodes have lost mass */
     gn_resolution resolution; /* the shortest collision so far */
     gn_mass_scaling scaling;
-    double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
+    double surface_rate; /* 1/s: 1/dt of free bodies, see gn_timestep_boundary_limit */
     double
         vertex_rate; /* 1/s, the same rate for nodes of finite elements in contact with particles */
     double gain;     /* m/s, largest change of a prescribed velocity in the coming step; else 0 */

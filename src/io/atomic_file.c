@@ -40,8 +40,8 @@ static int fsync_again(int descriptor) {
     return result;
 }
 
-/* Renaming onto /dev/null or a pipe would replace it; onto a folder it would fail only at the
- * end. */
+/* Refuses a target that is not a regular file: renaming onto /dev/null or a pipe would replace it;
+ * onto a folder it would fail only at the end. */
 static gneiss_status check_target(const char *path, gneiss_error *error) {
     struct stat info;
     if (stat(path, &info) != 0 || S_ISREG(info.st_mode)) return GNEISS_OK;
@@ -57,9 +57,9 @@ bool gn_lock_temporary(int descriptor, const char *path) {
            mine.st_nlink == 1;
 }
 
-/* Opens an empty file under this name that no other process writes; returns -1 if there is none
- * (errno: reason). A file left by a killed process is taken over; one that another process holds,
- * or has just renamed, is not touched, nor is a link or pipe of that name. */
+/* Opens an empty file under this name that no other process writes; returns -1 if it cannot (errno:
+ * reason). A file left by a killed process is taken over. A file that another process holds, or has
+ * just renamed, is not touched; nor is a link or pipe of that name. */
 static int open_temporary(const char *name) {
     int descriptor = open_again(name, O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0 && (errno == ELOOP || errno == ENXIO)) errno = EWOULDBLOCK;
@@ -74,7 +74,7 @@ static int open_temporary(const char *name) {
     return -1;
 }
 
-enum { MOST_WRITERS = 64 }; /* processes that write the same file at a time */
+enum { MOST_WRITERS = 64 }; /* number of processes that may write the same file at a time */
 
 static gneiss_status begin_temporary(gn_atomic_file *file, gneiss_error *error) {
     for (int k = 1; k <= MOST_WRITERS; k++) {
@@ -118,7 +118,7 @@ gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t si
 }
 
 void gn_sync_folder_of(const char *path) {
-    char folder[PATH_MAX]; /* on the stack, as this must work without free memory */
+    char folder[PATH_MAX]; /* on the stack, because this must work without free memory */
     const char *slash = strrchr(path, '/');
     size_t length = !slash ? 0 : slash == path ? 1 : (size_t)(slash - path);
     if (length >= sizeof folder) return;
@@ -135,9 +135,9 @@ gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,
     const char *failed = NULL;
     if (durability != GN_RENAMED && fsync_again(file->descriptor) != 0) failed = "flushed to disk";
     int code = errno;
-    /* close may be the call that reports a full disk (network file systems). A copy is closed,
-     * since the descriptor itself locks the temporary file until it has its name. Linux frees a
-     * descriptor even if close fails, so that it is not repeated. */
+    /* close may be the call that reports a full disk (network file systems). A copy of the
+     * descriptor is closed, because the descriptor itself locks the temporary file until it has its
+     * name. Linux frees a descriptor even if close fails, so that the call is not repeated. */
     int copy = dup(file->descriptor);
     if (copy >= 0 && close(copy) != 0 && errno != EINTR && !failed) {
         failed = "closed";

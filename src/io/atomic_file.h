@@ -11,22 +11,22 @@
 typedef struct gn_atomic_file {
     int descriptor;
     char *path;      /* owned */
-    char *temporary; /* owned: path + ".tmp", or ".2.tmp" while another process writes that */
+    char *temporary; /* owned: path + ".tmp", or ".2.tmp" while another process writes that file */
 } gn_atomic_file;
 
-/* The state of a committed file after a power failure. */
+/* State of a committed file after a power failure. */
 typedef enum gn_durability {
-    GN_DURABLE, /* present: results, checkpoints */
-    GN_SYNCED,  /* complete, but possibly absent: snapshots, which a resumed run writes again */
-    GN_RENAMED, /* possibly truncated: files that are regenerated from others */
+    GN_DURABLE, /* present; for results and checkpoints */
+    GN_SYNCED,  /* complete, but possibly absent; for snapshots, which a resumed run writes again */
+    GN_RENAMED, /* possibly truncated; for files that are regenerated from others */
 } gn_durability;
 
-/* Opens path.tmp and locks it (one left by a killed process is emptied). GNEISS_ERROR_IO: the
+/* Opens path.tmp and locks it (a file left by a killed process is emptied). GNEISS_ERROR_IO: the
  * folder is missing, permission is lacking, or `path` exists and is not a regular file. After a
  * failure there is nothing to free. */
 gneiss_status gn_atomic_create(gn_atomic_file *file, const char *path, gneiss_error *error);
 
-/* On failure (disk full) the caller still has to call gn_atomic_abort. */
+/* Appends bytes. On failure (disk full) the caller still has to call gn_atomic_abort. */
 gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t size,
                               gneiss_error *error);
 
@@ -41,8 +41,8 @@ void gn_atomic_abort(gn_atomic_file *file);
  * `path` is another file by now. On file systems without locks the file counts as locked. */
 bool gn_lock_temporary(int descriptor, const char *path);
 
-/* Syncs the folder that holds `path`: otherwise a power failure may undo a new name. Some file
- * systems cannot do it. */
+/* Syncs the folder that contains `path`; otherwise a power failure may undo a new name. Some file
+ * systems cannot do this. */
 void gn_sync_folder_of(const char *path);
 
 /* Formats into a malloc'ed string; NULL: out of memory. */

@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Accepts [+-] digits [. digits] [e [+-] digits]: strtod alone would accept nan, inf and
- * hexadecimal. */
+/* Tells whether a text has the form [+-] digits [. digits] [e [+-] digits]: strtod alone would
+ * accept nan, inf and hexadecimal. */
 static inline bool gn_is_decimal(const char *text, size_t length) {
     size_t k = length && (text[0] == '+' || text[0] == '-'), digits = 0;
     for (; k < length && isdigit((unsigned char)text[k]); k++) digits++;

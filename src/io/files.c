@@ -11,11 +11,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* An automounter or a read-only parent may return EACCES or EROFS for an existing folder: check. */
+/* The folder is looked for, because an automounter or a read-only parent may return EACCES or EROFS
+ * for an existing one. */
 static int make_one(const char *path, bool *made) {
     *made = mkdir(path, 0777) == 0;
     if (*made) {
-        gn_sync_folder_of(path); /* without it, synced files inside may be lost */
+        gn_sync_folder_of(path); /* without it, synced files in the folder may be lost */
         return 0;
     }
     int code = errno;
@@ -24,7 +25,8 @@ static int make_one(const char *path, bool *made) {
     return S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
 }
 
-/* *first is the length of the first folder that did not exist, 0: all existed. */
+/* Creates the parents of a path. *first is the length of the path of the first folder that did not
+ * exist; 0: all existed. */
 static gneiss_status make_parents(char *path, size_t *first, gneiss_error *error) {
     for (char *end = path + 1;; end++) {
         if (*end != '/' && *end != '\0') continue;
@@ -50,8 +52,8 @@ static void remove_parents(char *path, size_t first) {
     }
 }
 
-/* access() does not detect quotas, missing inodes and network file systems that map the user:
- * create a file. */
+/* Tests whether a folder is writable by creating a file in it: access() does not detect quotas,
+ * missing inodes, and network file systems that map the user. */
 static gneiss_status check_writable(const char *path, gneiss_error *error) {
     GN_FREED char *probe = gn_text_format("%s/.gneiss-XXXXXX", path);
     if (!probe) return gn_no_memory(error, path);
@@ -95,7 +97,7 @@ static int open_to_read(const char *path) {
     return descriptor;
 }
 
-/* Reads to the end, at most limit + 1 bytes; errno is set on failure. */
+/* Reads to the end, but at most limit + 1 bytes; errno is set on failure. */
 static char *read_all(int descriptor, size_t limit, size_t *size) {
     size_t capacity = 4096, used = 0;
     char *text = malloc(capacity);

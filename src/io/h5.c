@@ -11,7 +11,7 @@
 
 void gn_h5_quiet(void) {
     (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    (void)H5PLset_loading_state(0); /* a file cannot load code of a plugin */
+    (void)H5PLset_loading_state(0); /* files cannot load code as plugins */
 }
 
 typedef struct failure {
@@ -41,9 +41,9 @@ gneiss_status gn_h5_fail(const gn_h5 *file, gneiss_error *error, gneiss_status s
     return gn_fail(error, status, "%s: %s%s", file->path, what, found.reason);
 }
 
-/* A file being created is in memory and is written by plain write calls at the end: HDF5 1.10 does
- * not survive a full disk (H5Fclose fails, keeps the file open and tries again at exit), and errno
- * is lost. */
+/* Resizes the image. A file that is being created is kept in memory and written at the end by plain
+ * write calls: HDF5 1.10 does not survive a full disk (H5Fclose fails, keeps the file open and
+ * tries again at exit), and errno would be lost. */
 static void *image_resize(void *data, size_t size, H5FD_file_image_op_t op, void *udata) {
     (void)op;
     gn_h5_image *image = udata;
@@ -59,7 +59,8 @@ static void *image_resize(void *data, size_t size, H5FD_file_image_op_t op, void
     return image->data;
 }
 
-/* A file being read is already in memory and is never copied nor resized. */
+/* Hands out the image of a file that is read, which is in memory already and is neither copied nor
+ * resized. */
 static void *image_hand_out(size_t size, H5FD_file_image_op_t op, void *udata) {
     (void)op;
     gn_h5_image *image = udata;
@@ -84,8 +85,8 @@ static herr_t image_udata_free(void *udata) {
     return 0;
 }
 
-/* In the format of HDF5 1.10 (superblock 3, object headers 2) everything but raw chunks has a
- * checksum; chunks have Fletcher32. Older formats have none, so that a flipped bit could be
+/* In the format of HDF5 1.10 (superblock 3, object headers 2) all parts but raw chunks have a
+ * checksum, and chunks have Fletcher32. Older formats have none, so that a flipped bit could remain
  * undetected. */
 static hid_t image_access(gn_h5_image *image) {
     H5FD_file_image_callbacks_t callbacks = {
@@ -123,7 +124,8 @@ void gn_h5_omit_digests(gn_h5 *file) {
     file->digested = false;
 }
 
-/* HDF5 crashes where it has no memory to open a file, for which it takes 0.9 MB. */
+/* Memory that must be available, because HDF5 crashes without the 0.9 MB that opening a file takes.
+ */
 enum { OPENING_BYTES = 2 << 20 };
 
 static gn_h5 *new_handle(const char *path, gneiss_error *error) {
@@ -149,7 +151,7 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error) {
     gneiss_status status = gn_atomic_create(&file->target, path, error);
     if (status == GNEISS_OK) {
         file->writing = file->digested = true;
-        /* HDF5 would first read an existing file of that name; a file inside of a file cannot
+        /* HDF5 would first read an existing file of the given name; a path inside of a file cannot
          * exist. */
         char *name = gn_text_format("%s/image", file->target.temporary);
         if (name) create_image(file, name);
@@ -180,7 +182,7 @@ void gn_h5_load(void) {
     gn_h5_close(file);
 }
 
-/* Only the checksummed format is accepted: a damaged header of an older one can crash the
+/* Refuses formats without checksums, because a damaged header of an older format can crash the
  * library. */
 static gneiss_status check_signature(const gn_h5 *file, gneiss_error *error) {
     static const unsigned char expected[9] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n', 3};
@@ -219,7 +221,8 @@ static gneiss_status check_signature(const gn_h5 *file, gneiss_error *error) {
 
 static gneiss_status open_on_disk(gn_h5 *file, gneiss_error *error) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    /* Files appear complete by renaming, and some cluster file systems have no locks. */
+    /* Locks are not needed, because files appear complete by renaming, and some cluster file
+     * systems have none. */
     (void)H5Pset_file_locking(access, 0, 1);
     (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
     file->id = H5Fopen(file->path, H5F_ACC_RDONLY, access);
@@ -290,7 +293,7 @@ gneiss_status gn_h5_commit(gn_h5 **handle, gn_durability durability, gneiss_erro
                          file->writing ? "a write into it failed" : "it was opened for reading");
     else if (file->digested && (status = gn_h5_seal(file, error)) != GNEISS_OK)
         file->failed = true;
-    /* The flush extends the image to its full size, the close marks it as closed. */
+    /* Flushing extends the image to its full size; closing marks it as closed. */
     else if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0)
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be completed in memory");
     else if (H5Fclose(file->id) < 0)
@@ -309,7 +312,7 @@ void gn_h5_close(gn_h5 *file) {
     if (!file) return;
     gn_h5_quiet();
     if (file->writing) gn_atomic_abort(&file->target);
-    /* If memory is lacking while closing, HDF5 still uses the image and accesses it at exit. */
+    /* If memory is lacking during closing, HDF5 still uses the image and accesses it at exit. */
     if (file->id >= 0 && H5Fclose(file->id) < 0) return;
     free(file->image.data);
     free(file->path);

@@ -14,20 +14,21 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error);
 /* Makes a small file in memory and discards it, so that the library has allocated what it needs
  * for any file. */
 void gn_h5_load(void);
-/* Omits the digests in files for other programs. */
+/* Omits the digests, for files that other programs read. */
 void gn_h5_omit_digests(gn_h5 *file);
-/* Opens for reading. Truncated or foreign files give GNEISS_ERROR_INPUT with the path, a file that
- * cannot be opened (missing, no permission) GNEISS_ERROR_IO. Only the format of HDF5 1.10, which
- * gn_h5_create writes, is accepted: its headers have checksums. */
+/* Opens a file for reading. Truncated or foreign files give GNEISS_ERROR_INPUT with the path, a
+ * file that cannot be opened (missing, no permission) gives GNEISS_ERROR_IO. Only the format of
+ * HDF5 1.10, which gn_h5_create writes, is accepted, because its headers have checksums. */
 gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error);
-/* Like gn_h5_open, but first reads the whole file into memory by plain read calls: an error of the
- * disk is GNEISS_ERROR_IO, and any later error in the contents is damage of the file. */
+/* Does the same as gn_h5_open, but first reads the whole file into memory by plain read calls: an
+ * error of the disk is then GNEISS_ERROR_IO, and any later error in the contents means that the
+ * file is damaged. */
 gneiss_status gn_h5_open_whole(const char *path, gn_h5 **out, gneiss_error *error);
-/* Flushes, fsyncs, renames to the final name, fsyncs the folder, closes and frees. On failure (disk
+/* Flushes, syncs, renames to the final name, syncs the folder, closes and frees. On failure (disk
  * full) the temporary file is removed, an old file under `path` is unchanged, and the handle is
  * freed. *file is NULL afterwards. */
 gneiss_status gn_h5_commit(gn_h5 **handle, gn_durability durability, gneiss_error *error);
-/* Closes; a file being created is removed. NULL is allowed. */
+/* Closes the file; one that is being created is removed. NULL is allowed. */
 void gn_h5_close(gn_h5 *file);
 void gn_h5_close_at(gn_h5 **file); /* for GN_FREED_BY */
 
@@ -56,21 +57,20 @@ typedef struct gn_h5_attribute {
     const char *name, *text;
     const double *number;
     const int64_t *whole;
-    size_t count; /* number of numbers; 0: one */
+    size_t count; /* length of `number` or `whole`; 0: a single value */
 } gn_h5_attribute;
 gneiss_status gn_h5_attributes(gn_h5 *file, const char *object, const gn_h5_attribute *list,
                                size_t count, gneiss_error *error);
 
 /* Checks by digests that the file has exactly the objects and attributes that were written; values
- * are checked when they are read. A file of an earlier version has no digests: it is refused if
+ * are checked when they are read. A file of an earlier version has no digests; it is refused if
  * they are `demanded`, and otherwise accepted. */
 gneiss_status gn_h5_check_names(gn_h5 *file, bool demanded, gneiss_error *error);
 bool gn_h5_has_digests(const gn_h5 *file);
 /* Checks the values of all data sets as well. */
 gneiss_status gn_h5_check_values(const gn_h5 *file, gneiss_error *error);
 
-/* Functions for reading. They compare shapes with the expected ones; a mismatch is
- * GNEISS_ERROR_INPUT. */
+/* Functions for reading compare shapes with the expected ones; a mismatch is GNEISS_ERROR_INPUT. */
 /* Tells whether the file itself has the object; links to other files do not count. */
 bool gn_h5_has(const gn_h5 *file, const char *name);
 gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gneiss_error *error);
@@ -96,8 +96,8 @@ gneiss_status gn_h5_get_attribute_i64(const gn_h5 *file, const char *object, con
 gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *record,
                                const void *soa, gneiss_error *error);
 /* Creates the record (gn_soa_create with `effects`) and fills it. GNEISS_ERROR_INPUT if the effects
- * in the file differ, or a field is missing or has another shape; then there is nothing to destroy.
- * The padding after `count` is zero: the caller calls gn_particles_set_null and gn_contacts_pad. */
+ * in the file differ, or a field is missing or has another shape; there is then nothing to destroy.
+ * The padding after `count` is zero; the caller calls gn_particles_set_null and gn_contacts_pad. */
 gneiss_status gn_h5_get_record(const gn_h5 *file, const char *name, const gn_record *record,
                                void *soa, gn_effects effects, gneiss_error *error);
 

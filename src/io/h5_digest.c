@@ -19,15 +19,16 @@ static const char of_values[] = "digest", of_attributes[] = "digest_of_attribute
                   of_names[] = "digest_of_names";
 enum { ATTRIBUTE_BYTES_MOST = 1 << 24 };
 
-/* The finaliser of splitmix64 (Steele et al. 2014), a bijection. */
+/* Mixes by the finaliser of splitmix64 (Steele et al. 2014), a bijection. */
 static uint64_t mix(uint64_t z) {
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
     return z ^ (z >> 31);
 }
 
-/* Mixes every word of eight bytes with its place and adds it: terms are independent, so that the
- * sum runs at the speed of memory, and a single changed word always changes it. */
+/* Mixes every word of eight bytes with its position and adds the results. The terms are
+ * independent, so that the sum runs at the speed of memory, and a single changed word always
+ * changes it. */
 static uint64_t h5_digest(const void *bytes, size_t size, uint64_t seed) {
     const unsigned char *from = bytes;
     uint64_t sum = 0, place = 0;
@@ -73,12 +74,12 @@ static uint64_t digest_of_values(const char *name, hid_t set, const void *bytes,
     return h5_digest(bytes, size, digest_of_text(head));
 }
 
-/* Objects are named by their paths within the file, the root by ".". */
+/* Returns the name of an object, which is its path within the file; that of the root is ".". */
 static const char *shown(const char *name) {
     return strcmp(name, ".") == 0 ? "/" : name;
 }
 
-/* A failure keeps the message of HDF5, as lack of memory is no damage. */
+/* Returns an error with the message of HDF5, because lack of memory is no damage. */
 static gneiss_status unreadable(const gn_h5 *file, const char *name, gneiss_error *error) {
     return gn_h5_fail(file, error, file->writing ? GNEISS_ERROR_INTERNAL : GNEISS_ERROR_INPUT,
                       "attributes of %s cannot be read", shown(name));

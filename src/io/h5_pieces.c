@@ -6,7 +6,7 @@
 
 enum { PATH_SIZE = 128 };
 
-/* Names of data sets cannot contain the dots of a member path. */
+/* Writes the path of a data set, whose name cannot contain the dots of a member path. */
 static void path_of(const char *group, const gn_piece *piece, char path[PATH_SIZE]) {
     int name = snprintf(path, PATH_SIZE, "%s/", group);
     snprintf(path + name, PATH_SIZE - (size_t)name, "%s", piece->name);
@@ -28,8 +28,8 @@ gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *p
     return GNEISS_OK;
 }
 
-/* Checks counts, steps and numbers of items: negative values as for wall indices or none, and
- * exactly representable as doubles. Values that may be infinite or NaN are bounds and never
+/* Checks counts, steps and numbers of items: negative ones stand for wall indices or none, and all
+ * must be exactly representable as doubles. Values that may be infinite or NaN are bounds and never
  * negative. */
 static gneiss_status check_range(const gn_h5 *file, const char *path, const gn_piece *piece,
                                  const void *data, gneiss_error *error) {

@@ -8,14 +8,14 @@
 #include <stddef.h>
 
 typedef struct gn_piece {
-    const char *name; /* path of the member; its data set has underscores for dots */
+    const char *name; /* path of the member, whose data set has underscores instead of dots */
     gn_type type;     /* GN_F64 or GN_I64 */
     size_t offset, count;
-    bool any; /* may be infinite or NaN in a file that requires finite numbers */
+    bool any; /* may be infinite or NaN in a file that demands finite numbers */
 } gn_piece;
 
-/* Describe a member of TYPE: a double, array or struct of doubles; limits, which are infinite if
- * unset; 64-bit integers. The path of the member follows PREFIX in the file. */
+/* Describe a member of TYPE: a double, or an array or struct of doubles; limits, which are infinite
+ * if unset; 64-bit integers. In the file the path of the member follows PREFIX. */
 #define GN_PIECE_DOUBLES(PREFIX, TYPE, member)                                                     \
     { PREFIX #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, false }
 #define GN_PIECE_ANY(PREFIX, TYPE, member)                                                         \

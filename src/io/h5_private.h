@@ -7,8 +7,8 @@
 
 #include <hdf5.h>
 
-/* The bytes of a file being created. HDF5 enlarges them through callbacks and leaves them when it
- * closes. */
+/* The bytes of a file that is being created. HDF5 enlarges them through callbacks and does not free
+ * them when it closes the file. */
 typedef struct gn_h5_image {
     void *data;
     size_t size, capacity;
@@ -19,8 +19,8 @@ struct gn_h5 {
     hid_t id;
     char *path;
     bool writing;
-    bool finite; /* real numbers that are not finite are refused in writing and reading */
-    bool failed; /* a write failed: the file must not be committed */
+    bool finite; /* refuses real numbers that are not finite, in writing and reading */
+    bool failed; /* a write has failed, so that the file must not be committed */
     /* the file has digests or will get them; data are checked against them when they are read */
     bool digested;
     gn_atomic_file target;
@@ -32,7 +32,7 @@ typedef struct gn_h5_shape {
     hsize_t size[2];
 } gn_h5_shape;
 
-/* Return how a type is stored (little-endian on every machine) and its memory type. */
+/* Return how a type is stored (little-endian on every machine), and its type in memory. */
 hid_t gn_h5_file_type(gn_type type);
 hid_t gn_h5_memory_type(gn_type type);
 /* Returns [rows] for one component, else [rows][components]. */
@@ -43,18 +43,18 @@ bool gn_h5_shape_bytes(gn_type type, gn_h5_shape shape, size_t *row, size_t *all
 void gn_h5_move_rows(void *to, size_t to_stride, const void *from, size_t from_stride, size_t row,
                      size_t rows);
 
-/* Returns a property list of a file, group or data set that stores no times: HDF5 would store the
- * second in which each object was made, so that equal data gave unequal files. */
+/* Returns a property list of a file, group or data set that stores no times. By default HDF5 stores
+ * the second in which each object was made, so that equal data would give unequal files. */
 hid_t gn_h5_untimed(hid_t class);
 
 /* Suppresses HDF5's error output, a setting per thread; every function of this layer calls it. */
 void gn_h5_quiet(void);
 
-/* Calls gn_fail with the path before and the innermost error of HDF5 after the text. */
+/* Calls gn_fail with the path before the text, and the innermost error of HDF5 after it. */
 gneiss_status gn_h5_fail(const gn_h5 *file, gneiss_error *error, gneiss_status status,
                          const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Like gn_h5_put and gn_h5_get, for any shape. */
+/* Do the same as gn_h5_put and gn_h5_get, for any shape. */
 gneiss_status gn_h5_put_shape(gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
                               size_t stride, const void *data, const char *unit, const char *text,
                               gneiss_error *error);
@@ -73,7 +73,8 @@ gneiss_status gn_h5_check_finite(const gn_h5 *file, const char *name, gn_type ty
 gneiss_status gn_h5_check(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
                           gneiss_error *error);
 
-/* Writes the digest of a data set that was just written; checks one that was just read. */
+/* Write the digest of a data set that was just written, and check that of one that was just read.
+ */
 gneiss_status gn_h5_put_digest(gn_h5 *file, const char *name, hid_t set, const void *bytes,
                                size_t size, gneiss_error *error);
 gneiss_status gn_h5_check_digest(const gn_h5 *file, const char *name, hid_t set, const void *bytes,

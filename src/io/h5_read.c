@@ -32,7 +32,8 @@ static const char *shape_text(int rank, const hsize_t *size, char out[96]) {
     return out;
 }
 
-/* Checks that all values are in the file itself, and no other code than HDF5's own decodes them. */
+/* Checks that all values are in the file itself, and that HDF5 decodes them by its own code alone.
+ */
 static gneiss_status check_storage(const gn_h5 *file, const char *name, hid_t set,
                                    gneiss_error *error) {
     hid_t list = H5Dget_create_plist(set);
@@ -81,7 +82,7 @@ static gneiss_status check_type(const gn_h5 *file, const char *name, hid_t set, 
     return status;
 }
 
-/* Reads rank and sizes of a data set; rank -1: not readable. */
+/* Reads rank and sizes of a data set; rank -1: they cannot be read. */
 static int read_shape(hid_t set, hsize_t size[H5S_MAX_RANK]) {
     hid_t space = H5Dget_space(set);
     if (space < 0) return -1;
@@ -103,8 +104,8 @@ static gneiss_status check_shape(const gn_h5 *file, const char *name, hid_t set,
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: data set %s: expected shape %s, found %s",
                        file->path, name, shape_text(shape.rank, shape.size, wanted),
                        rank < 0 ? "nothing readable" : shape_text(rank, size, found));
-    /* A chunk that is missing in the file would read as zeros, and a header may declare more than
-     * fits in memory. */
+    /* A chunk that is missing in the file would read as zeros, and a header may declare more data
+     * than fit in memory. */
     size_t row, bytes;
     if (gn_h5_shape_bytes(type, shape, &row, &bytes) && H5Dget_storage_size(set) >= bytes)
         return GNEISS_OK;
@@ -176,7 +177,7 @@ gneiss_status gn_h5_get(const gn_h5 *file, const char *name, gn_type type, size_
     return gn_h5_get_shape(file, name, type, gn_h5_table(rows, components), stride, data, error);
 }
 
-/* Reads a data set of any type and shape, as it is stored, only for its digest. */
+/* Reads a data set of any type and shape, as it is stored, to check its digest. */
 static gneiss_status check_values(const gn_h5 *file, const char *name, gneiss_error *error) {
     hid_t set;
     GN_TRY(open_set(file, name, &set, error));

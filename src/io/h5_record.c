@@ -2,23 +2,10 @@
 #include "base/new.h"
 #include "io/h5_private.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static bool is_kept(const gn_field *field, gn_effects effects) {
     return field->role != GN_SCRATCH && gn_field_active(field, effects);
-}
-
-/* Lists effects by name and not by bit, since the list of effects may grow. malloc'ed. */
-static char *effects_text(gn_effects effects) {
-    char *text = gn_text_format("%s", "");
-    for (int k = 0; k < GN_EFFECT_COUNT && text; k++) {
-        if (!(effects >> k & 1u)) continue;
-        char *longer = gn_text_format("%s%s%s", text, *text ? "," : "", gn_effect_name(k));
-        free(text);
-        text = longer;
-    }
-    return text;
 }
 
 static gn_h5_shape field_shape(const gn_field *field, size_t count) {
@@ -48,9 +35,9 @@ gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *r
     const gn_soa *head = soa;
     int64_t count = (int64_t)head->count;
     GN_TRY(gn_h5_attribute_i64(file, name, "count", &count, 1, error));
-    GN_FREED char *effects = effects_text(head->effects);
-    if (!effects) return gn_no_memory(error, "names of effects");
-    GN_TRY(gn_h5_attribute_text(file, name, "effects", effects, error));
+    char effects[GN_EFFECT_NAMES_SIZE]; /* names and not bits, since the list may grow */
+    GN_TRY(gn_h5_attribute_text(file, name, "effects", gn_effect_names(head->effects, ",", effects),
+                                error));
     for (size_t f = 0; f < record->field_count; f++)
         if (is_kept(&record->fields[f], head->effects))
             GN_TRY(put_field(file, name, &record->fields[f], soa, error));
@@ -59,15 +46,16 @@ gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *r
 
 static gneiss_status check_effects(const gn_h5 *file, const char *group, gn_effects effects,
                                    gneiss_error *error) {
-    GN_FREED char *found = NULL, *expected = effects_text(effects);
+    char expected[GN_EFFECT_NAMES_SIZE];
+    GN_FREED char *found = NULL;
+    gn_effect_names(effects, ",", expected);
     GN_TRY(gn_h5_get_attribute_text(file, group, "effects", &found, error));
-    if (!expected) return gn_no_memory(error, "names of effects");
     if (strcmp(found, expected) == 0) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s: expected the effects %s, found %s",
                    file->path, group, *expected ? expected : "(none)", *found ? found : "(none)");
 }
 
-/* With soa NULL only checks that the field exists as expected. */
+/* Reads a field; with `soa` NULL only checks that it exists as expected. */
 static gneiss_status get_field(const gn_h5 *file, const char *group, const gn_field *field,
                                size_t count, void *soa, gneiss_error *error) {
     GN_FREED char *name = gn_text_format("%s/%s", group, field->name);
@@ -95,7 +83,7 @@ gneiss_status gn_h5_get_record(const gn_h5 *file, const char *name, const gn_rec
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: attribute count of %s: expected >= 0, found %lld", file->path, name,
                        (long long)count);
-    /* Everything is checked before memory is allocated, since a wrong count must not demand more
+    /* All fields are checked before memory is allocated, because a wrong count must not demand more
      * than there is. */
     GN_TRY(get_fields(file, name, record, (size_t)count, effects, NULL, error));
     GN_TRY(gn_soa_create(record, soa, (size_t)count, effects, error));

@@ -57,13 +57,13 @@ void gn_h5_move_rows(void *to, size_t to_stride, const void *from, size_t from_s
         memcpy((char *)to + k * to_stride, (const char *)from + k * from_stride, row);
 }
 
-/* Up to COMPACT_LIMIT bytes a data set is stored in its object header, which has a checksum. */
+/* Up to COMPACT_LIMIT bytes, a data set is stored in its object header, which has a checksum. */
 enum { COMPACT_LIMIT = 512, TEXT_COMPACT_LIMIT = 60000, CHUNK_BYTES = 1 << 18 };
 
 static hsize_t at_most(hsize_t value, hsize_t limit) {
     if (limit < 1) limit = 1;
     if (value <= limit) return value;
-    /* Chunks are equal, so that the last one is not mostly empty. */
+    /* Chunks have equal sizes, so that the last one is not mostly empty. */
     hsize_t parts = (value + limit - 1) / limit;
     return (value + parts - 1) / parts;
 }
@@ -77,7 +77,7 @@ static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
     }
     hsize_t item = gn_type_size(type), chunk[2] = {0, 1};
     if (shape.rank == 2) chunk[1] = at_most(shape.size[1], CHUNK_BYTES / item);
-    /* A size of 0 has no bytes to divide by. */
+    /* If an item has no bytes, its size cannot be a divisor. */
     const hsize_t row = item * chunk[1];
     chunk[0] = at_most(shape.size[0], row ? CHUNK_BYTES / row : 1);
     if (H5Pset_chunk(list, shape.rank, chunk) >= 0 && H5Pset_fletcher32(list) >= 0) return list;
@@ -85,8 +85,8 @@ static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
     return -1;
 }
 
-/* Makes the missing groups of the path `name`. HDF5 would make them by itself
- * (H5Pset_create_intermediate_group), but with time stamps. */
+/* Creates the missing groups of the path `name`. HDF5 can create them by itself
+ * (H5Pset_create_intermediate_group), but would add times. */
 static void make_groups(gn_h5 *file, const char *name) {
     char part[512];
     for (size_t k = 1; k < sizeof part && name[k - 1] && name[k]; k++) {
@@ -97,7 +97,7 @@ static void make_groups(gn_h5 *file, const char *name) {
         hid_t creation = gn_h5_untimed(H5P_GROUP_CREATE);
         hid_t group = H5Gcreate2(file->id, part, H5P_DEFAULT, creation, H5P_DEFAULT);
         if (creation >= 0) H5Pclose(creation);
-        if (group < 0) return; /* the object itself will fail */
+        if (group < 0) return; /* creating the object itself will fail */
         H5Gclose(group);
     }
 }
@@ -120,9 +120,9 @@ static gneiss_status put_attribute(gn_h5 *file, hid_t object, const char *name, 
     return status;
 }
 
-/* Texts have a fixed length: strings of variable length are stored in a heap without checksums, and
- * the VTK reader of `Type` only accepts these. HDF5 has no strings of length 0; one zero byte reads
- * as "". */
+/* Returns the type of a text, which has a fixed length: strings of variable length are stored in a
+ * heap without checksums, and the VTK reader only accepts fixed ones for `Type`. HDF5 has no
+ * strings of length 0; a single zero byte is read as "". */
 static hid_t text_type(const char *text) {
     size_t length = strlen(text);
     bool ascii = true;
@@ -159,7 +159,7 @@ static double real_at(gn_type type, const void *data, size_t k) {
     return type == GN_F64 ? ((const double *)data)[k] : (double)((const float *)data)[k];
 }
 
-/* An undetected failure of a run must not become a result, nor a state from which a run
+/* An undetected failure of a run must become neither a result nor a state from which a run
  * continues. */
 gneiss_status gn_h5_check_finite(const gn_h5 *file, const char *name, gn_type type,
                                  gn_h5_shape shape, size_t bytes, const void *data,
@@ -246,7 +246,7 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
         status = gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "text %s cannot be written", name);
     }
     size_t length = strlen(text);
-    if (status == GNEISS_OK) /* for an empty text, HDF5 stores one zero byte */
+    if (status == GNEISS_OK) /* HDF5 stores one zero byte for an empty text */
         status = gn_h5_put_digest(file, name, set, text, length ? length : 1, error);
     if (set >= 0) H5Dclose(set);
     if (creation >= 0) H5Pclose(creation);
@@ -255,9 +255,9 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
     return status;
 }
 
-/* Every link on the way must be tested: H5Lexists fails if a group before it is missing. Symbolic
- * links and those into other files are not followed: a file could otherwise expose any other file
- * of its reader. */
+/* Every link of the path is tested in turn, because H5Lexists fails if a group before it is
+ * missing. Symbolic links and links to other files are not followed: by them, a file could disclose
+ * any other file that its reader may read. */
 bool gn_h5_has(const gn_h5 *file, const char *name) {
     gn_h5_quiet();
     char part[512];

@@ -14,7 +14,7 @@ typedef struct buffer {
 /* The text is built on one line; gn_json_finish indents it. */
 struct gn_json {
     buffer text;
-    buffer open;  /* open levels, as the characters that close them */
+    buffer open;  /* the open levels, as the characters that close them */
     bool has_one; /* the innermost object or array is not empty */
 };
 
@@ -43,8 +43,8 @@ static char innermost(const gn_json *json) {
     return json->open.size ? json->open.data[json->open.size - 1] : '\0';
 }
 
-/* Returns the length of the UTF-8 character at `text`, 0 if it is not one (RFC 3629: shortest form,
- * no surrogates). */
+/* Returns the length of the UTF-8 character at `text`; 0: it is not a valid one (RFC 3629: shortest
+ * form, no surrogates). */
 static size_t utf8_length(const unsigned char *text) {
     unsigned char first = text[0];
     if (first < 0x80) return 1;
@@ -120,7 +120,7 @@ static void close_innermost(gn_json *json) {
 
 void gn_json_end(gn_json *json) {
     if (json && json->open.size > 1)
-        close_innermost(json); /* gn_json_finish closes the outermost */
+        close_innermost(json); /* gn_json_finish closes the outermost object */
 }
 
 static void append_raw(gn_json *json, const char *key, const char *text) {
@@ -174,7 +174,7 @@ static void new_line(buffer *to, size_t depth) {
     for (size_t k = 0; k < depth; k++) append(to, "  ", 2);
 }
 
-/* Indents by two blanks per level; empty objects and arrays stay on one line; ends with a
+/* Indents by two blanks per level; empty objects and arrays stay on one line; the text ends with a
  * newline. */
 static buffer indent(const buffer *text) {
     buffer to = {0};

@@ -28,8 +28,8 @@ gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t 
     return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
 }
 
-/* Returns the step in `name`, -1 if it does not have exactly the form of gn_step_path. *rest is the
- * suffix. */
+/* Returns the step in `name`; -1: it does not have the form of gn_step_path. *rest is the suffix.
+ */
 static int64_t parse_step(const char *name, const char *prefix, const char **rest) {
     size_t length = strlen(prefix);
     if (strncmp(name, prefix, length) != 0 || name[length] != '_') return -1;
@@ -57,13 +57,13 @@ static gneiss_status push(int64_t **steps, size_t *count, int64_t step) {
     return GNEISS_OK;
 }
 
-/* ".tmp", ".2.tmp" */
+/* Tells whether a name ends with ".tmp" or ".2.tmp". */
 static bool is_temporary(const char *ending) {
     size_t length = strlen(ending);
     return ending[0] == '.' && length >= 4 && strcmp(ending + length - 4, ".tmp") == 0;
 }
 
-/* Removes a temporary file unless some process still writes it. */
+/* Removes a temporary file unless a process still writes it. */
 static void remove_abandoned(const char *directory, const char *name) {
     char *path = gn_text_format("%s/%s", directory, name);
     int descriptor = path ? open(path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK) : -1;
@@ -148,8 +148,8 @@ gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_err
     return status;
 }
 
-/* Returns an unused name, as a checkpoint of this step may have been damaged before. NULL: out of
- * memory. */
+/* Returns an unused name, because a checkpoint of this step may have been damaged before. NULL: out
+ * of memory. */
 static char *free_name(const char *path) {
     char *name = gn_text_format("%s.damaged", path);
     for (int k = 2; name && access(name, F_OK) == 0; k++) {

@@ -13,8 +13,8 @@ char *gn_step_path(const char *directory, const char *prefix, int64_t step, cons
 gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t step,
                              const char *suffix, gneiss_error *error);
 
-/* Lists the steps on disk, ascending; *steps is malloc'ed. Temporary files of the same form that no
- * process holds (of a run killed while writing) are removed. */
+/* Lists the steps on disk in ascending order; *steps is malloc'ed. Temporary files of the same form
+ * that no process holds, as a run killed while writing leaves them, are removed. */
 gneiss_status gn_step_list(const char *directory, const char *prefix, const char *suffix,
                            int64_t **steps, size_t *count, gneiss_error *error);
 
@@ -31,7 +31,7 @@ gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t m
 gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error);
 
 /* Appends ".damaged" to the name (".damaged-2", ... if that exists): the file is kept for
- * inspection, but no longer listed. */
+ * inspection, but not listed any more. */
 gneiss_status gn_checkpoint_set_aside(const char *directory, int64_t step, gneiss_error *error);
 
 #endif

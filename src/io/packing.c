@@ -86,7 +86,8 @@ gneiss_status gn_packing_number(const gn_packing_reader *in, gn_packing_field fi
     return GNEISS_OK;
 }
 
-/* A quoted field ends behind its second quote, if it has one. */
+/* Returns the length of a field; a quoted field ends at its second quotation mark, if it has one.
+ */
 static size_t field_length(const char *text) {
     const char *close = *text == '"' ? strchr(text + 1, '"') : NULL;
     return close ? (size_t)(close - text) + 1 : strcspn(text, " \t\v\f,");
@@ -134,7 +135,8 @@ static gneiss_status check_columns(gn_packing_reader *in, const size_t at[5], co
     return GNEISS_OK;
 }
 
-/* Replaces a block by one of `capacity` items with the first `used` of the old one. */
+/* Replaces a block by one of `capacity` items that begins with the first `used` items of the old
+ * one. */
 static bool widen(void *block, size_t used, size_t capacity, size_t size) {
     void *old, *more = gn_alloc_array(capacity, size);
     memcpy(&old, block, sizeof old);
@@ -162,7 +164,7 @@ gneiss_status gn_packing_grow(gn_packing_reader *in, gn_packing *packing) {
     return GNEISS_OK;
 }
 
-/* Reads a row x y z r. */
+/* Reads a row x y z r or x y r. */
 static gneiss_status read_row(gn_packing_reader *in, const gn_packing_field *field, size_t columns,
                               gn_packing *packing) {
     double value[4] = {0};
@@ -237,7 +239,8 @@ static gneiss_status open_and_read(gn_packing_reader *in, gn_packing *packing) {
     if (!plain) return gn_fail(in->error, GNEISS_ERROR_MEMORY, "%s: no memory", in->path);
     gneiss_status status;
     if (!(in->file = fopen(in->path, "re"))) {
-        /* A path that does not exist is an input error; all else is an error of the machine. */
+        /* A path that does not exist is an input error; any other failure is an error of the
+         * machine. */
         bool wrong_name = errno == ENOENT || errno == ENOTDIR || errno == ENAMETOOLONG;
         status = gn_fail(in->error, wrong_name ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
                          "%s: cannot be opened: %s", in->path, strerror(errno));

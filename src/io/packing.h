@@ -1,5 +1,5 @@
-/* Packings as text: `x y z r` per line (2D: `x y r`), # comments, the format that YADE reads; or
- * columns in any order that a header names. */
+/* Packings as text in the format that YADE reads: `x y z r` per line (2D: `x y r`), and comments
+ * that begin with #; or with columns in any order, which a header names. */
 #ifndef GN_IO_PACKING_H
 #define GN_IO_PACKING_H
 
@@ -14,7 +14,7 @@ typedef struct gn_packing {
     gn_particle_columns columns;
 } gn_packing;
 
-/* Meaning of units and materials in a file. */
+/* Functions that interpret units and materials in a file. */
 typedef struct gn_packing_words {
     void *units; /* first argument of `unit` */
     /* Reads "1 mm" as 0.001 if `wanted` is "m"; false: `reason` states why (gn_units_read). */
@@ -25,21 +25,23 @@ typedef struct gn_packing_words {
     size_t material_count;
 } gn_packing_words;
 
-/* Reads a packing. `dimension` 2 reads x y r (or x y z r with every z equal), 3 reads x y z r;
- * separated by blanks, tabs or commas. Refused with file:line:column: NaN, infinity, radius <= 0,
- * wrong number of columns, no particles, not a number; all GNEISS_ERROR_INPUT, as is a missing
- * file. `scale` multiplies everything. */
+/* Reads a packing. `dimension` 2 reads x y r (or x y z r with the same z in every line), 3 reads x
+ * y z r, separated by blanks, tabs or commas; all numbers are multiplied by `scale`.
+ * GNEISS_ERROR_INPUT, with file:line:column: NaN, infinity, radius <= 0, a wrong number of columns,
+ * no particles, something that is not a number; also a missing file. */
 gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_packing *packing,
                               gneiss_error *error);
-/* As gn_packing_read; a header may name columns (docs/files.md): a first row of names, a comment of
- * names alone, or `#format` of YADE. Rows are sorted by id if there is such a column. Refused as
- * well: unknown names, units and materials, an id that occurs twice, files of other programs, which
- * are recognised by their beginning. `words` is needed for units and materials. */
+/* Reads a packing as gn_packing_read does, but a header may name the columns (docs/files.md): a
+ * first row of names, a comment that consists of names, or `#format` of YADE. Rows are sorted by id
+ * if there is a column of ids. Unknown names, units and materials, an id that occurs twice, and
+ * files of other programs, which are recognised by their beginning, are input errors as well.
+ * `words` is needed for units and materials. */
 gneiss_status gn_packing_read_columns(const char *path, int dimension, double scale,
                                       const gn_packing_words *words, gn_packing *packing,
                                       gneiss_error *error);
 /* Writes the format of gn_packing_read: a # line with `header`, then numbers with 17 significant
- * digits, so that reading gives the same doubles. The file is written completely or not at all. */
+ * digits, so that exactly the same doubles are read again. Either the whole file is written or
+ * none. */
 gneiss_status gn_packing_write(const char *path, int dimension, const gn_packing *packing,
                                const char *header, gneiss_error *error);
 void gn_packing_free(gn_packing *packing);

@@ -31,7 +31,7 @@ enum kind {
     UNKNOWN = -2
 };
 
-/* `unit` "": the column has none. */
+/* Columns that a header may name; `unit` "": a column without unit. */
 static const struct {
     const char *name;
     int kind;
@@ -85,7 +85,7 @@ static const char *unit_of(int kind) {
 
 /* ---- files of other programs ---- */
 
-/* Tells whether a line of the text is a count of atoms, as in the header of LAMMPS' data. */
+/* Tells whether a line of the text gives a number of atoms, as the header of LAMMPS data files. */
 static bool counts_atoms(const char *text) {
     for (const char *line = text; line; line = strchr(line, '\n')) {
         line += *line == '\n';
@@ -125,12 +125,13 @@ gneiss_status gn_packing_refuse_foreign(const gn_packing_reader *in) {
 
 /* ---- header ---- */
 
-/* A word of a header: a name, and the unit in brackets behind it. */
+/* A word of a header: a name, and after it the unit in brackets. */
 typedef struct word {
     size_t at, length, unit_at, unit_length; /* base 0; unit_at 0: no unit */
 } word;
 
-/* Takes the next word from *at on; false: there is none. `broken` if a bracket is not closed. */
+/* Takes the next word that begins at *at or after it; false: there is none. `broken` if a bracket
+ * is not closed. */
 static bool next_word(const char *text, size_t *at, char separator, word *out, bool *broken) {
     const char *ends = separator == '_' ? " \t\v\f_" : " \t\v\f,[(";
     size_t k = *at;
@@ -159,7 +160,7 @@ static bool next_word(const char *text, size_t *at, char separator, word *out, b
     return true;
 }
 
-/* Factor to SI of a column with a unit. */
+/* Reads the unit of a column as its factor to SI. */
 static gneiss_status read_unit(gn_packing_reader *in, const word *given, int kind, double *factor) {
     char text[64], reason[128] = "", seen[48];
     const char *unit = unit_of(kind);
@@ -183,7 +184,7 @@ static gneiss_status read_unit(gn_packing_reader *in, const word *given, int kin
                              seen);
 }
 
-/* Adds a column; lengths without a unit are scaled. */
+/* Adds a column; lengths without a unit are multiplied by the scale of the file. */
 static gneiss_status add_column(gn_packing_reader *in, const word *given, int kind) {
     double factor = 1.0;
     char seen[48];
@@ -217,7 +218,7 @@ static bool has(const gn_packing_reader *in, int kind) {
     return false;
 }
 
-/* Checks a complete header. */
+/* Checks a header that has been read completely. */
 static gneiss_status check_header(const gn_packing_reader *in, size_t end) {
     static const int exclusive[][2] = {
         {RADIUS, DIAMETER}, {MATERIAL, TYPE}, {MATERIAL, MAT_ID}, {TYPE, MAT_ID}};
@@ -233,7 +234,7 @@ static gneiss_status check_header(const gn_packing_reader *in, size_t end) {
     return GNEISS_OK;
 }
 
-/* Reads all words from *at on. */
+/* Reads all words from position *at. */
 static gneiss_status read_header(gn_packing_reader *in, size_t at, char separator) {
     word next;
     bool broken = false;
@@ -246,8 +247,8 @@ static gneiss_status read_header(gn_packing_reader *in, size_t at, char separato
     return check_header(in, at);
 }
 
-/* Tells whether all words from `at` on are names, x, y and a radius among them, other than the
- * plain rows x y z r and x y r. */
+/* Tells whether all words from position `at` are names of columns that include x, y and a radius.
+ * The plain rows x y z r and x y r are excluded. */
 static bool names_columns(const gn_packing_reader *in, size_t at, char separator) {
     static const int plain[2][4] = {{X, Y, Z, RADIUS}, {X, Y, RADIUS, UNKNOWN}};
     bool seen[KINDS] = {false}, broken = false, is_plain[2] = {true, true};
@@ -286,7 +287,7 @@ gneiss_status gn_packing_row_header(gn_packing_reader *in, bool *is_header) {
     size_t from = at;
     *is_header = false;
     if (!next_word(in->text, &from, ',', &next, &broken)) return GNEISS_OK;
-    /* nan and inf are numbers that are not finite. */
+    /* nan and inf begin with letters, but count as numbers (which are not finite). */
     bool letter = (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z');
     bool number = next.length >= 3 && (strncasecmp(in->text + next.at, "nan", 3) == 0 ||
                                        strncasecmp(in->text + next.at, "inf", 3) == 0);
@@ -351,7 +352,8 @@ static gneiss_status read_field(const gn_packing_reader *in, gn_packing_column c
                              *value / column.factor);
 }
 
-/* In two dimensions z is the same everywhere, and nothing moves out of the plane. */
+/* Checks a row of a packing in 2D: z is the same in all rows, and no velocity is out of the plane.
+ */
 static gneiss_status check_plane(gn_packing_reader *in, const gn_packing *packing, int kind,
                                  size_t at, double value) {
     if (in->dimension == 3) return GNEISS_OK;
@@ -429,7 +431,7 @@ static int by_id(const void *a, const void *b) {
     return p->row < q->row ? -1 : p->row > q->row;
 }
 
-/* Puts the items of a block into the order of the ids. */
+/* Sorts the items of a block by id. */
 static bool reorder(const gn_packing_id *id, size_t count, void *block, size_t size) {
     char *old, *sorted = gn_alloc_array(count, size);
     memcpy(&old, block, sizeof old);

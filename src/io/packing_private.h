@@ -9,7 +9,8 @@
 
 enum { GN_PACKING_LINE = 65536, GN_PACKING_COLUMNS = 64 };
 
-/* A column that the header names; `kind` is an index of the table of names, -1: it is skipped. */
+/* A column that the header names; `kind` is its index in the table of names, -1: the column is
+ * skipped. */
 typedef struct gn_packing_column {
     int kind;
     double factor; /* from the unit of the file to SI */
@@ -27,7 +28,7 @@ typedef struct gn_packing_reader {
     gneiss_error *error;
     int dimension;
     double scale;
-    const gn_packing_words *words; /* NULL: no header is looked for */
+    const gn_packing_words *words; /* NULL: a header is not read */
     size_t line;                   /* base 1 */
     size_t columns;                /* number of columns of the first particle, 0: none yet */
     double plane;                  /* 2D with z: z of the first particle */
@@ -45,7 +46,7 @@ typedef struct gn_packing_field {
     size_t at, length; /* base 0 */
 } gn_packing_field;
 
-/* GNEISS_ERROR_INPUT with path:line:column; `at` is the position in the line, base 0. */
+/* Reports GNEISS_ERROR_INPUT with path:line:column; `at` is the position in the line, base 0. */
 __attribute__((format(printf, 3, 4))) gneiss_status
 gn_packing_refuse(const gn_packing_reader *in, size_t at, const char *format, ...);
 bool gn_packing_is_blank(char c);
@@ -53,21 +54,22 @@ bool gn_packing_is_blank(char c);
 const char *gn_packing_shown(const char *text, size_t length, char out[48]);
 /* Reads a finite decimal number. */
 gneiss_status gn_packing_number(const gn_packing_reader *in, gn_packing_field field, double *value);
-/* Splits a line into fields, which are separated by blanks or by one comma with blanks around it;
- * at most `most`, of which the last takes what is left unsplit (*count is most + 1 then). */
+/* Splits a line into at most `most` fields, which are separated by blanks or by one comma with
+ * blanks around it. If the line has more, *count is most + 1, and the last field is the rest of the
+ * line. */
 gneiss_status gn_packing_split(const gn_packing_reader *in, gn_packing_field *field, size_t most,
                                size_t *count);
 
-/* Refuses a regular file that begins as those of another program. */
+/* Refuses a regular file that begins as a file of another program. */
 gneiss_status gn_packing_refuse_foreign(const gn_packing_reader *in);
-/* Reads the header from a comment (with its #) or a row, if it is one. */
+/* Reads the header from a comment (with its #) or from a row; does nothing if it is no header. */
 gneiss_status gn_packing_comment_header(gn_packing_reader *in);
 gneiss_status gn_packing_row_header(gn_packing_reader *in, bool *is_header);
-/* Reads a row by the columns of the header. */
+/* Reads a row whose columns are those of the header. */
 gneiss_status gn_packing_named_row(gn_packing_reader *in, gn_packing *packing);
 /* Sorts the rows by id. */
 gneiss_status gn_packing_sort(gn_packing_reader *in, gn_packing *packing);
-/* Makes room for one particle more, also in the columns that the header names. */
+/* Makes room for one more particle, also in the columns that the header names. */
 gneiss_status gn_packing_grow(gn_packing_reader *in, gn_packing *packing);
 
 #endif

@@ -3,6 +3,7 @@
 #define GN_KERNELS_CONTACT_H
 
 #include "base/instruction_sets.h"
+#include "kernels/laws.h"
 #include "kernels/partials.h"
 #include "soa/records.h"
 
@@ -104,46 +105,6 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
  * block's partial sums and adds to *sums. */
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
-
-/* The contact laws: X(name, effects that select it, lists that have it), with laws that need more
- * effects first. Lists for which no effect selects another law have the linear one. The files of a
- * law are law_<name>.h and law_<name>.c, see law.h. */
-#define GN_LAWS(X)                                                                                 \
-    X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
-    X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
-    X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
-    X(hertz_rolling, GN_FX_HERTZ | GN_FX_ROLLING, GN_LAW_OF_PAIRS)                                 \
-    X(hertz, GN_FX_HERTZ, GN_LAW_OF_PAIRS)                                                         \
-    X(rolling, GN_FX_ROLLING, GN_LAW_OF_PAIRS)                                                     \
-    X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
-enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
-
-/* The kinds of lists that have kernels. X(number, name, body, law, effects that define the kind in
- * addition to those of the law, as literals 0 or 1: SHEAR, FRICTION, BONDS), in parts that are
- * compiled separately in parallel. `body` is the kind whose code serves this one as well: friction
- * of broken bonds is a branch that few vectors take. */
-#define GN_CONTACT_KINDS_0(X)                                                                      \
-    X(0, smooth, smooth, linear, 0, 0, 0)                                                          \
-    X(1, frictional, frictional, linear, 1, 1, 0)                                                  \
-    X(2, bond_normal, bond_normal, linear, 0, 0, 1)                                                \
-    X(3, bond, bond, linear, 1, 0, 1)                                                              \
-    X(4, bond_frictional, bond, linear, 1, 1, 1)
-#define GN_CONTACT_KINDS_1(X)                                                                      \
-    X(5, mohr, mohr, mohr, 1, 0, 1)                                                                \
-    X(6, mohr_frictional, mohr, mohr, 1, 1, 1)                                                     \
-    X(7, softening, softening, softening, 1, 0, 1)                                                 \
-    X(8, softening_frictional, softening, softening, 1, 1, 1)
-#define GN_CONTACT_KINDS_2(X)                                                                      \
-    X(9, beam, beam, beam, 1, 0, 1)                                                                \
-    X(10, beam_frictional, beam, beam, 1, 1, 1)                                                    \
-    X(11, hertz, hertz, hertz, 0, 0, 0)                                                            \
-    X(12, hertz_frictional, hertz_frictional, hertz, 1, 1, 0)                                      \
-    X(13, rolling, rolling, rolling, 1, 1, 0)                                                      \
-    X(14, hertz_rolling, hertz_rolling, hertz_rolling, 1, 1, 0)
-#define GN_CONTACT_KINDS(X)                                                                        \
-    GN_CONTACT_KINDS_0(X)                                                                          \
-    GN_CONTACT_KINDS_1(X)                                                                          \
-    GN_CONTACT_KINDS_2(X)
 
 /* Options of any kind, by the bits of a variant's number. */
 #define GN_CONTACT_OPTIONS(X)                                                                      \

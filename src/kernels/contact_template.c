@@ -8,12 +8,8 @@
  * motion_template.c adds up. */
 #include "kernels/block_rows.h"
 #include "kernels/expand.h"
-#include "kernels/law_beam.h"
-#include "kernels/law_hertz.h"
-#include "kernels/law_linear.h"
-#include "kernels/law_mohr.h"
-#include "kernels/law_rolling.h"
-#include "kernels/law_softening.h"
+#define GN_LAW_FORCES
+#include "kernels/laws.h"
 
 #include <string.h>
 

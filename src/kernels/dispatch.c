@@ -177,8 +177,11 @@ gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list
     unsigned variant = gn_contact_variant(list_effects);
     *kernel = variant < GN_CONTACT_VARIANTS ? (mixed ? set->mixed : set->contact)[variant] : NULL;
     if (*kernel) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no contact kernel for effects %llx of %s",
-                   (unsigned long long)list_effects, set->name);
+    char names[GN_EFFECT_NAMES_SIZE];
+    return gn_fail(error, GNEISS_ERROR_INTERNAL,
+                   "no contact kernel of %s for a list with these effects: %s (the kinds of lists "
+                   "that have one are in src/kernels/laws.h)",
+                   set->name, gn_effect_names(list_effects, ", ", names));
 }
 
 gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,

@@ -168,9 +168,16 @@ GN_INLINE gn_v kinetic(const gn_motion_args *args, const motion *state, int spac
     return gn_set(0.5) * mass_of(state) * gn_dot(before, state->v_new, space);
 }
 
-/* Lane sums over a block. */
+/* Lane sums over a block; FIRST has none, and works of prescribed components are added without
+ * them. */
+#define SUM_ADD(name)    gn_v name;
+#define SUM_HALVES(name) gn_v name[2];
+#define SUM_MOST(name)   gn_v name;
+#define SUM_FIRST(name)
 typedef struct lane_sums {
-    gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2, spin2, change2;
+#define X(merge, name, unit, text) SUM_##merge(name)
+    GN_MOTION_SUMS(X)
+#undef X
 } lane_sums;
 
 /* Books the works of a force and of background damping in the halves before and after the instant.
@@ -412,28 +419,28 @@ GN_INLINE void motion_block(const gn_motion_args *args, size_t begin, size_t end
 
 GN_INLINE void motion_core(const gn_motion_args *args, size_t begin, size_t end,
                            gn_motion_sums *sums, variant with) {
-    gn_v zero = gn_set(0.0);
-    lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, zero, zero};
+    lane_sums e;
+#define START_ADD(name)    e.name = gn_set(0.0);
+#define START_HALVES(name) e.name[0] = e.name[1] = gn_set(0.0);
+#define START_MOST(name)   e.name = gn_set(0.0);
+#define START_FIRST(name)
+#define X(merge, name, unit, text) START_##merge(name)
+    GN_MOTION_SUMS(X)
+#undef X
     for (size_t b = begin; b < end; b += GN_PARTICLE_BLOCK)
         motion_block(args, b, b + GN_PARTICLE_BLOCK < end ? b + GN_PARTICLE_BLOCK : end, &e, sums,
                      with);
-    sums->kinetic += gn_fold(e.kinetic);
-    sums->rotational += gn_fold(e.rotational);
-    sums->resultant += gn_fold(e.resultant);
-    for (int h = 0; h < 2; h++) {
-        sums->damping[h] += gn_fold(e.damping[h]);
-        sums->gravity[h] += gn_fold(e.gravity[h]);
-        sums->applied[h] += gn_fold(e.applied[h]);
-    }
-    double speed2[GN_W], spin2[GN_W], change2[GN_W];
-    gn_store(speed2, e.speed2);
-    gn_store(spin2, e.spin2);
-    gn_store(change2, e.change2);
-    for (int k = 0; k < GN_W; k++) {
-        sums->speed2 = speed2[k] > sums->speed2 ? speed2[k] : sums->speed2;
-        sums->spin2 = spin2[k] > sums->spin2 ? spin2[k] : sums->spin2;
-        sums->change2 = change2[k] > sums->change2 ? change2[k] : sums->change2;
-    }
+#define FOLD_ADD(name) sums->name += gn_fold(e.name);
+#define FOLD_HALVES(name)                                                                          \
+    for (int h = 0; h < 2; h++) sums->name[h] += gn_fold(e.name[h]);
+#define FOLD_MOST(name)                                                                            \
+    gn_store(lane, e.name);                                                                        \
+    for (int k = 0; k < GN_W; k++) sums->name = lane[k] > sums->name ? lane[k] : sums->name;
+#define FOLD_FIRST(name)
+    double lane[GN_W];
+#define X(merge, name, unit, text) FOLD_##merge(name)
+    GN_MOTION_SUMS(X)
+#undef X
 }
 
 /* --- the variants --- */

@@ -13,6 +13,7 @@
 #include "scene/scene.h"
 #include "scene/stages.h"
 #include "soa/records.h"
+#include "solids/solids.h"
 #include "surfaces/body_shape.h"
 
 #include <math.h>
@@ -127,6 +128,11 @@ gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn
     const double place = boundary->bodies[tool_of(ctx)].start[normal];
     *c = (gn_cutting){.moves = direction_in(&ctx->scene) != 0.0};
     GN_TRY(find_direction(ctx, &c->direction, error));
+    for (int a = 0; a < 3 && ctx->scene.has_couple; a++) {
+        c->elements[0][a] = INFINITY;
+        c->elements[1][a] = -INFINITY;
+    }
+    if (ctx->scene.has_couple) gn_elements_extent(solids, c->elements[0], c->elements[1]);
     c->outward = place > 0.5 * (lower[normal] + upper[normal]) ? 1.0 : -1.0;
     c->surface = c->outward > 0.0 ? upper[normal] : lower[normal];
     for (size_t p = 0; p < dem->particles.soa.count; p++)

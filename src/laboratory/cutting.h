@@ -19,15 +19,16 @@ enum { GN_CUT_NORMAL, GN_CUT_ROLLING, GN_CUT_SIDE, GN_CUT_AXES };
 
 /* State, doubles only: checkpoints store it as it is. */
 struct gn_cutting {
-    double direction;  /* +1, -1: sense of the motion along the axis; 0: it never moves */
-    double moves;      /* 1: the present stage or an earlier one moves it */
-    double outward;    /* +1, -1: sense of the outward normal of the rock's surface */
-    double surface;    /* m: place of that surface along the normal at the start */
-    double begin, end; /* m: path of the means */
-    double loose;      /* m3 of particles that were not anchored when the tool began to move */
-    double solid;      /* m3 of all particles at the start */
-    double reached;    /* 1: the tool has come to the path of the means, 2: to its end */
-    double removed[2]; /* m3 that had come off there */
+    double direction;      /* +1, -1: sense of the motion along the axis; 0: it never moves */
+    double moves;          /* 1: the present stage or an earlier one moves it */
+    double outward;        /* +1, -1: sense of the outward normal of the rock's surface */
+    double surface;        /* m: place of that surface along the normal at the start */
+    double elements[2][3]; /* m: lower and upper corner of elements at the start; 0: none */
+    double begin, end;     /* m: path of the means */
+    double loose;          /* m3 of particles that were not anchored when the tool began to move */
+    double solid;          /* m3 of all particles at the start */
+    double reached;        /* 1: the tool has come to the path of the means, 2: to its end */
+    double removed[2];     /* m3 that had come off there */
     double impulse[GN_CUT_AXES];          /* N s, including the half step after the last instant */
     double seen[GN_CUT_AXES];             /* N s, up to the last instant */
     double rim[GN_RIM_BINS][GN_CUT_AXES]; /* N, sums over the samples */
@@ -71,6 +72,7 @@ typedef enum gn_cutting_doubt {
     GN_CUT_WIDE,      /* the tool or the spacing is wider than the rock */
     GN_CUT_VALUES,    /* strengths in the wrong order, a window longer than the path */
     GN_CUT_PARTICLES, /* too few particles over the depth */
+    GN_CUT_RESERVE,   /* elements around the tool cannot convert as far as it goes */
     GN_CUT_DEPTH,     /* by the prescribed motion the depth differs from that of the test */
     GN_CUT_SHORT,     /* time.end is before the end of the path */
     GN_CUT_DOUBTS

@@ -5,6 +5,7 @@
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "particles/particles.h"
+#include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
 #include "surfaces/body_shape.h"
@@ -225,6 +226,73 @@ static bool is_wide(const cut *q, char *text, size_t size) {
 
 /* --- numbers --- */
 
+/* Extent of the part of the tool that is below the surface, or above it by less than `reach`, when
+ * the tool is at the depth of the test; where it is at its start otherwise. */
+static void extent_in_rock(const cut *q, double reach, double low[3], double high[3]) {
+    const gn_rigid *body = &q->boundary->bodies[q->tool];
+    const double sink =
+        q->ctx->scene.test.given.depth - gn_cutting_depth_at_start(q->ctx, q->boundary, q->state);
+    size_t first = 0;
+    for (size_t k = 0; k < q->tool; k++) first += (size_t)q->boundary->body_shape[k][0];
+    for (int a = 0; a < 3; a++) {
+        low[a] = INFINITY;
+        high[a] = -INFINITY;
+    }
+    for (size_t n = first; n < first + (size_t)q->boundary->body_shape[q->tool][0]; n++) {
+        double at[3];
+        gn_rigid_place(body, q->boundary->body_vertex + 4 * n, at);
+        for (int a = 0; a < 3; a++) at[a] += body->start[a] - body->position[a];
+        at[q->normal] -= q->state->outward * sink;
+        if (q->state->outward * (at[q->normal] - q->state->surface) > reach) continue;
+        for (int a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], at[a]);
+            high[a] = fmax(high[a], at[a]);
+        }
+    }
+}
+
+/* Finds the side of couple.convert.box that the zone around the tool crosses soonest. Sides at the
+ * surface of the body count for nothing. Returns the path until then, m; infinite: none. */
+static double path_in_reserve(const cut *q, int *axis, int *upper) {
+    const gn_convert_def *def = &q->ctx->scene.couple.convert;
+    const double around = def->near_bodies + def->width;
+    double low[3], high[3], least = INFINITY;
+    extent_in_rock(q, def->near_bodies, low, high);
+    for (int a = 0; a < (int)q->ctx->scene.dimension; a++)
+        for (int side = 0; side < 2; side++) {
+            const double sign = side ? 1.0 : -1.0, origin = q->ctx->scene.origin[a],
+                         box = (side ? def->box_max[a] : def->box_min[a]) - origin,
+                         beyond = sign * (q->state->elements[side][a] - box);
+            double path = sign * (box - (side ? high[a] : low[a])) - around;
+            if (beyond <= 1e-6 * around || (a == q->axis && sign != q->state->direction)) continue;
+            if (a != q->axis) path = path < 0.0 ? 0.0 : INFINITY;
+            if (path >= least) continue;
+            least = path;
+            *axis = a;
+            *upper = side;
+        }
+    return least;
+}
+
+static bool leaves_reserve(const cut *q, char *text, size_t size) {
+    const gn_couple_def *couple = &q->ctx->scene.couple;
+    int axis = 0, upper = 0;
+    if (!couple->has_convert || !(couple->convert.near_bodies > 0.0) || q->state->direction == 0.0)
+        return false;
+    const double path = path_in_reserve(q, &axis, &upper);
+    if (!(path < q->state->end)) return false;
+    snprintf(
+        text, size,
+        "%s: elements within couple.convert.bodies (%.4g m) of '%s' convert, and their zone of "
+        "couple.convert.width (%.4g m) would cross the %s %c side of couple.convert.box after "
+        "a path of %.4g m, before means end at %.4g m: the run ends there or sooner; a larger "
+        "box with a packing that fills it is needed%s",
+        q->place.text, couple->convert.near_bodies, q->def->name, couple->convert.width,
+        upper ? "upper" : "lower", "xyz"[axis], fmax(0.0, path), q -> state -> end,
+        axis == q -> axis ? ", or a smaller test.length" : "");
+    return true;
+}
+
 static bool has_odd_values(const cut *q, char *text, size_t size) {
     const gn_test_sizes *t = &q->ctx->scene.test.given;
     const double path = q->state->end - q->state->begin;
@@ -259,10 +327,11 @@ static bool is_coarse(const cut *q, char *text, size_t size) {
 bool gn_cutting_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_cutting *c, gn_cutting_doubt doubt, char *text, size_t size) {
     static bool (*const applies[GN_CUT_DOUBTS])(const cut *, char *, size_t) = {
-        [GN_CUT_LOCKED] = is_locked,      [GN_CUT_SKEW] = is_skew,
-        [GN_CUT_BESIDE] = is_beside,      [GN_CUT_WIDE] = is_wide,
-        [GN_CUT_VALUES] = has_odd_values, [GN_CUT_PARTICLES] = is_coarse,
-        [GN_CUT_DEPTH] = depth_differs,   [GN_CUT_SHORT] = is_short};
+        [GN_CUT_LOCKED] = is_locked,       [GN_CUT_SKEW] = is_skew,
+        [GN_CUT_BESIDE] = is_beside,       [GN_CUT_WIDE] = is_wide,
+        [GN_CUT_VALUES] = has_odd_values,  [GN_CUT_PARTICLES] = is_coarse,
+        [GN_CUT_RESERVE] = leaves_reserve, [GN_CUT_DEPTH] = depth_differs,
+        [GN_CUT_SHORT] = is_short};
     const cut q = cut_of(ctx, dem, boundary, c);
     return applies[doubt](&q, text, size);
 }

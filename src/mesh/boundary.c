@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Faces of an element of positive volume, counter-clockwise seen from outside; for a triangle its
- * edges with the triangle on the left. */
+/* Faces of an element of positive volume, counter-clockwise as seen from outside; for a triangle
+ * its edges, with the triangle on their left. */
 static const int tetrahedron_face[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 static const int triangle_face[3][2] = {{0, 1}, {1, 2}, {2, 0}};
 
@@ -15,7 +15,7 @@ typedef struct boundary {
     gn_mesh *mesh;
     const char *name;
     gneiss_error *error;
-    int dimension;           /* also the number of nodes per face */
+    int dimension;           /* dimension, which is also the number of nodes of a face */
     gn_mesh_elements *inner; /* tetrahedra or triangles */
     gn_mesh_elements *faces; /* triangles or lines, which are replaced */
     gn_mesh_table table;     /* face -> row of owner */
@@ -40,8 +40,8 @@ static void face_nodes(const boundary *faces, size_t element, int face, int32_t 
         node[k] = faces->inner->node[(size_t)faces->inner->nodes * element + (size_t)local[k]];
 }
 
-/* Computes twice the area or six times the volume, and the power of the longest edge to which it is
- * compared. */
+/* Computes twice the area or six times the volume, and the power of the longest edge with which it
+ * is compared. */
 static double measure(const boundary *faces, size_t element, double *scale) {
     double edge[3][3], normal[3], longest = 0.0;
     for (int k = 0; k < faces->dimension; k++) {
@@ -61,7 +61,7 @@ static double measure(const boundary *faces, size_t element, double *scale) {
 static gneiss_status turn_elements(boundary *faces) {
     for (size_t e = 0; e < faces->inner->count; e++) {
         double scale, size = measure(faces, e, &scale);
-        /* Coordinates with 16 digits make flat elements of about this size. */
+        /* With coordinates of 16 digits, flat elements have about this size. */
         if (!(fabs(size) > 1e-12 * scale)) {
             const double *x = node_of(faces, e, 0);
             return gn_fail(faces->error, GNEISS_ERROR_INPUT,
@@ -90,7 +90,7 @@ static gneiss_status check_plane(const boundary *faces) {
             extent = fmax(extent, fmax(fabs(x[0] - origin[0]), fabs(x[1] - origin[1])));
         }
     }
-    /* Meshes that were rotated into the plane have lost the last digits. */
+    /* Meshes that were rotated into the plane have lost their last digits. */
     if (most - least <= 1e-9 * extent) return GNEISS_OK;
     return gn_fail(faces->error, GNEISS_ERROR_INPUT,
                    "%s: expected triangles in a plane z = constant (two dimensions), found z from "
@@ -149,7 +149,7 @@ static gneiss_status find_faces(boundary *faces) {
     return GNEISS_OK;
 }
 
-/* Indexes the file's faces by nodes: the boundary inherits their groups. */
+/* Indexes the file's faces by their nodes, because the boundary inherits their groups. */
 static bool index_old_faces(const boundary *faces, gn_mesh_table *old) {
     int64_t held;
     for (size_t k = 0; k < faces->faces->count; k++) {

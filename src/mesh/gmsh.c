@@ -48,8 +48,8 @@ static int spawn(char *const arguments[], const char *log, pid_t *child) {
     return code;
 }
 
-/* The script that is merged after the geometry, so that elements are linear for any geometry. An
- * option of the command line would be overridden, as the geometry is read after it. */
+/* A script that is merged after the geometry, so that elements are linear for any geometry. The
+ * geometry would override an option of the command line, because it is read later. */
 static const char linear[] = "Mesh.ElementOrder = 1;\n";
 
 enum { ARGUMENTS = 10 };
@@ -98,7 +98,8 @@ static gneiss_status run_gmsh(const char *path, int dimension, const char *out, 
                    *said ? said : "it gave no reason");
 }
 
-/* Messages about the mesh name the geometry, since the mesh is deleted before they are read. */
+/* Reads the mesh. Messages about it name the geometry, because the mesh is deleted before they are
+ * read. */
 static gneiss_status read_made(const char *path, const char *out, double scale, gn_mesh *mesh,
                                gneiss_error *error) {
     char text[GNEISS_MESSAGE_SIZE];

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Nodes of a face: all but the first listed, which is opposite to it. */
+/* Nodes of a face: all but the first, which is opposite to it. */
 static const int opposite[4][4] = {{0, 1, 2, 3}, {1, 0, 2, 3}, {2, 0, 1, 3}, {3, 0, 1, 2}};
 
 static gneiss_status no_memory(const gn_joint_search *search) {
@@ -47,8 +47,8 @@ static void face_nodes(const gn_joint_search *search, size_t element, int face, 
     for (int k = 0; k < search->dimension; k++) node[k] = all[opposite[face][k + 1]];
 }
 
-/* Returns the side of its face on which an element lies, by the order of the face's nodes alone; 0:
- * it has no volume. */
+/* Returns the side of a face on which an element lies, with an orientation that depends on the
+ * order of the face's nodes alone; 0: the element has no volume. */
 static int side_of(const gn_joint_search *search, size_t element, int face) {
     int32_t node[3];
     double edge[3][3], normal[3], volume;
@@ -103,7 +103,7 @@ static bool add_face(gn_joint_search *search, gn_mesh_table *table, size_t eleme
     return true;
 }
 
-/* Counts elements with the nodes of an earlier one, and finds the first pair. */
+/* Counts the elements that have the same nodes as an earlier one, and finds the first pair. */
 static bool count_doubles(const gn_joint_search *search, crowded_faces *twice) {
     gn_mesh_table table = {0};
     bool room = true;

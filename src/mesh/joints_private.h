@@ -41,20 +41,20 @@ static inline bool gn_box_is_near(const gn_box *a, const gn_box *b, double reach
 typedef struct gn_joint_search {
     const gn_mesh *mesh;
     const gn_mesh_elements *solids;
-    int dimension; /* also the nodes of a face */
+    int dimension; /* dimension, which is also the number of nodes of a face */
     const double *origin;
     const char *name;
     gneiss_error *error;
     gn_mesh_joints *joints;
 
     size_t face_count;
-    int32_t *owner; /* [faces] element */
-    /* [faces] local face, as negative - 1 if the element is on the other side; number of its
+    int32_t *owner; /* [faces] element that the face belongs to */
+    /* [faces] local face, or -1 - local face if the element is on the other side; number of its
      * elements */
     int8_t *side, *use;
-    int32_t *part; /* [nodes] parent in the tree of nodes connected by elements */
+    int32_t *part; /* [nodes] parent in the tree of nodes that elements connect */
 
-    size_t facet_count;   /* faces of one element only */
+    size_t facet_count;   /* number of faces that belong to one element only */
     int32_t *facet;       /* [facets][3] nodes */
     int32_t *facet_owner; /* [facets] element */
     gn_box *box;          /* [facets] */

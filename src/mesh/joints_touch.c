@@ -17,7 +17,7 @@ static double middle_of(const gn_box *box, int axis) {
     return 0.5 * (box->lower[axis] + box->upper[axis]);
 }
 
-/* Computes the box of items, and the axis along which their centres extend farthest. */
+/* Computes the box of items, and the axis along which the extent of their centres is largest. */
 static gn_box bounds_of(const gn_box *box, const int32_t *item, size_t count, int *axis) {
     gn_box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, middles = all;
     for (size_t i = 0; i < count; i++)
@@ -35,7 +35,8 @@ static gn_box bounds_of(const gn_box *box, const int32_t *item, size_t count, in
     return all;
 }
 
-/* Quickselect (Hoare 1961): item[place] has the rank `place`; earlier items are not above it. */
+/* Sorts by quickselect (Hoare 1961): item[place] has the rank `place`, and no earlier item has a
+ * higher one. */
 static void put_at(const gn_box *box, int axis, int32_t *item, size_t count, size_t place) {
     size_t low = 0, high = count - 1;
     while (low < high) {
@@ -109,11 +110,11 @@ static void box_tree_near(const gn_box_tree *tree, const gn_box *box, double rea
     }
 }
 
-/* Fraction of the extent by which coordinates written with six or seven digits are in error. For
- * coincident nodes the tolerance is at most that fraction of the shortest edge. */
+/* Error of coordinates written with six or seven digits, as a fraction of the extent. The tolerance
+ * for coincident nodes is at most `edge_part` of the shortest edge. */
 static const double digits = 1e-6, edge_part = 1e-3;
 
-/* ---- over each other ---- */
+/* ---- overlap ---- */
 
 typedef struct overlap_search {
     const gn_joint_search *s;
@@ -122,7 +123,7 @@ typedef struct overlap_search {
     int32_t found; /* facet; -1: none yet */
 } overlap_search;
 
-/* Tells whether the axis separates facet and element, or shows them in touch within the
+/* Tells whether the axis separates facet and element, or shows that they only touch within the
  * tolerance. */
 static bool apart(const overlap_search *search, const int32_t *facet, const double axis[3],
                   double scale, double tolerance) {
@@ -153,8 +154,9 @@ static int edges_of(const gn_joint_search *search, const int32_t *node, int coun
     return edges;
 }
 
-/* Separating axes (Gottschalk, Lin and Manocha 1996): convex bodies are separate if a normal of one
- * of them, or in space a cross product of their edges, separates them. */
+/* Tells whether an element and a facet are separate, by separating axes (Gottschalk, Lin and
+ * Manocha 1996): convex bodies are separate if a normal of one of them separates them, or in space
+ * a cross product of two of their edges. */
 static bool apart_in_plane(const overlap_search *search, const int32_t *facet, double tolerance) {
     double edge[6][3];
     for (int of = 0; of < 2; of++) {
@@ -174,7 +176,7 @@ static bool apart_in_space(const overlap_search *search, const int32_t *facet, d
     const int own_count = edges_of(search->s, facet, 3, own),
               other_count =
                   edges_of(search->s, gn_joint_nodes(search->s, search->element), 4, other);
-    /* Edges of an element in the order 01 02 12 03 13 23: each face has two of these five. */
+    /* Edges of an element in the order 01 02 12 03 13 23; each face has two of the first five. */
     for (int k = 0; k < 5; k++) {
         const double *u = k ? other[sides[k][0]] : own[0], *v = k ? other[sides[k][1]] : own[1];
         gn_mesh_cross(u, v, axis);
@@ -219,7 +221,7 @@ static gn_box box_of(const gn_joint_search *search, size_t element) {
     return box;
 }
 
-/* If elements overlap, the boundary of the mesh intersects an element somewhere. */
+/* If elements overlap, the boundary of the mesh intersects some element. */
 gneiss_status gn_joints_check_overlap(gn_joint_search *search) {
     size_t count = 0, first = 0;
     int32_t facet = -1;
@@ -250,7 +252,7 @@ typedef struct touch_search {
     const gn_joint_search *s;
     int32_t node;
     double reach;
-    touch_kind own, across; /* kinds of contact for the node's part and for other parts */
+    touch_kind own, across; /* kinds of contact with the node's own part and with other parts */
     bool first;             /* the first of the nodes at its position */
 } touch_search;
 
@@ -260,7 +262,7 @@ static double distance2(const double *x, const double *y) {
     return gn_mesh_dot(v, v);
 }
 
-/* Tells whether x is within the tolerance of a facet, away from its corners. */
+/* Tells whether x is within the tolerance of a facet, but not near its corners. */
 static bool on_facet(const gn_joint_search *search, const int32_t *facet, const double *x,
                      double reach) {
     const double *corner = gn_joint_place(search, facet[0]);

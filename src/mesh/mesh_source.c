@@ -52,7 +52,8 @@ gneiss_status gn_mesh_source_open(gn_mesh_source *in, const char *path, double s
                        scale);
     FILE *file = fopen(path, "re");
     if (!file) {
-        /* A path that does not exist is an input error; all else is an error of the machine. */
+        /* A path that does not exist is an input error; any other failure is an error of the
+         * machine. */
         bool wrong_name = errno == ENOENT || errno == ENOTDIR || errno == ENAMETOOLONG;
         return gn_fail(error, wrong_name ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
                        "%s: cannot be opened: %s", path, strerror(errno));
@@ -71,7 +72,7 @@ gneiss_status gn_mesh_no_memory(const gn_mesh_source *in) {
     return gn_fail(in->error, GNEISS_ERROR_MEMORY, "%s: no memory for this mesh", in->path);
 }
 
-/* Lines are counted here and not while reading, since only messages need them. */
+/* Lines are counted here and not during reading, because only messages need them. */
 static void locate(const gn_mesh_source *in, size_t at, size_t *line, size_t *column) {
     size_t start = 0;
     *line = 1;
@@ -146,7 +147,7 @@ static gneiss_status take_bytes(gn_mesh_source *in, const char *what, void *out,
     return GNEISS_OK;
 }
 
-/* Parses [+-] digits within int64: strtoll would accept blanks and need a bounded copy. */
+/* Parses [+-] digits within int64: strtoll would accept blanks and require a bounded copy. */
 static bool parse_integer(const unsigned char *text, size_t length, int64_t *value) {
     size_t k = text[0] == '+' || text[0] == '-';
     if (k == length) return false;
@@ -222,7 +223,7 @@ gneiss_status gn_mesh_skip_numbers(gn_mesh_source *in, const char *what, size_t 
 
 gneiss_status gn_mesh_check_count(const gn_mesh_source *in, const char *what, int64_t count,
                                   size_t text_bytes, size_t binary_bytes) {
-    /* The last row of a text may lack white space at its end: one byte more. */
+    /* The last row of a text need not end with white space, so that one more byte is allowed. */
     size_t room =
         in->binary ? (in->end - in->at) / binary_bytes : (in->end - in->at + 1) / text_bytes;
     if (count <= INT32_MAX && (size_t)count <= room) return GNEISS_OK;

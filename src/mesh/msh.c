@@ -1,5 +1,5 @@
 /* gmsh .msh: sections, header, names of groups. Format: Gmsh reference manual, "MSH file format"
- * (4.1) and "Legacy formats" (2.2). */
+ * (4.1) and "Legacy formats" (2.0 to 2.2, 4.0). */
 #define _GNU_SOURCE /* memmem */
 #include "mesh/mesh_private.h"
 
@@ -16,8 +16,8 @@ enum { FORMAT, NAMES, ENTITIES, NODES, ELEMENTS, PARTITIONED, SECTIONS, SECTION_
 static const char *const section_name[SECTIONS] = {
     "$MeshFormat", "$PhysicalNames", "$Entities", "$Nodes", "$Elements", "$PartitionedEntities"};
 
-/* A section: its content is [begin, end); `header` is the offset of the name, SIZE_MAX: no such
- * section. */
+/* A section: its content is [begin, end). `header` is the offset of its name; SIZE_MAX: there is no
+ * such section. */
 typedef struct section {
     size_t header, begin, end;
 } section;
@@ -30,8 +30,9 @@ static bool is_letter(unsigned char c) {
 static gneiss_status take_header(gn_mesh_source *in, char name[SECTION_NAME_SIZE]) {
     size_t start = in->at, length = 1;
     if (in->bytes[start] != '$')
-        return gn_mesh_refuse(in, start, "expected a section ($Nodes, ...), found '%s'",
-                              gn_mesh_show(in, start).text);
+        return gn_mesh_refuse(in, start, "expected a section ($Nodes, ...), found '%s'%s",
+                              gn_mesh_show(in, start).text,
+                              start ? "" : "; gneiss convert writes meshes of others as .msh");
     while (is_letter(in->bytes[start + length])) length++;
     if (length == 1 || length >= SECTION_NAME_SIZE - 4 ||
         memcmp(in->bytes + start, "$End", length < 4 ? length : 4) == 0)
@@ -50,16 +51,17 @@ static gneiss_status take_header(gn_mesh_source *in, char name[SECTION_NAME_SIZE
     return GNEISS_OK;
 }
 
-/* Format 1 has no header: its sections are $NOD and $ELM, which end with $ENDNOD and $ENDELM. */
+/* Refuses format 1, which has no header: its sections are $NOD and $ELM, which end with $ENDNOD and
+ * $ENDELM. */
 static gneiss_status refuse_format_1(const gn_mesh_source *in, const char *name, size_t at) {
     if (strcmp(name, "$NOD") != 0 && strcmp(name, "$ELM") != 0) return GNEISS_OK;
     return gn_mesh_refuse(in, at,
-                          "expected format 2.2 or 4.1, found a section %s of format 1; gmsh -save "
+                          "expected format 2.0 to 4.1, found a section %s of format 1; gmsh -save "
                           "-format msh41 -o NEW.msh OLD.msh writes it anew",
                           name);
 }
 
-/* Finds $EndName: the length of unknown or binary sections is not known otherwise. */
+/* Finds $EndName, by which alone the length of unknown and of binary sections is known. */
 static gneiss_status find_end(gn_mesh_source *in, const char *name, section *found) {
     char mark[SECTION_NAME_SIZE];
     size_t length = (size_t)snprintf(mark, sizeof mark, "$End%s", name + 1);
@@ -78,7 +80,7 @@ static gneiss_status find_end(gn_mesh_source *in, const char *name, section *fou
                           name);
 }
 
-/* Finds all sections before one is read, since they may come in any order. */
+/* Finds all sections before one is read, because they may come in any order. */
 static gneiss_status find_sections(gn_mesh_source *in, section found[SECTIONS]) {
     for (int s = 0; s < SECTIONS; s++) found[s].header = SIZE_MAX;
     for (;;) {
@@ -108,6 +110,19 @@ static bool enter(gn_mesh_source *in, const section found[SECTIONS], int s) {
     return true;
 }
 
+/* Returns 10 times the version, which may lack its second digit; 0: unknown. */
+static int version_of(const char *text, size_t length) {
+    static const struct {
+        const char *text;
+        int version;
+    } known[] = {{"2", 20}, {"2.0", 20}, {"2.1", 21}, {"2.2", 22},
+                 {"4", 40}, {"4.0", 40}, {"4.1", 41}};
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        if (strlen(known[k].text) == length && memcmp(text, known[k].text, length) == 0)
+            return known[k].version;
+    return 0;
+}
+
 static gneiss_status read_version(gn_msh *msh, bool *binary) {
     gn_mesh_source *in = &msh->in;
     size_t start, length;
@@ -115,10 +130,11 @@ static gneiss_status read_version(gn_msh *msh, bool *binary) {
     gn_mesh_next_row(in);
     GN_TRY(gn_mesh_take_field(in, "the format's version", &start, &length));
     const char *text = (const char *)in->bytes + start;
-    msh->version_4 = length == 3 && memcmp(text, "4.1", 3) == 0;
-    if (!msh->version_4 && !(length == 3 && memcmp(text, "2.2", 3) == 0))
+    msh->version = version_of(text, length);
+    if (!msh->version)
         return gn_mesh_refuse(in, start,
-                              "expected format 2.2 or 4.1 (gmsh -format msh41), found '%s'",
+                              "expected format 2.0 to 2.2, 4.0 or 4.1 (gmsh -format msh41), found "
+                              "'%s'",
                               gn_mesh_show(in, start).text);
     GN_TRY(gn_mesh_take_integer(in, "file type (0 text, 1 binary)", 4, 0, 1, &type));
     start = gn_mesh_field_start(in);
@@ -175,6 +191,7 @@ typedef struct group_set {
     gn_mesh *mesh;
     size_t capacity;
     gn_mesh_table known;
+    bool without_dimension; /* names hold for all dimensions */
 } group_set;
 
 static gneiss_status add_group(const gn_mesh_source *in, group_set *set, const gn_mesh_group *group,
@@ -194,29 +211,59 @@ static gneiss_status add_group(const gn_mesh_source *in, group_set *set, const g
     return GNEISS_OK;
 }
 
-static gneiss_status read_names(gn_mesh_source *in, group_set *set) {
-    int64_t count, dimension, tag;
+/* Reads a name and adds its group; in format 2.0 a name has no dimension, and holds for all. */
+static gneiss_status read_group(gn_mesh_source *in, group_set *set) {
+    gn_mesh_group group = {0};
+    int64_t dimension, tag;
+    bool is_new;
     gn_mesh_next_row(in);
-    GN_TRY(gn_mesh_take_integer(in, "number of names", 4, 0, INT64_MAX, &count));
-    GN_TRY(gn_mesh_check_count(in, "names", count, sizeof "0 1 \"\"", 1));
-    for (int64_t k = 0; k < count; k++) {
-        gn_mesh_group group = {0};
-        gn_mesh_next_row(in);
-        size_t start = gn_mesh_field_start(in);
-        GN_TRY(gn_mesh_take_integer(in, "dimension of a physical group", 4, 0, 3, &dimension));
-        GN_TRY(gn_mesh_take_integer(in, "tag of a physical group", 4, 1, INT32_MAX, &tag));
-        GN_TRY(take_name(in, group.name));
-        group.dimension = (int)dimension;
-        group.tag = (int32_t)tag;
-        bool is_new;
+    size_t start = gn_mesh_field_start(in);
+    GN_TRY(gn_mesh_take_integer(in, "dimension of a physical group", 4, 0, INT32_MAX, &dimension));
+    const bool all = in->bytes[gn_mesh_field_start(in)] == '"';
+    tag = dimension;
+    if (!all && dimension > 3)
+        return gn_mesh_refuse(in, start,
+                              "expected dimension of a physical group from 0 to 3, found %lld",
+                              (long long)dimension);
+    if (!all) GN_TRY(gn_mesh_take_integer(in, "tag of a physical group", 4, 1, INT32_MAX, &tag));
+    GN_TRY(take_name(in, group.name));
+    group.tag = (int32_t)tag;
+    for (group.dimension = all ? 0 : (int)dimension; group.dimension <= (all ? 3 : (int)dimension);
+         group.dimension++) {
         GN_TRY(add_group(in, set, &group, &is_new));
         if (!is_new)
             return gn_mesh_refuse(in, start,
-                                  "expected one name of group %lld of dimension %lld, found a "
+                                  "expected one name of group %lld of dimension %d, found a "
                                   "second",
-                                  (long long)tag, (long long)dimension);
+                                  (long long)tag, group.dimension);
     }
+    set->without_dimension |= all;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_names(gn_mesh_source *in, group_set *set) {
+    int64_t count;
+    gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_integer(in, "number of names", 4, 0, INT64_MAX, &count));
+    GN_TRY(gn_mesh_check_count(in, "names", count, sizeof "1 \"\"", 1));
+    for (int64_t k = 0; k < count; k++) GN_TRY(read_group(in, set));
     return gn_mesh_end_section(in);
+}
+
+static bool has_elements(const gn_msh *msh, const gn_mesh_group *group) {
+    const gn_mesh_elements *e = msh->list[group->dimension].elements;
+    for (size_t k = 0; k < e->count + e->also_count; k++)
+        if ((k < e->count ? e->group[k] : e->also[k - e->count].group) == group->tag) return true;
+    return false;
+}
+
+/* Drops groups of dimensions that a name of format 2.0 did not mean. */
+static void drop_empty_groups(const gn_msh *msh) {
+    gn_mesh *mesh = msh->mesh;
+    size_t kept = 0;
+    for (size_t g = 0; g < mesh->group_count; g++)
+        if (has_elements(msh, &mesh->groups[g])) mesh->groups[kept++] = mesh->groups[g];
+    mesh->group_count = kept;
 }
 
 static int by_dimension_and_tag(const void *a, const void *b) {
@@ -225,7 +272,7 @@ static int by_dimension_and_tag(const void *a, const void *b) {
     return (p->tag > q->tag) - (p->tag < q->tag);
 }
 
-/* Groups without a name are found by their elements alone. */
+/* Adds groups without a name, which only their elements show. */
 static gneiss_status add_unnamed_groups(gn_msh *msh, group_set *set) {
     bool is_new;
     for (int d = 0; d <= 3; d++) {
@@ -249,23 +296,21 @@ static gneiss_status read_sections(gn_msh *msh, group_set *set) {
     GN_TRY(find_sections(in, found));
     if (!enter(in, found, FORMAT))
         return gn_fail(in->error, GNEISS_ERROR_INPUT,
-                       "%s: expected a gmsh mesh of format 2.2 or 4.1, found no $MeshFormat",
+                       "%s: expected a gmsh mesh of format 2.0 to 4.1, found no $MeshFormat",
                        in->path);
     GN_TRY(read_version(msh, &binary));
     in->by_offset = binary;
     if (binary) GN_TRY(check_byte_order(in));
     GN_TRY(gn_mesh_end_section(in));
-    if (found[PARTITIONED].header != SIZE_MAX)
-        return gn_mesh_refuse(in, found[PARTITIONED].header,
-                              "expected a mesh in one part, found $PartitionedEntities");
     for (int s = NODES; s <= ELEMENTS; s++)
         if (found[s].header == SIZE_MAX)
             return gn_fail(in->error, GNEISS_ERROR_INPUT, "%s: expected a section %s, found none",
                            in->path, section_name[s]);
     if (enter(in, found, NAMES)) GN_TRY(read_names(in, set));
-    if (msh->version_4 && enter(in, found, ENTITIES)) {
+    for (int s = ENTITIES; s <= PARTITIONED; s += PARTITIONED - ENTITIES) {
+        if (msh->version < 40 || !enter(in, found, s)) continue;
         in->binary = binary;
-        GN_TRY(gn_msh_read_entities(msh));
+        GN_TRY(gn_msh_read_entities(msh, s == PARTITIONED));
     }
     enter(in, found, NODES);
     in->binary = binary;
@@ -273,7 +318,9 @@ static gneiss_status read_sections(gn_msh *msh, group_set *set) {
     enter(in, found, ELEMENTS);
     in->binary = binary;
     GN_TRY(gn_msh_read_elements(msh));
-    return add_unnamed_groups(msh, set);
+    GN_TRY(add_unnamed_groups(msh, set));
+    if (set->without_dimension) drop_empty_groups(msh);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_mesh_read_msh(const char *path, double scale, gn_mesh *mesh, gneiss_error *error) {
@@ -300,6 +347,7 @@ gneiss_status gn_mesh_read_msh(const char *path, double scale, gn_mesh *mesh, gn
     gn_mesh_table_free(&msh.entity);
     gn_free(msh.entity_first);
     gn_free(msh.entity_group);
+    gn_free(msh.inner);
     if (status != GNEISS_OK) gn_mesh_free(mesh);
     return status;
 }

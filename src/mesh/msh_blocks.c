@@ -1,4 +1,4 @@
-/* gmsh .msh: the bodies of $Entities, $Nodes and $Elements in formats 2.2 and 4.1. */
+/* gmsh .msh: the bodies of $Entities, $Nodes and $Elements in formats 2.0 to 4.1. */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
@@ -13,7 +13,7 @@
  * a group of its own, is kept twice, and computing volumes from it is refused (gn_mesh_boundary,
  * gn_mesh_check_joints) ---- */
 
-/* A group of an element; `row` is the element into which it is merged. */
+/* A group of an element; `row` is the element with which it is merged. */
 typedef struct named_group {
     int64_t row, element, order; /* order among the groups of this element */
     int32_t group;
@@ -21,8 +21,8 @@ typedef struct named_group {
 
 typedef struct doubles {
     const gn_mesh_elements *from;
-    int64_t *row;      /* [from->count] the first element with the same nodes */
-    bool *brings;      /* [from->count] adds a group that earlier elements lack */
+    int64_t *row;      /* [from->count] index of the first element with the same nodes */
+    bool *brings;      /* [from->count] true: adds a group that earlier elements lack */
     named_group *name; /* [name_count] */
     size_t name_count, found;
 } doubles;
@@ -46,7 +46,7 @@ static int by_place(const void *a, const void *b) {
     return order ? order : compare(p->order, q->order);
 }
 
-/* Finds the rows; returns false without memory. */
+/* Finds `row`; returns false without memory. */
 static bool find_rows(doubles *merging) {
     gn_mesh_table table = {0};
     bool room = true;
@@ -133,7 +133,7 @@ static bool merge(gn_mesh_list *list, bool solid) {
     return room;
 }
 
-/*: merges elements with the same nodes into one with all their groups. */
+/* Merges elements with the same nodes into one with all their groups. */
 static gneiss_status merge_doubles(gn_msh *msh) {
     const int highest = msh->mesh->tetrahedra.count ? 3 : 2;
     for (int dimension = 0; dimension <= 3; dimension++)
@@ -141,75 +141,19 @@ static gneiss_status merge_doubles(gn_msh *msh) {
     return GNEISS_OK;
 }
 
-enum { MSH_LINE = 1, MSH_TRIANGLE = 2, MSH_TETRAHEDRON = 4, MSH_POINT = 15 };
-
-static const char *element_name(int64_t type) {
-    static const char *const names[] = {
-        [1] = "line",
-        [2] = "triangle",
-        [3] = "quadrangle",
-        [4] = "tetrahedron",
-        [5] = "hexahedron",
-        [6] = "prism",
-        [7] = "pyramid",
-        [8] = "3-node line",
-        [9] = "6-node triangle",
-        [10] = "9-node quadrangle",
-        [11] = "10-node tetrahedron",
-        [12] = "27-node hexahedron",
-        [13] = "18-node prism",
-        [14] = "14-node pyramid",
-        [15] = "point",
-        [16] = "8-node quadrangle",
-        [17] = "20-node hexahedron",
-        [18] = "15-node prism",
-        [19] = "13-node pyramid",
-        [20] = "9-node triangle",
-        [21] = "10-node triangle",
-        [22] = "12-node triangle",
-        [23] = "15-node triangle",
-        [24] = "15-node triangle",
-        [25] = "21-node triangle",
-        [26] = "4-node line",
-        [27] = "5-node line",
-        [28] = "6-node line",
-        [29] = "20-node tetrahedron",
-        [30] = "35-node tetrahedron",
-        [31] = "56-node tetrahedron",
-    };
-    bool known = type > 0 && type < (int64_t)(sizeof names / sizeof *names);
-    return known ? names[type] : "unknown element";
-}
-
-/* Returns the dimension; -1: the type is neither kept nor skipped. */
-static int element_dimension(int64_t type) {
-    switch (type) {
-    case MSH_POINT:
-        return 0;
-    case MSH_LINE:
-        return 1;
-    case MSH_TRIANGLE:
-        return 2;
-    case MSH_TETRAHEDRON:
-        return 3;
-    default:
-        return -1;
-    }
-}
-
 static gneiss_status refuse_type(const gn_mesh_source *in, size_t at, int64_t type) {
-    bool curved = type >= 8 && type != MSH_POINT;
-    return gn_mesh_refuse(in, at,
-                          "expected points, lines, triangles and tetrahedra, found an element of "
-                          "type %lld (%s)%s",
-                          (long long)type, element_name(type),
-                          curved ? "; gmsh -order 1 writes linear elements" : "");
+    return gn_mesh_refuse(
+        in, at,
+        "expected points, lines, triangles, quadrangles, tetrahedra, hexahedra, prisms "
+        "or pyramids, found an element of type %lld",
+        (long long)type);
 }
 
-static gneiss_status take_type(gn_mesh_source *in, int64_t *type) {
+static gneiss_status take_type(gn_mesh_source *in, const gn_msh_type **type, int64_t *number) {
     size_t start = gn_mesh_field_start(in);
-    GN_TRY(gn_mesh_take_integer(in, "type of elements", 4, INT32_MIN, INT32_MAX, type));
-    return element_dimension(*type) < 0 ? refuse_type(in, start, *type) : GNEISS_OK;
+    GN_TRY(gn_mesh_take_integer(in, "type of elements", 4, INT32_MIN, INT32_MAX, number));
+    *type = gn_msh_type_of(*number);
+    return *type ? GNEISS_OK : refuse_type(in, start, *number);
 }
 
 static gneiss_status allocate_nodes(gn_msh *msh, int64_t count) {
@@ -220,7 +164,7 @@ static gneiss_status allocate_nodes(gn_msh *msh, int64_t count) {
     return msh->mesh->node ? GNEISS_OK : gn_mesh_no_memory(in);
 }
 
-/* Reads the tag of node number `index`, base 0. */
+/* Reads the tag of node number `index`, from 0. */
 static gneiss_status take_node_tag(gn_msh *msh, size_t width, size_t index) {
     gn_mesh_source *in = &msh->in;
     int64_t tag, held;
@@ -262,46 +206,65 @@ static gneiss_status read_nodes_2(gn_msh *msh) {
     return GNEISS_OK;
 }
 
+/* Reads dimension and tag of the entity of a block; format 4.0 has them in the other order. */
+static gneiss_status take_entity(gn_msh *msh, int64_t *dimension, int64_t *tag) {
+    gn_mesh_source *in = &msh->in;
+    if (msh->version == 40)
+        GN_TRY(gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, tag));
+    GN_TRY(gn_mesh_take_integer(in, "dimension of an entity", 4, 0, 3, dimension));
+    if (msh->version == 40) return GNEISS_OK;
+    return gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, tag);
+}
+
+/* Reads node number `index`; in format 4.1 all tags of a block stand before its coordinates. */
+static gneiss_status take_block_node(gn_msh *msh, size_t index, size_t parameters) {
+    gn_mesh_source *in = &msh->in;
+    if (msh->version == 40)
+        GN_TRY(take_node_tag(msh, 4, index));
+    else
+        gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_coordinates(in, msh->mesh->node + 3 * index));
+    return gn_mesh_skip_numbers(in, "coordinate on the entity", parameters);
+}
+
 static gneiss_status read_node_block(gn_msh *msh, int64_t total) {
     gn_mesh_source *in = &msh->in;
     gn_mesh *mesh = msh->mesh;
     int64_t dimension, tag, parametric, count;
     gn_mesh_next_row(in);
-    GN_TRY(gn_mesh_take_integer(in, "dimension of an entity", 4, 0, 3, &dimension));
-    GN_TRY(gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, &tag));
+    GN_TRY(take_entity(msh, &dimension, &tag));
     GN_TRY(gn_mesh_take_integer(in, "parametric (0 or 1)", 4, 0, 1, &parametric));
     size_t start = gn_mesh_field_start(in);
     GN_TRY(gn_mesh_take_integer(in, "number of nodes in the block", 8, 0, INT64_MAX, &count));
     if (count > total - (int64_t)mesh->node_count)
         return gn_mesh_refuse(in, start, "expected %lld nodes in all, found %zu and %lld more",
                               (long long)total, mesh->node_count, (long long)count);
-    size_t first = mesh->node_count;
-    for (size_t k = 0; k < (size_t)count; k++) GN_TRY(take_node_tag(msh, 8, first + k));
-    for (size_t k = 0; k < (size_t)count; k++) {
-        gn_mesh_next_row(in);
-        GN_TRY(gn_mesh_take_coordinates(in, mesh->node + 3 * (first + k)));
-        if (parametric)
-            GN_TRY(gn_mesh_skip_numbers(in, "coordinate on the entity", (size_t)dimension));
-    }
+    size_t first = mesh->node_count, parameters = parametric ? (size_t)dimension : 0;
+    for (size_t k = 0; msh->version != 40 && k < (size_t)count; k++)
+        GN_TRY(take_node_tag(msh, 8, first + k));
+    for (size_t k = 0; k < (size_t)count; k++) GN_TRY(take_block_node(msh, first + k, parameters));
     mesh->node_count += (size_t)count;
     return GNEISS_OK;
 }
 
-/* Reads number of blocks, total, least and greatest tag; the last two are not used. */
-static gneiss_status take_block_header(gn_mesh_source *in, const char *what, int64_t *blocks,
+/* Reads number of blocks and total; in format 4.1 also the least and greatest tag, which are not
+ * used. */
+static gneiss_status take_block_header(gn_msh *msh, const char *what, int64_t *blocks,
                                        int64_t *total) {
+    gn_mesh_source *in = &msh->in;
     int64_t ignored;
     gn_mesh_next_row(in);
     GN_TRY(gn_mesh_take_integer(in, "number of blocks", 8, 0, INT64_MAX, blocks));
     GN_TRY(gn_mesh_take_integer(in, what, 8, 0, INT64_MAX, total));
-    GN_TRY(gn_mesh_take_integer(in, "least tag", 8, 0, INT64_MAX, &ignored));
-    GN_TRY(gn_mesh_take_integer(in, "greatest tag", 8, 0, INT64_MAX, &ignored));
+    for (int k = 0; msh->version != 40 && k < 2; k++)
+        GN_TRY(
+            gn_mesh_take_integer(in, k ? "greatest tag" : "least tag", 8, 0, INT64_MAX, &ignored));
     return gn_mesh_check_count(in, "blocks", *blocks, sizeof "0 1 0 0", 20);
 }
 
 static gneiss_status read_nodes_4(gn_msh *msh) {
     int64_t blocks, total;
-    GN_TRY(take_block_header(&msh->in, "number of nodes", &blocks, &total));
+    GN_TRY(take_block_header(msh, "number of nodes", &blocks, &total));
     GN_TRY(allocate_nodes(msh, total));
     for (int64_t b = 0; b < blocks; b++) GN_TRY(read_node_block(msh, total));
     if ((int64_t)msh->mesh->node_count != total)
@@ -311,7 +274,7 @@ static gneiss_status read_nodes_4(gn_msh *msh) {
 }
 
 gneiss_status gn_msh_read_nodes(gn_msh *msh) {
-    GN_TRY(msh->version_4 ? read_nodes_4(msh) : read_nodes_2(msh));
+    GN_TRY(msh->version >= 40 ? read_nodes_4(msh) : read_nodes_2(msh));
     return gn_mesh_end_section(&msh->in);
 }
 
@@ -334,16 +297,34 @@ static gneiss_status take_physical_tags(gn_msh *msh, size_t *used, bool *reverse
     return GNEISS_OK;
 }
 
-static gneiss_status read_entity(gn_msh *msh, int dimension, size_t *used) {
+/* Reads the dimension of the parent of an entity of a partitioned mesh, and skips its partitions.
+ */
+static gneiss_status take_parent(gn_mesh_source *in, int64_t *dimension) {
+    int64_t ignored, count;
+    GN_TRY(gn_mesh_take_integer(in, "dimension of the parent", 4, -1, 3, dimension));
+    GN_TRY(gn_mesh_take_integer(in, "tag of the parent", 4, INT32_MIN, INT32_MAX, &ignored));
+    GN_TRY(gn_mesh_take_integer(in, "number of partitions", 8, 0, INT64_MAX, &count));
+    GN_TRY(gn_mesh_check_count(in, "partitions", count, sizeof "1", 4));
+    for (int64_t k = 0; k < count; k++)
+        GN_TRY(gn_mesh_take_integer(in, "partition", 4, INT32_MIN, INT32_MAX, &ignored));
+    return GNEISS_OK;
+}
+
+static gneiss_status read_entity(gn_msh *msh, int dimension, bool partitioned, size_t *used) {
     gn_mesh_source *in = &msh->in;
-    int64_t tag, held, bounding;
+    int64_t tag, held, bounding, parent = dimension;
     size_t row = msh->entity.count;
     bool reversed = false;
     gn_mesh_next_row(in);
     size_t start = gn_mesh_field_start(in);
     GN_TRY(gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, &tag));
-    GN_TRY(gn_mesh_skip_numbers(in, "side of the entity's box", dimension ? 6 : 3));
+    if (partitioned) GN_TRY(take_parent(in, &parent));
+    GN_TRY(gn_mesh_skip_numbers(in, "side of the entity's box",
+                                dimension || msh->version == 40 ? 6 : 3));
+    const size_t before = *used;
     GN_TRY(take_physical_tags(msh, used, &reversed));
+    /* Interfaces of partitions are in groups that gmsh numbers like those of the geometry. */
+    if (parent != dimension) *used = before, reversed = false;
     int64_t value = 2 * (int64_t)row + reversed;
     if (!gn_mesh_table_add(&msh->entity, (gn_mesh_key){(uint64_t)dimension, (uint64_t)tag}, value,
                            &held))
@@ -366,38 +347,66 @@ static gneiss_status read_entity(gn_msh *msh, int dimension, size_t *used) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_msh_read_entities(gn_msh *msh) {
+/* Reads the numbers of partitions and of ghost entities, and skips the latter. */
+static gneiss_status skip_ghosts(gn_mesh_source *in) {
+    int64_t count, ignored;
+    gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_integer(in, "number of partitions", 8, 0, INT64_MAX, &ignored));
+    gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_integer(in, "number of ghost entities", 8, 0, INT64_MAX, &count));
+    GN_TRY(gn_mesh_check_count(in, "ghost entities", count, sizeof "1 1", 8));
+    for (int64_t k = 0; k < 2 * count; k++) {
+        gn_mesh_next_row(in);
+        GN_TRY(gn_mesh_take_integer(in, "ghost entity", 4, INT32_MIN, INT32_MAX, &ignored));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_msh_read_entities(gn_msh *msh, bool partitioned) {
     gn_mesh_source *in = &msh->in;
     int64_t counts[4];
-    size_t used = 0;
-    void *first = NULL;
-    if (!gn_mesh_grow(&first, &msh->entity_capacity, 0, 1, sizeof *msh->entity_first))
+    size_t used = msh->has_entities ? msh->entity_first[msh->entity.count] : 0;
+    void *first = msh->entity_first;
+    if (!gn_mesh_grow(&first, &msh->entity_capacity, msh->entity.count, msh->entity.count + 1,
+                      sizeof *msh->entity_first))
         return gn_mesh_no_memory(in);
     msh->entity_first = first;
     msh->has_entities = true;
+    if (partitioned) GN_TRY(skip_ghosts(in));
     gn_mesh_next_row(in);
     for (int d = 0; d < 4; d++)
         GN_TRY(gn_mesh_take_integer(in, "number of entities", 8, 0, INT64_MAX, &counts[d]));
     for (int d = 0; d < 4; d++) {
         GN_TRY(gn_mesh_check_count(in, "entities", counts[d], sizeof "1 0 0 0 0", 36));
-        for (int64_t k = 0; k < counts[d]; k++) GN_TRY(read_entity(msh, d, &used));
+        for (int64_t k = 0; k < counts[d]; k++) GN_TRY(read_entity(msh, d, partitioned, &used));
     }
     return gn_mesh_end_section(in);
 }
 
-/* Reads nodes as indices; `node` has room for 4. */
-static gneiss_status take_element_nodes(gn_msh *msh, size_t width, int dimension, int32_t node[4]) {
+static gneiss_status take_node(gn_msh *msh, size_t width, int32_t *node, int64_t *tag) {
     gn_mesh_source *in = &msh->in;
-    for (int k = 0; k <= dimension; k++) {
+    size_t start = gn_mesh_field_start(in);
+    GN_TRY(gn_mesh_take_integer(in, "node of an element", width, 1, INT64_MAX, tag));
+    int64_t index = gn_mesh_table_find(&msh->node_index, (gn_mesh_key){(uint64_t)*tag, 0});
+    if (index < 0)
+        return gn_mesh_refuse(in, start, "expected a node of $Nodes, found node %lld",
+                              (long long)*tag);
+    *node = (int32_t)index;
+    return GNEISS_OK;
+}
+
+/* Reads the corners of an element as indices; nodes on its edges, faces and inside follow them and
+ * are marked. `node` has room for 8. */
+static gneiss_status take_element_nodes(gn_msh *msh, size_t width, const gn_msh_type *type,
+                                        int32_t *node) {
+    gn_mesh_source *in = &msh->in;
+    for (int k = 0; k < type->nodes; k++) {
         int64_t tag;
+        int32_t other, *at = k < type->corners ? &node[k] : &other;
         size_t start = gn_mesh_field_start(in);
-        GN_TRY(gn_mesh_take_integer(in, "node of an element", width, 1, INT64_MAX, &tag));
-        int64_t index = gn_mesh_table_find(&msh->node_index, (gn_mesh_key){(uint64_t)tag, 0});
-        if (index < 0)
-            return gn_mesh_refuse(in, start, "expected a node of $Nodes, found node %lld",
-                                  (long long)tag);
-        node[k] = (int32_t)index;
-        for (int m = 0; m < k; m++)
+        GN_TRY(take_node(msh, width, at, &tag));
+        if (k >= type->corners && !gn_msh_mark_inner(msh, other)) return gn_mesh_no_memory(in);
+        for (int m = 0; k < type->corners && m < k; m++)
             if (node[m] == node[k])
                 return gn_mesh_refuse(in, start,
                                       "expected different nodes in an element, found node %lld "
@@ -408,42 +417,43 @@ static gneiss_status take_element_nodes(gn_msh *msh, size_t width, int dimension
 }
 
 /* Reads tags and nodes of one element of format 2.2. */
-static gneiss_status read_element_2(gn_msh *msh, int dimension, int64_t tags) {
+static gneiss_status read_element_2(gn_msh *msh, const gn_msh_type *type, int64_t tags) {
     gn_mesh_source *in = &msh->in;
     int64_t group = 0, other;
-    int32_t node[4];
+    int32_t node[8];
     for (int64_t k = 0; k < tags; k++)
         GN_TRY(gn_mesh_take_integer(in, k ? "tag of an element" : "physical tag of an element", 4,
                                     -INT32_MAX, INT32_MAX, k ? &other : &group));
-    GN_TRY(take_element_nodes(msh, 4, dimension, node));
-    if (dimension == 0 && group == 0) return GNEISS_OK;
+    GN_TRY(take_element_nodes(msh, 4, type, node));
+    if (type->dimension == 0 && group == 0) return GNEISS_OK;
     const int32_t tag = (int32_t)(group < 0 ? -group : group);
-    return gn_mesh_add_element(&msh->list[dimension], node, &tag, 1) ? GNEISS_OK
-                                                                     : gn_mesh_no_memory(in);
+    return gn_msh_add(msh, type, node, &tag, 1) ? GNEISS_OK : gn_mesh_no_memory(in);
 }
 
 static gneiss_status read_text_element_2(gn_msh *msh) {
     gn_mesh_source *in = &msh->in;
-    int64_t number, type, tags;
+    const gn_msh_type *type;
+    int64_t number, tags;
     gn_mesh_next_row(in);
     GN_TRY(gn_mesh_take_integer(in, "number of an element", 4, INT64_MIN, INT64_MAX, &number));
-    GN_TRY(take_type(in, &type));
+    GN_TRY(take_type(in, &type, &number));
     GN_TRY(gn_mesh_take_integer(in, "number of tags", 4, 0, INT32_MAX, &tags));
-    return read_element_2(msh, element_dimension(type), tags);
+    return read_element_2(msh, type, tags);
 }
 
 /* Reads a run of elements of one type; reduces *left. */
 static gneiss_status read_binary_run_2(gn_msh *msh, int64_t *left) {
     gn_mesh_source *in = &msh->in;
-    int64_t type, count, tags, number;
-    GN_TRY(take_type(in, &type));
-    int dimension = element_dimension(type);
+    const gn_msh_type *type;
+    int64_t count, tags, number;
+    GN_TRY(take_type(in, &type, &number));
     GN_TRY(gn_mesh_take_integer(in, "number of elements that follow", 4, 1, *left, &count));
     GN_TRY(gn_mesh_take_integer(in, "number of tags", 4, 0, INT32_MAX, &tags));
-    GN_TRY(gn_mesh_check_count(in, "elements", count, 1, 4 * (size_t)(2 + tags + dimension)));
+    GN_TRY(gn_mesh_check_count(in, "elements", count, 1,
+                               4 * ((size_t)tags + (size_t)type->nodes + 1)));
     for (int64_t k = 0; k < count; k++) {
         GN_TRY(gn_mesh_take_integer(in, "number of an element", 4, INT32_MIN, INT32_MAX, &number));
-        GN_TRY(read_element_2(msh, dimension, tags));
+        GN_TRY(read_element_2(msh, type, tags));
     }
     *left -= count;
     return GNEISS_OK;
@@ -484,46 +494,38 @@ static gneiss_status find_groups(const gn_msh *msh, size_t at, int64_t dimension
     return GNEISS_OK;
 }
 
-static void reverse(int32_t *node, int64_t dimension) {
-    int a = dimension == 2 ? 1 : 0, b = a + 1; /* the pair that gmsh exchanges */
-    int32_t swap = node[a];
-    node[a] = node[b];
-    node[b] = swap;
-}
-
-static gneiss_status take_element_block(gn_msh *msh, int64_t *left, int64_t *dimension,
+static gneiss_status take_element_block(gn_msh *msh, int64_t *left, const gn_msh_type **type,
                                         int64_t *count, entity_groups *groups) {
     gn_mesh_source *in = &msh->in;
-    int64_t tag, type;
+    int64_t dimension, tag, number;
     gn_mesh_next_row(in);
     size_t start = gn_mesh_field_start(in);
-    GN_TRY(gn_mesh_take_integer(in, "dimension of an entity", 4, 0, 3, dimension));
-    GN_TRY(gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, &tag));
-    GN_TRY(take_type(in, &type));
-    if (element_dimension(type) != *dimension)
+    GN_TRY(take_entity(msh, &dimension, &tag));
+    GN_TRY(take_type(in, type, &number));
+    if ((*type)->dimension != dimension)
         return gn_mesh_refuse(in, start,
-                              "expected elements of dimension %lld, found type %lld "
-                              "(%s)",
-                              (long long)*dimension, (long long)type, element_name(type));
+                              "expected elements of dimension %lld, found type %lld (%s)",
+                              (long long)dimension, (long long)number, (*type)->name);
     GN_TRY(gn_mesh_take_integer(in, "number of elements in the block", 8, 0, *left, count));
     *left -= *count;
-    return find_groups(msh, start, *dimension, tag, groups);
+    return find_groups(msh, start, dimension, tag, groups);
 }
 
 static gneiss_status read_element_block(gn_msh *msh, int64_t *left) {
     gn_mesh_source *in = &msh->in;
-    int64_t dimension = 0, count = 0, number;
+    const size_t width = msh->version == 40 ? 4 : 8;
+    const gn_msh_type *type;
+    int64_t count = 0, number;
     entity_groups groups = {0};
-    GN_TRY(take_element_block(msh, left, &dimension, &count, &groups));
+    GN_TRY(take_element_block(msh, left, &type, &count, &groups));
     for (int64_t k = 0; k < count; k++) {
-        int32_t node[4];
+        int32_t node[8];
         gn_mesh_next_row(in);
-        GN_TRY(gn_mesh_take_integer(in, "tag of an element", 8, 0, INT64_MAX, &number));
-        GN_TRY(take_element_nodes(msh, 8, (int)dimension, node));
-        if (dimension == 0 && groups.count == 0) continue;
-        if (groups.reversed && dimension > 0) reverse(node, dimension);
-        if (!gn_mesh_add_element(&msh->list[dimension], node, groups.tag, groups.count))
-            return gn_mesh_no_memory(in);
+        GN_TRY(gn_mesh_take_integer(in, "tag of an element", width, 0, INT64_MAX, &number));
+        GN_TRY(take_element_nodes(msh, width, type, node));
+        if (type->dimension == 0 && groups.count == 0) continue;
+        if (groups.reversed) gn_msh_reverse(type, node);
+        if (!gn_msh_add(msh, type, node, groups.tag, groups.count)) return gn_mesh_no_memory(in);
     }
     return GNEISS_OK;
 }
@@ -531,8 +533,8 @@ static gneiss_status read_element_block(gn_msh *msh, int64_t *left) {
 static gneiss_status read_elements_4(gn_msh *msh) {
     gn_mesh_source *in = &msh->in;
     int64_t blocks, left;
-    GN_TRY(take_block_header(in, "number of elements", &blocks, &left));
-    GN_TRY(gn_mesh_check_count(in, "elements", left, sizeof "1 1", 16));
+    GN_TRY(take_block_header(msh, "number of elements", &blocks, &left));
+    GN_TRY(gn_mesh_check_count(in, "elements", left, sizeof "1 1", msh->version == 40 ? 8 : 16));
     for (int64_t b = 0; b < blocks; b++) GN_TRY(read_element_block(msh, &left));
     if (left == 0) return GNEISS_OK;
     return gn_mesh_refuse(in, in->at, "expected %lld elements more, found the last block",
@@ -543,9 +545,10 @@ gneiss_status gn_msh_read_elements(gn_msh *msh) {
     const gn_mesh *mesh = msh->mesh;
     gn_mesh_source *in = &msh->in;
     size_t start = in->at;
-    GN_TRY(msh->version_4 ? read_elements_4(msh) : read_elements_2(msh));
+    GN_TRY(msh->version >= 40 ? read_elements_4(msh) : read_elements_2(msh));
     GN_TRY(gn_mesh_end_section(in));
     GN_TRY(merge_doubles(msh));
+    if (!gn_msh_drop_inner(msh)) return gn_mesh_no_memory(in);
     if (mesh->lines.count + mesh->triangles.count + mesh->tetrahedra.count == 0)
         return gn_mesh_refuse(in, start,
                               "expected lines, triangles or tetrahedra, found none of them");

@@ -1,4 +1,5 @@
-/* STL, text and binary: corners of triangles, welded to a mesh. */
+/* Surfaces: corners of triangles of STL, text and binary, and of other formats, welded to a mesh.
+ */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
@@ -10,16 +11,11 @@
 
 enum { HEADER_BYTES = 84, FACET_BYTES = 50, FACET_CORNERS = 9 };
 
-typedef struct soup {
-    double *corner; /* [count][3], three per triangle */
-    size_t count, capacity;
-} soup;
-
 static uint32_t little_endian(const unsigned char *b) {
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-static gneiss_status read_binary(gn_mesh_source *in, soup *out) {
+static gneiss_status read_binary(gn_mesh_source *in, gn_mesh_soup *out) {
     size_t triangles = (in->size - HEADER_BYTES) / FACET_BYTES;
     if (triangles == 0) return gn_mesh_refuse(in, 80, "expected triangles, found a count of 0");
     if (triangles > INT32_MAX / 3)
@@ -51,7 +47,7 @@ static bool is_word(const gn_mesh_source *in, size_t start, size_t length, const
            strncasecmp((const char *)in->bytes + start, word, length) == 0;
 }
 
-/* Reads words in this order; line breaks do not matter. */
+/* Reads these words in this order; line breaks do not matter. */
 static gneiss_status expect_words(gn_mesh_source *in, const char *const *words, size_t count) {
     for (size_t k = 0; k < count; k++) {
         size_t start, length;
@@ -65,7 +61,7 @@ static gneiss_status expect_words(gn_mesh_source *in, const char *const *words, 
 }
 
 /* Reads a facet after the word "facet". Normals are skipped: some programs write nan. */
-static gneiss_status read_facet(gn_mesh_source *in, soup *out) {
+static gneiss_status read_facet(gn_mesh_source *in, gn_mesh_soup *out) {
     static const char *const normal[] = {"normal"}, *const loop[] = {"outer", "loop"},
                              *const vertex[] = {"vertex"}, *const end[] = {"endloop", "endfacet"};
     void *corner = out->corner;
@@ -89,7 +85,7 @@ static void skip_line(gn_mesh_source *in) {
 }
 
 /* Reads any number of solids: solid [name] facet ... endsolid [name]. */
-static gneiss_status read_text(gn_mesh_source *in, soup *out) {
+static gneiss_status read_text(gn_mesh_source *in, gn_mesh_soup *out) {
     static const char *const solid[] = {"solid"};
     for (gn_mesh_next_row(in); in->at < in->end; gn_mesh_next_row(in)) {
         GN_TRY(expect_words(in, solid, 1));
@@ -114,7 +110,7 @@ static gneiss_status read_text(gn_mesh_source *in, soup *out) {
 
 /* Binary headers may begin with "solid" too, so that the size decides: four characters of a text,
  * read as a count, would imply a file of more than 7 GB. */
-static gneiss_status read_corners(gn_mesh_source *in, soup *out) {
+static gneiss_status read_corners(gn_mesh_source *in, gn_mesh_soup *out) {
     bool has_count = in->size >= HEADER_BYTES;
     uint64_t count = has_count ? little_endian(in->bytes + 80) : 0;
     uint64_t wanted = HEADER_BYTES + FACET_BYTES * count;
@@ -137,22 +133,38 @@ static gneiss_status read_corners(gn_mesh_source *in, soup *out) {
                           (unsigned long long)count, (unsigned long long)wanted, in->size);
 }
 
-gneiss_status gn_mesh_read_stl(const char *path, double scale, gn_mesh *mesh, gneiss_error *error) {
+typedef gneiss_status corner_reader(gn_mesh_source *in, gn_mesh_soup *out);
+
+/* PLY is recognised by its first word, OBJ by the name of the file. */
+static corner_reader *reader_of(const gn_mesh_source *in) {
+    const char *dot = strrchr(in->path, '.');
+    if (in->size - in->at > 4 && memcmp(in->bytes + in->at, "ply", 3) == 0 &&
+        gn_mesh_is_space(in->bytes[in->at + 3]))
+        return gn_mesh_ply_corners;
+    return dot && strcasecmp(dot, ".obj") == 0 ? gn_mesh_obj_corners : read_corners;
+}
+
+gneiss_status gn_mesh_read_surface(const char *path, double scale, gn_mesh *mesh,
+                                   gneiss_error *error) {
     *mesh = (gn_mesh){.lines.nodes = 2, .triangles.nodes = 3, .tetrahedra.nodes = 4};
     gn_mesh_source in;
-    soup read = {0};
+    gn_mesh_soup read = {0};
     gneiss_status status = gn_mesh_source_open(&in, path, scale, error);
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (status == GNEISS_OK && !plain) status = gn_mesh_no_memory(&in);
     if (status == GNEISS_OK) {
         locale_t before = uselocale(plain); /* the calling program may have set a decimal comma */
-        status = read_corners(&in, &read);
+        status = reader_of(&in)(&in, &read);
         uselocale(before);
     }
+    if (status == GNEISS_OK && read.count == 0)
+        status = gn_mesh_refuse(&in, in.at, "expected faces, found none");
     if (plain) freelocale(plain);
     gn_mesh_source_close(&in);
+    mesh->changes.polygons = read.polygons;
     if (status == GNEISS_OK) status = gn_mesh_weld(read.corner, read.count, path, mesh, error);
     gn_free(read.corner);
+    gn_free(read.point);
     if (status != GNEISS_OK) gn_mesh_free(mesh);
     return status;
 }

@@ -9,7 +9,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* A surface connected through edges: rows [first, past) of surface.order. */
+/* A part of the surface that is connected through edges: rows [first, past) of surface.order. */
 typedef struct component {
     size_t first, past;
     double lower[3], upper[3];
@@ -43,7 +43,7 @@ static int32_t corner(const surface *shell, size_t triangle, int k) {
     return shell->triangle[3 * triangle + (size_t)(k % 3)];
 }
 
-/* Reverses a triangle; edges move with their corners. */
+/* Reverses a triangle; its edges move with its corners. */
 static void turn(surface *shell, size_t triangle) {
     int32_t *node = shell->triangle + 3 * triangle, *edge = shell->edge_of + 3 * triangle, swap;
     swap = node[1], node[1] = node[2], node[2] = swap;
@@ -110,7 +110,7 @@ static gneiss_status check_closed(const surface *shell) {
     return refuse_edge(shell, first, why);
 }
 
-/* Tells whether both triangles of an edge traverse it in opposite senses. */
+/* Tells whether the two triangles of an edge traverse it in opposite senses. */
 static bool same_sense(const surface *shell, size_t edge) {
     int32_t start[2] = {-1, -1};
     for (int t = 0; t < 2; t++) {
@@ -122,8 +122,8 @@ static bool same_sense(const surface *shell, size_t edge) {
     return start[0] == start[1];
 }
 
-/* Visits the component of order[first] over edges and reverses triangles against their
- * neighbours. */
+/* Visits the component of order[first] through edges, and reverses triangles that are not oriented
+ * like their neighbours. */
 static gneiss_status spread(surface *shell, size_t first, size_t *past) {
     *past = first + 1;
     for (size_t at = first; at < *past; at++) {
@@ -146,8 +146,8 @@ static gneiss_status spread(surface *shell, size_t first, size_t *past) {
     return GNEISS_OK;
 }
 
-/* Computes the volume by the divergence theorem with an apex on the surface, so that a far origin
- * costs no digits. */
+/* Computes the volume by the divergence theorem with an apex on the surface, so that no digits are
+ * lost if the origin is distant. */
 static gneiss_status measure(surface *shell, component *part) {
     const double *apex =
         shell->node + 3 * (size_t)corner(shell, (size_t)shell->order[part->first], 0);
@@ -172,7 +172,7 @@ static gneiss_status measure(surface *shell, component *part) {
         part->volume += gn_mesh_dot(at[0], normal) / 6.0;
     }
     for (int d = 0; d < 3; d++) extent = fmax(extent, part->upper[d] - part->lower[d]);
-    /* Rounding alone gives volumes of about 1e-16 of this product. */
+    /* By rounding alone, volumes are about 1e-16 of this product. */
     if (isfinite(area * extent) && fabs(part->volume) > 1e-13 * area * extent) return GNEISS_OK;
     return gn_fail(shell->error, GNEISS_ERROR_INPUT,
                    "%s: expected surfaces that enclose a volume, found one of %zu triangles at "
@@ -208,8 +208,8 @@ static gneiss_status find_components(surface *shell) {
     return GNEISS_OK;
 }
 
-/* Returns the solid angle of a triangle (van Oosterom and Strackee 1983, eq. 8) summed over the
- * surface and divided by 4 pi: 1 inside, 0 outside, NaN on it. */
+/* Returns the solid angle of all triangles (van Oosterom and Strackee 1983, eq. 8) divided by 4 pi:
+ * 1 inside, 0 outside, NaN on the surface. */
 static double winding(const surface *shell, const component *part, const double x[3]) {
     double sum = 0.0;
     for (size_t row = part->first; row < part->past; row++) {
@@ -223,7 +223,8 @@ static double winding(const surface *shell, const component *part, const double 
         double above = gn_mesh_dot(r[0], normal);
         double below = length[0] * length[1] * length[2] + gn_mesh_dot(r[0], r[1]) * length[2] +
                        gn_mesh_dot(r[1], r[2]) * length[0] + gn_mesh_dot(r[2], r[0]) * length[1];
-        /* In the plane of the triangle and within it, rounding would decide the side. */
+        /* For a point in the plane of the triangle and within it, rounding would decide the side.
+         */
         if (below <= 0.0 && fabs(above) <= 1e-12 * length[0] * length[1] * length[2]) return NAN;
         sum += 2.0 * atan2(above, below);
     }
@@ -236,7 +237,7 @@ static bool box_inside(const component *inner, const component *outer) {
     return true;
 }
 
-/* Tests centroids of triangles and not corners, since bodies may touch in corners. */
+/* Tests centroids of triangles and not corners, because bodies may touch at corners. */
 static gneiss_status lies_in(const surface *shell, const component *inner, const component *outer,
                              bool *inside) {
     enum { TRIES = 16 };

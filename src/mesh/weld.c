@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double weld_distance = 1e-6; /* relative to the longest side of the box */
-/* in weld distances; a corner then reaches one or two cells */
+static const double weld_distance = 1e-6; /* relative to the longest side of the bounding box */
+/* in weld distances; a corner then reaches into one or two cells */
 static const double cell_size = 8.0;
 
 typedef struct weld {
@@ -33,7 +33,7 @@ static gneiss_status measure(weld *welding, const double *corner, size_t count, 
     }
     welding->reach = weld_distance * extent;
     welding->cell = cell_size * welding->reach;
-    /* Products of lengths must neither overflow nor underflow. */
+    /* Products of lengths must not overflow or underflow. */
     if (extent > 1e-60 && extent < 1e60) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a surface with an extent of 1e-60 to 1e60 m, found %g m", name,
@@ -48,8 +48,8 @@ static gn_mesh_key cell_key(const int64_t cell[3]) {
     return (gn_mesh_key){(uint64_t)cell[0] << 32 ^ (uint64_t)cell[1], (uint64_t)cell[2]};
 }
 
-/* Finds the earliest node within reach, -1 if there is none, in the cells that a cube of the reach
- * around x intersects. */
+/* Finds the earliest node within reach of x, in the cells that a cube of this size around x
+ * intersects; -1: there is none. */
 static int64_t find_node(const weld *welding, const double x[3]) {
     int64_t lower[3], upper[3], cell[3], found = -1;
     for (int d = 0; d < 3; d++) {
@@ -79,7 +79,7 @@ static bool add_node(weld *welding, const double x[3]) {
     }
     if (!gn_mesh_table_add(&welding->cells, cell_key(cell), k, &first)) return false;
     welding->next[k] = -1;
-    if (first != k) { /* inserted after the first, to which the table refers */
+    if (first != k) { /* inserted after the first node, to which the table refers */
         welding->next[k] = welding->next[first];
         welding->next[first] = (int32_t)k;
     }
@@ -100,7 +100,8 @@ static bool weld_corners(weld *welding, const double *corner, size_t count, int3
     return true;
 }
 
-/* Removes triangles without three different nodes, and the nodes that only they used, in place. */
+/* Removes, in place, triangles that do not have three different nodes, and the nodes that only they
+ * used. */
 static size_t drop_degenerate(weld *welding, int32_t *node, size_t triangles) {
     size_t kept = 0, used = 0;
     for (size_t t = 0; t < triangles; t++) {
@@ -111,7 +112,7 @@ static size_t drop_degenerate(weld *welding, int32_t *node, size_t triangles) {
         node[3 * kept + 2] = c;
         kept++;
     }
-    int32_t *renumbered = welding->next; /* the chains are no longer needed */
+    int32_t *renumbered = welding->next; /* the chains are not needed any more */
     for (size_t k = 0; k < welding->count; k++) renumbered[k] = -1;
     for (size_t k = 0; k < 3 * kept; k++) renumbered[node[k]] = 0;
     for (size_t k = 0; k < welding->count; k++) {
@@ -136,6 +137,7 @@ gneiss_status gn_mesh_weld(const double *corner, size_t count, const char *name,
     bool room = w.node && w.next && triangles->node && triangles->group &&
                 weld_corners(&w, corner, count, triangles->node);
     if (room) triangles->count = drop_degenerate(&w, triangles->node, count / 3);
+    mesh->changes.degenerate = count / 3 - triangles->count;
     mesh->node = room ? gn_alloc_array(w.count, 3 * sizeof *w.node) : NULL;
     room = room && mesh->node;
     if (room) memcpy(mesh->node, w.node, 3 * sizeof *w.node * w.count);

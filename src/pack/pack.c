@@ -314,6 +314,7 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
     gn_pack_shape body;
     GN_TRY(gn_pack_shape_create(scene, &body, error));
     result->volume = gn_domain_volume(body.domain);
+    memcpy(result->changes, body.changes, sizeof result->changes);
     gneiss_status status = make(&j, &body, error);
     result->seconds = gn_now() - j.begin;
     gn_fit_free(j.fit);

@@ -76,7 +76,7 @@ static gneiss_status read_mesh(const gn_scene *scene, gn_mesh *mesh, gneiss_erro
 static gneiss_status read_surface(const gn_scene *scene, gn_mesh *surface, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     double volume;
-    GN_TRY(gn_mesh_read_stl(def->surface_path, scene->specimen.scale, surface, error));
+    GN_TRY(gn_mesh_read_surface(def->surface_path, scene->specimen.scale, surface, error));
     place(def, surface);
     return gn_mesh_close_surface(surface, def->surface_path, &volume, error);
 }
@@ -93,6 +93,7 @@ gneiss_status gn_pack_shape_facets(const gn_scene *scene, gn_mesh *mesh, gneiss_
 static gneiss_status from_mesh(const gn_scene *scene, gn_pack_shape *shape, gneiss_error *error) {
     int dimension = (int)scene->dimension;
     GN_TRY(read_mesh(scene, &shape->mesh, error));
+    gn_mesh_changed(&shape->mesh, shape->changes, sizeof shape->changes);
     GN_TRY(gn_domain_surface(&shape->mesh, dimension, scene->specimen.pack.mesh_path,
                              &shape->domain, error));
     return measure_nodes(shape, dimension, error);
@@ -102,6 +103,7 @@ static gneiss_status from_surface(const gn_scene *scene, gn_pack_shape *shape,
                                   gneiss_error *error) {
     gn_mesh surface = {0};
     gneiss_status status = read_surface(scene, &surface, error);
+    gn_mesh_changed(&surface, shape->changes, sizeof shape->changes);
     if (status == GNEISS_OK)
         status = gn_domain_surface(&surface, 3, scene->specimen.pack.surface_path, &shape->domain,
                                    error);

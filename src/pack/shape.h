@@ -11,6 +11,7 @@ typedef struct gn_pack_shape {
     double *node_size;                /* [mesh.node_count] mean length of the edges at a node, m */
     const gn_refinement *refinements; /* borrowed from the scene */
     size_t refinement_count;
+    char changes[GN_MESH_CHANGES_SIZE]; /* gn_mesh_changed of the file */
 } gn_pack_shape;
 
 /* Creates a shape and reads its files. `scene` must outlive the shape. */

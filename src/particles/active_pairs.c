@@ -18,9 +18,6 @@
 
 /* --- columns --- */
 
-/* Columns of pairs that kernels write. */
-#define GN_WRITTEN_COLUMNS(X) X(shear) X(fd) X(closeness) X(roll)
-
 static bool is_uniform(const gn_field *field, const gn_uniform *uniform) {
 #define X(column)                                                                                  \
     if (strcmp(field->name, #column) == 0) return uniform->column != 0;
@@ -30,15 +27,12 @@ static bool is_uniform(const gn_field *field, const gn_uniform *uniform) {
 }
 
 static bool is_written(const gn_field *field) {
-#define X(column)                                                                                  \
-    if (strcmp(field->name, #column) == 0) return true;
-    GN_WRITTEN_COLUMNS(X)
-#undef X
-    return false;
+    return field->role == GN_STATE || field->care & GN_WRITTEN;
 }
 
 /* Finds the columns to pack. A parameter that all pairs share is read from the list itself. */
-static void find_columns(gn_near *near, const gn_contacts *list, const gn_uniform *uniform) {
+static void find_columns(gn_active_pairs *near, const gn_contacts *list,
+                         const gn_uniform *uniform) {
     size_t stream = 0;
     near->uniform = *uniform;
     near->columns = 0;
@@ -46,21 +40,21 @@ static void find_columns(gn_near *near, const gn_contacts *list, const gn_unifor
         const gn_field *field = &gn_contact_record.fields[f];
         if (!gn_field_active(field, list->soa.effects) || field->layout != GN_COLUMNS) continue;
         if (field->type != GN_F64 || is_uniform(field, uniform)) continue;
-        assert(near->columns < GN_NEAR_COLUMNS);
+        assert(near->columns < GN_ACTIVE_PAIRS_COLUMNS);
         near->column[near->columns++] =
-            (gn_near_column){field->offset, field->components, is_written(field), stream};
+            (gn_active_pairs_column){field->offset, field->components, is_written(field), stream};
         stream += (size_t)field->components;
     }
 }
 
 /* Returns the number of doubles per pair. */
-static size_t streams_of(const gn_near *near) {
+static size_t streams_of(const gn_active_pairs *near) {
     if (!near->columns) return 0;
-    const gn_near_column *last = &near->column[near->columns - 1];
+    const gn_active_pairs_column *last = &near->column[near->columns - 1];
     return last->stream + (size_t)last->components;
 }
 
-static double *column_of(const gn_contacts *list, const gn_near_column *column) {
+static double *column_of(const gn_contacts *list, const gn_active_pairs_column *column) {
     return *(double *const *)(const void *)((const char *)list + column->offset);
 }
 
@@ -100,7 +94,7 @@ static bool worth_while(const gn_step_context *ctx, const gn_dem *dem, const gn_
 
 enum { STEPS_AT_FIRST = 4 };
 
-static void free_room(gn_near *near) {
+static void free_room(gn_active_pairs *near) {
     gn_free(near->i);
     gn_free(near->j);
     gn_free(near->place);
@@ -114,18 +108,18 @@ static void free_room(gn_near *near) {
     near->room = 0;
 }
 
-void gn_near_free(gn_near *near) {
+void gn_active_pairs_free(gn_active_pairs *near) {
     free_room(near);
     gn_free(near->kept_act);
     gn_free(near->kept_paths);
     gn_free(near->paths);
-    *near = (gn_near){0};
+    *near = (gn_active_pairs){0};
 }
 
 /* Allocates the arrays. Every block ends with padding for vectors that extend past its last pair.
  */
 static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
-    gn_near *n = &dem->near;
+    gn_active_pairs *n = &dem->near;
     const gn_partials *q = &dem->pairs.partials;
     n->stride = q->length + GN_LANES_MAX;
     n->blocks = q->blocks;
@@ -146,7 +140,7 @@ static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
 }
 
 static gneiss_status make_paths(gn_dem *dem, gneiss_error *error) {
-    gn_near *n = &dem->near;
+    gn_active_pairs *n = &dem->near;
     if (n->paths && n->path_count == dem->motion_blocks) return GNEISS_OK;
     gn_free(n->paths);
     n->path_count = dem->motion_blocks;
@@ -156,9 +150,9 @@ static gneiss_status make_paths(gn_dem *dem, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for pairs that touch");
 }
 
-gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
-                            gneiss_error *error) {
-    gn_near *n = &dem->near;
+gneiss_status gn_active_pairs_choose(const gn_step_context *ctx, gn_dem *dem,
+                                     const gn_periodic_box *box, gneiss_error *error) {
+    gn_active_pairs *n = &dem->near;
     n->on = n->packed = false;
     if (!worth_while(ctx, dem, box)) return GNEISS_OK;
     GN_TRY(make_paths(dem, error));
@@ -174,8 +168,8 @@ gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     return GNEISS_OK;
 }
 
-size_t gn_near_bytes(const gn_dem *dem) {
-    const gn_near *n = &dem->near;
+size_t gn_active_pairs_bytes(const gn_dem *dem) {
+    const gn_active_pairs *n = &dem->near;
     const size_t each = sizeof *n->i + sizeof *n->j + 2 * sizeof *n->place;
     return n->room * (each + n->streams * sizeof *n->data) + n->room / GN_NEAR_GROUP;
 }
@@ -186,11 +180,11 @@ size_t gn_near_bytes(const gn_dem *dem) {
 static const double more = 1.0 + 1e-6;
 
 /* Returns the path in `steps` steps if the path per step continues to grow by `change` per step. */
-static double drift(const gn_near_past *past, double change, int steps) {
+static double drift(const gn_active_pairs_past *past, double change, int steps) {
     return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
 }
 
-static double largest_change(const gn_near *near) {
+static double largest_change(const gn_active_pairs *near) {
     double most = 0.0;
     for (size_t b = 0; b < near->path_count; b++) most = fmax(most, near->paths[b].last);
     return most;
@@ -199,23 +193,23 @@ static double largest_change(const gn_near *near) {
 /* Begins a span: the pairs found now must be valid for `steps` steps, under the assumption that
  * velocities change per step by up to 1.5 times as much as in the last one. In a quiet system a
  * collision may begin, but rarely with the largest change of all. */
-static void begin_span(gn_near *near, int steps) {
+static void begin_span(gn_active_pairs *near, int steps) {
     static const double reserve = 1.5, of_largest = 0.2;
     const double least = of_largest * largest_change(near);
-    const gn_near_past *past = &near->past;
+    const gn_active_pairs_past *past = &near->past;
     for (size_t b = 0; b < near->path_count; b++) {
         const double last = near->paths[b].last, before = past->dt[1] * last;
         const double soon = reserve * drift(past, fmax(last, least), steps);
         near->paths[b] = (gn_near_path){.margin = more * fmax(soon, before), .last = last};
     }
-    near->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
+    near->span = (gn_active_pairs_span){.ahead = more * steps * past->dt[0]};
 }
 
 /* A search costs about half as much as the kernel for the same number of pairs; the longer its
  * result has to be valid, the more of the pairs found do not touch. The number of steps with the
  * least total cost is found by increasing and decreasing it. Cost is counted in pairs, not in
  * seconds. */
-static void tune_steps(gn_near *near) {
+static void tune_steps(gn_active_pairs *near) {
     enum { MOST = 64 };
     static const double look = 0.5; /* relative cost of the search for a pair, the kernel being 1 */
     double act = 0.0;
@@ -231,15 +225,15 @@ static void tune_steps(gn_near *near) {
 /* If velocities were set otherwise, they do not show which pairs touched a step ago, and all pairs
  * are processed. So are all pairs of new lists once: it makes zeros positive whose sign changed
  * when the ends were exchanged, see put. */
-void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
-    gn_near *n = &dem->near;
-    if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
+void gn_active_pairs_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
+    gn_active_pairs *n = &dem->near;
+    if (pairs->speed_most <= 0.0) gn_active_pairs_forget(ctx, dem);
     if (!n->on) return;
     if (memcmp(&n->uniform, &pairs->uniform, sizeof n->uniform) != 0) {
-        if (!n->again) gn_near_repack(ctx, dem); /* otherwise no pair is packed yet */
+        if (!n->again) gn_active_pairs_repack(ctx, dem); /* otherwise no pair is packed yet */
         find_columns(n, pairs->contacts, &pairs->uniform);
     }
-    const gn_near_span *s = &n->span;
+    const gn_active_pairs_span *s = &n->span;
     const bool over = s->elapsed > s->ahead || s->over;
     n->whole = n->fresh || n->past.known < 2;
     n->fresh = false;
@@ -254,9 +248,9 @@ void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_arg
     n->span.steps++;
 }
 
-void gn_near_moved(const gn_step_context *ctx, gn_dem *dem) {
-    gn_near *n = &dem->near;
-    gn_near_span *s = &n->span;
+void gn_active_pairs_moved(const gn_step_context *ctx, gn_dem *dem) {
+    gn_active_pairs *n = &dem->near;
+    gn_active_pairs_span *s = &n->span;
     if (!n->on) {
         n->past.known = 0;
         return;
@@ -282,7 +276,7 @@ typedef struct block_of_pairs {
     uint8_t *act;
 } block_of_pairs;
 
-static block_of_pairs block_at(const gn_near *near, const gn_contacts *list, size_t length,
+static block_of_pairs block_at(const gn_active_pairs *near, const gn_contacts *list, size_t length,
                                size_t block) {
     const size_t count = list->soa.count;
     block_of_pairs b = {.number = block, .begin = block * length, .at = block * near->stride};
@@ -305,7 +299,7 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
                  const block_of_pairs *block) {
     const gn_partials *q = pairs->partials;
     const gn_near_kernels *kernels = ctx->kernels->near;
-    gn_near *n = &dem->near;
+    gn_active_pairs *n = &dem->near;
     gn_near_args args = {.pos = pairs->pos,
                          .vel = pairs->vel,
                          .prefetched = pairs->spin,
@@ -330,7 +324,7 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
 static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_contact_args *pairs,
                       const block_of_pairs *block) {
     const gn_near_kernels *kernels = ctx->kernels->near;
-    const gn_near *n = &dem->near;
+    const gn_active_pairs *n = &dem->near;
     int32_t *i = n->i + block->at, *j = n->j + block->at;
     kernels->pack32(i, pairs->contacts->i + block->begin, block->act, block->groups);
     kernels->pack32(j, pairs->contacts->j + block->begin, block->act, block->groups);
@@ -361,7 +355,7 @@ static void move_packed(const gn_step_context *ctx, double *data, const packed_b
  * come from their packed positions in `was`, if it is given, else from the list. */
 static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                   const packed_before *was, const block_of_pairs *block) {
-    const gn_near *n = &dem->near;
+    const gn_active_pairs *n = &dem->near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; a < (size_t)n->column[k].components; a++) {
             double *to = n->data + (n->column[k].stream + a) * n->room + block->at;
@@ -380,7 +374,7 @@ static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contac
  * result does not depend on which pairs without contact were processed. */
 static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
                 const block_of_pairs *block) {
-    const gn_near *n = &dem->near;
+    const gn_active_pairs *n = &dem->near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; n->column[k].written && a < (size_t)n->column[k].components; a++)
             ctx->kernels->near->unpack(column_of(list, &n->column[k]) + a * list->soa.capacity +
@@ -392,7 +386,7 @@ static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts
 /* --- kernel calls --- */
 
 /* Returns the list that the kernel works on: the packed columns of a block. */
-static gn_contacts packed(const gn_near *near, const gn_contacts *list,
+static gn_contacts packed(const gn_active_pairs *near, const gn_contacts *list,
                           const block_of_pairs *block) {
     gn_contacts part = *list;
     for (int k = 0; k < near->columns; k++)
@@ -405,9 +399,9 @@ static gn_contacts packed(const gn_near *near, const gn_contacts *list,
     return part;
 }
 
-void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
-                  size_t block, gn_contact_sums *sums) {
-    const gn_near *n = &dem->near;
+void gn_active_pairs_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
+                          size_t block, gn_contact_sums *sums) {
+    const gn_active_pairs *n = &dem->near;
     const gn_contacts *list = pairs->contacts;
     const block_of_pairs b = block_at(n, list, pairs->partials->length, block);
     packed_before was;
@@ -432,57 +426,57 @@ void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args
 
 /* --- access by other code --- */
 
-void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem) {
-    const gn_near *n = &dem->near;
+void gn_active_pairs_settle(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_active_pairs *n = &dem->near;
     if (!n->unsettled) return;
     for (size_t k = 0; k < n->blocks; k++) {
         const block_of_pairs b = block_at(n, &dem->pairs.contacts, dem->pairs.partials.length, k);
         put(ctx, dem, &dem->pairs.contacts, &b);
     }
-    ((gn_near *)(uintptr_t)n)->unsettled = false; /* see active_pairs.h */
+    ((gn_active_pairs *)(uintptr_t)n)->unsettled = false; /* see active_pairs.h */
 }
 
-void gn_near_repack(const gn_step_context *ctx, gn_dem *dem) {
-    gn_near_settle(ctx, dem);
+void gn_active_pairs_repack(const gn_step_context *ctx, gn_dem *dem) {
+    gn_active_pairs_settle(ctx, dem);
     dem->near.packed = false;
 }
 
-void gn_near_forget(const gn_step_context *ctx, gn_dem *dem) {
-    gn_near_repack(ctx, dem);
+void gn_active_pairs_forget(const gn_step_context *ctx, gn_dem *dem) {
+    gn_active_pairs_repack(ctx, dem);
     dem->near.past.known = 0;
 }
 
 /* --- checkpoints --- */
 
 /* Clears the marks after the last pair of a block. */
-static void clear_ends(gn_near *near, const gn_contacts *list, size_t length) {
+static void clear_ends(gn_active_pairs *near, const gn_contacts *list, size_t length) {
     for (size_t k = 0; k < near->blocks; k++) {
         const block_of_pairs b = block_at(near, list, length, k);
         memset(b.act + b.groups, 0, near->stride / GN_NEAR_GROUP - b.groups);
     }
 }
 
-gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups) {
-    gn_near *n = &dem->near;
-    gn_near_settle(ctx, dem);
+gn_active_pairs_kept gn_active_pairs_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups) {
+    gn_active_pairs *n = &dem->near;
+    gn_active_pairs_settle(ctx, dem);
     n->again = n->packed;
     if (n->packed) clear_ends(n, &dem->pairs.contacts, dem->pairs.partials.length);
     *groups = n->packed ? n->blocks * n->stride / GN_NEAR_GROUP : 0;
-    return (gn_near_kept){.known = n->past.known,
-                          .dt = {n->past.dt[0], n->past.dt[1]},
-                          .ahead = n->span.ahead,
-                          .elapsed = n->span.elapsed,
-                          .over = n->span.over,
-                          .worked = n->span.steps,
-                          .steps = n->steps,
-                          .towards = n->towards,
-                          .cost = isfinite(n->cost) ? n->cost : -1.0,
-                          .fresh = n->fresh,
-                          .packed = n->packed};
+    return (gn_active_pairs_kept){.known = n->past.known,
+                                  .dt = {n->past.dt[0], n->past.dt[1]},
+                                  .ahead = n->span.ahead,
+                                  .elapsed = n->span.elapsed,
+                                  .over = n->span.over,
+                                  .worked = n->span.steps,
+                                  .steps = n->steps,
+                                  .towards = n->towards,
+                                  .cost = isfinite(n->cost) ? n->cost : -1.0,
+                                  .fresh = n->fresh,
+                                  .packed = n->packed};
 }
 
 /* Counts the marked pairs of a block; false if a mark is after its last pair. */
-static bool count_block(gn_near *near, const block_of_pairs *block) {
+static bool count_block(gn_active_pairs *near, const block_of_pairs *block) {
     int32_t count = 0;
     bool good = true;
     for (size_t k = 0; k < near->stride; k++) {
@@ -495,7 +489,7 @@ static bool count_block(gn_near *near, const block_of_pairs *block) {
 }
 
 static bool take_marks(gn_dem *dem) {
-    gn_near *n = &dem->near;
+    gn_active_pairs *n = &dem->near;
     if (n->kept_groups != n->blocks * n->stride / GN_NEAR_GROUP) return false;
     memcpy(n->act, n->kept_act, n->kept_groups);
     bool good = true;
@@ -506,7 +500,7 @@ static bool take_marks(gn_dem *dem) {
     return good;
 }
 
-static bool take_paths(gn_near *near) {
+static bool take_paths(gn_active_pairs *near) {
     bool good = near->kept_path_count == near->path_count;
     if (!good) return false;
     memcpy(near->paths, near->kept_paths, near->path_count * sizeof *near->paths);
@@ -517,12 +511,12 @@ static bool take_paths(gn_near *near) {
     return good;
 }
 
-gneiss_status gn_near_resume(gn_dem *dem, gneiss_error *error) {
-    gn_near *n = &dem->near;
-    const gn_near_kept *k = &n->kept;
+gneiss_status gn_active_pairs_resume(gn_dem *dem, gneiss_error *error) {
+    gn_active_pairs *n = &dem->near;
+    const gn_active_pairs_kept *k = &n->kept;
     if (!n->kept_act) return GNEISS_OK;
-    n->past = (gn_near_past){(int)k->known, {k->dt[0], k->dt[1]}};
-    n->span = (gn_near_span){k->ahead, k->elapsed, k->over > 0.0, (int)k->worked};
+    n->past = (gn_active_pairs_past){(int)k->known, {k->dt[0], k->dt[1]}};
+    n->span = (gn_active_pairs_span){k->ahead, k->elapsed, k->over > 0.0, (int)k->worked};
     n->steps = (int)k->steps;
     n->towards = (int)k->towards;
     n->cost = k->cost < 0.0 ? INFINITY : k->cost;

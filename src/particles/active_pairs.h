@@ -19,38 +19,39 @@
 #include <stdint.h>
 
 /* A packed column. */
-typedef struct gn_near_column {
+typedef struct gn_active_pairs_column {
     size_t offset; /* offset of its pointer within gn_contacts */
     int components;
     bool written;  /* written by the kernel; zero for pairs that never touched */
-    size_t stream; /* offset of its first component in gn_near.data */
-} gn_near_column;
+    size_t stream; /* offset of its first component in gn_active_pairs.data */
+} gn_active_pairs_column;
 
-enum { GN_NEAR_COLUMNS = 48 };
+enum { GN_ACTIVE_PAIRS_COLUMNS = 48 };
 
 /* The lengths of the last steps. */
-typedef struct gn_near_past {
+typedef struct gn_active_pairs_past {
     int known;    /* number of the last steps, at most two, that followed each other */
     double dt[2]; /* s, length of the last step and the one before that */
-} gn_near_past;
+} gn_active_pairs_past;
 
 /* Validity of the last search. */
-typedef struct gn_near_span {
+typedef struct gn_active_pairs_span {
     double ahead;   /* s, duration for which the search holds, see gn_near_args */
     double elapsed; /* s, time since the search */
     bool over;      /* some particle may have moved beyond its margin */
     int steps;      /* number of sweeps that used the active pairs */
-} gn_near_span;
+} gn_active_pairs_span;
 
 /* State that checkpoints store besides `act`, as doubles. Losses are summed in the order in which
  * pairs are packed, so that a resumed run must pack the same pairs. */
-typedef struct gn_near_kept {
-    double known, dt[2];                        /* gn_near_past */
-    double ahead, elapsed, over, worked;        /* gn_near_span */
-    double steps, towards, cost, fresh, packed; /* members of gn_near; cost -1: not measured yet */
-} gn_near_kept;
+typedef struct gn_active_pairs_kept {
+    double known, dt[2];                 /* gn_active_pairs_past */
+    double ahead, elapsed, over, worked; /* gn_active_pairs_span */
+    double steps, towards, cost, fresh,
+        packed; /* members of gn_active_pairs; cost -1: not measured yet */
+} gn_active_pairs_kept;
 
-typedef struct gn_near {
+typedef struct gn_active_pairs {
     bool on;        /* active for the present lists */
     bool disabled;  /* forced off, for reference comparisons */
     bool fresh;     /* no sweep has used these lists yet */
@@ -61,13 +62,13 @@ typedef struct gn_near {
     bool move;  /* columns of pairs that stay packed move to their new positions in this sweep */
     bool again; /* the next sweep packs the pairs of `act` from the list */
     bool take;  /* this sweep packs the pairs of `act` */
-    gn_near_past past;
-    gn_near_span span;
+    gn_active_pairs_past past;
+    gn_active_pairs_span span;
     int steps, towards;  /* number of steps for which a search should hold; 1 or -1: it is being
                             increased or decreased */
     double listed, cost; /* number of pairs; cost of the last span, in pairs processed per step */
-    gn_near_kept kept;   /* state read from a checkpoint, kept until lists exist */
-    uint8_t *kept_act;   /* [kept_groups], NULL: none */
+    gn_active_pairs_kept kept; /* state read from a checkpoint, kept until lists exist */
+    uint8_t *kept_act;         /* [kept_groups], NULL: none */
     size_t kept_groups;
     gn_near_path *kept_paths; /* [kept_path_count] */
     size_t kept_path_count;
@@ -87,38 +88,38 @@ typedef struct gn_near {
     int32_t *count;  /* [blocks] number of active pairs */
 
     gn_uniform uniform; /* uniform columns for which `column` was made */
-    gn_near_column column[GN_NEAR_COLUMNS];
+    gn_active_pairs_column column[GN_ACTIVE_PAIRS_COLUMNS];
     int columns;
-} gn_near;
+} gn_active_pairs;
 
 /* Decides whether it pays to search for active pairs. The decision uses the positions at which the
  * lists were made, so that a resumed run decides alike. Called whenever lists were made or read. */
-gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
-                            gneiss_error *error);
-void gn_near_free(gn_near *near);
-size_t gn_near_bytes(const gn_dem *dem);
+gneiss_status gn_active_pairs_choose(const gn_step_context *ctx, gn_dem *dem,
+                                     const gn_periodic_box *box, gneiss_error *error);
+void gn_active_pairs_free(gn_active_pairs *near);
+size_t gn_active_pairs_bytes(const gn_dem *dem);
 
 /* Writes packed columns back into the list of pairs, which is then as without packing; required
- * before shear, fd, closeness or roll are read there. The state does not change, so that the
+ * before columns that kernels write are read there. The state does not change, so that the
  * function also takes a constant world. */
-void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
-/* To be called when something other than the step changes data: gn_near_repack if columns of pairs
- * change, gn_near_forget if velocities or positions do. */
-void gn_near_repack(const gn_step_context *ctx, gn_dem *dem);
-void gn_near_forget(const gn_step_context *ctx, gn_dem *dem);
+void gn_active_pairs_settle(const gn_step_context *ctx, const gn_dem *dem);
+/* To be called when something other than the step changes data: gn_active_pairs_repack if columns
+ * of pairs change, gn_active_pairs_forget if velocities or positions do. */
+void gn_active_pairs_repack(const gn_step_context *ctx, gn_dem *dem);
+void gn_active_pairs_forget(const gn_step_context *ctx, gn_dem *dem);
 /* Prepares a checkpoint, which also stores `paths`: settles the list and returns the state; the run
  * then continues exactly as one that reads the checkpoint. `groups`: number of groups of `act`, 0
  * if nothing is packed. */
-gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups);
+gn_active_pairs_kept gn_active_pairs_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups);
 /* Restores the state `kept` after lists were read. GNEISS_ERROR_INPUT: it marks pairs that do not
  * exist. */
-gneiss_status gn_near_resume(gn_dem *dem, gneiss_error *error);
+gneiss_status gn_active_pairs_resume(gn_dem *dem, gneiss_error *error);
 
-/* gn_near_begin begins a sweep; gn_near_work processes a block of pairs in place of the kernel;
- * gn_near_moved tracks the motion at the end of the sweep. */
-void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs);
-void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
-                  size_t block, gn_contact_sums *sums);
-void gn_near_moved(const gn_step_context *ctx, gn_dem *dem);
+/* gn_active_pairs_begin begins a sweep; gn_active_pairs_work processes a block of pairs in place of
+ * the kernel; gn_active_pairs_moved tracks the motion at the end of the sweep. */
+void gn_active_pairs_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs);
+void gn_active_pairs_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
+                          size_t block, gn_contact_sums *sums);
+void gn_active_pairs_moved(const gn_step_context *ctx, gn_dem *dem);
 
 #endif

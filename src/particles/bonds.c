@@ -401,7 +401,7 @@ bool gn_stored_matters(const gn_step_context *ctx, const gn_dem *dem, double sto
 
 double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_periodic_box *box) {
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     double sum = 0.0;
     for (int l = 0; l < GN_LIST_COUNT; l++) sum += stored_in(ctx, dem, box, &dem->list[l].contacts);
     return sum;

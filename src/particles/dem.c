@@ -201,7 +201,7 @@ void gn_dem_free(gn_dem *dem) {
     gn_hold_free(&dem->hold);
     gn_events_free(&dem->events);
     gn_flow_free(&dem->flow);
-    gn_near_free(&dem->near);
+    gn_active_pairs_free(&dem->near);
     void *blocks[] = {
         dem->index_of_id,    dem->channel_set,     dem->set_reaction,    dem->loose,
         dem->prescribed.set, dem->prescribed.mask, dem->prescribed.load, dem->prescribed.velocity,
@@ -215,7 +215,7 @@ void gn_dem_free(gn_dem *dem) {
 /* --- hash and sums of the part --- */
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     h = gn_soa_hash(&gn_particle_record, &dem->particles, h);
     for (int l = 0; l < GN_LIST_COUNT; l++)
         h = gn_soa_hash(&gn_contact_record, &dem->list[l].contacts, h);
@@ -231,7 +231,7 @@ static size_t list_bytes(const gn_contact_list *list) {
 size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_dem *d = dem;
     size_t each = gn_record_bytes(&gn_particle_record, ctx->effects) + 2 * sizeof(int32_t);
-    size_t bytes = d->particles.soa.capacity * each + gn_near_bytes(dem);
+    size_t bytes = d->particles.soa.capacity * each + gn_active_pairs_bytes(dem);
     for (int l = 0; l < GN_LIST_COUNT; l++) bytes += list_bytes(&d->list[l]);
     return bytes +
            d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);

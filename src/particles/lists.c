@@ -222,7 +222,7 @@ void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem) {
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (gn_list_kinds[l]->of_materials)
             gn_contacts_set_dashpots(ctx, dem, &dem->list[l].contacts);
-    gn_near_repack(ctx, dem);
+    gn_active_pairs_repack(ctx, dem);
     for (int l = 0; l < GN_LIST_COUNT; l++)
         dem->list[l].uniform = gn_list_find_uniform(&dem->list[l].contacts);
 }

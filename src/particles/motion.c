@@ -82,7 +82,7 @@ void gn_dem_moved(const gn_step_context *ctx, gn_dem *dem, const gn_contact_sums
     follow_change(ctx, dem);
     if (ctx->effects & GN_FX_PRESCRIBED) gn_reactions_sum(ctx, dem);
     gn_dem_count_speed(ctx, dem, sqrt(dem->done.motion.speed2), 0.0);
-    gn_near_moved(ctx, dem);
+    gn_active_pairs_moved(ctx, dem);
     dem->broken_tension += dem->done.list[GN_LIST_BONDS].broken_tension;
     dem->broken_shear += dem->done.list[GN_LIST_BONDS].broken_shear;
     dem->pressed = dem->done.list[GN_LIST_PAIRS].pressed + dem->done.walls.pressed > 0;
@@ -91,5 +91,5 @@ void gn_dem_moved(const gn_step_context *ctx, gn_dem *dem, const gn_contact_sums
 
 void gn_dem_forget_speed(const gn_step_context *ctx, gn_dem *dem) {
     dem->speed_most = 0.0;
-    gn_near_forget(ctx, dem);
+    gn_active_pairs_forget(ctx, dem);
 }

@@ -17,7 +17,7 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_periodic_box *box, const gn_contacts *list,
                                    const gn_partials *partials, gn_contacts *copy,
                                    gneiss_error *error) {
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     gn_effects effects = (list->soa.effects & ~(gn_effects)GN_FX_MIXED) | GN_FX_CONTACT_FORCES;
     gn_contact_kernel *kernel;
     GN_TRY(gn_contact_kernel_choose(ctx->kernels, effects, &kernel, error));
@@ -47,7 +47,7 @@ gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
                                   gneiss_error *error) {
     gn_contacts part;
     *seen = (gn_contacts){0};
-    gn_near_settle(ctx, dem);
+    gn_active_pairs_settle(ctx, dem);
     GN_TRY(gn_soa_create(&gn_contact_record, &part, count, list->soa.effects, error));
     gn_soa_permute(&gn_contact_record, &part, list, chosen);
     gneiss_status status = gn_contacts_evaluate(ctx, dem, box, &part, NULL, seen, error);

@@ -116,9 +116,9 @@ struct gn_dem {
     double *driven;
 
     gn_motion_kernel *motion_kernel;
-    gn_deal deal; /* distribution of the work of a step among the threads */
-    gn_hold hold; /* blocks that wait for a feature */
-    gn_near near; /* active pairs */
+    gn_deal deal;         /* distribution of the work of a step among the threads */
+    gn_hold hold;         /* blocks that wait for a feature */
+    gn_active_pairs near; /* active pairs */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
     gn_dem_sums done; /* sums of the last step */

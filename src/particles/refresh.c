@@ -127,7 +127,7 @@ gneiss_status gn_dem_make_lists(const gn_step_context *ctx, gn_dem *dem, const g
     GN_TRY(gn_dem_ready_blocks(ctx, dem, error));
     memcpy(dem->particles.ref, dem->particles.pos, dem->particles.soa.count * 4 * sizeof(double));
     gn_dem_ready_kernels(ctx, dem);
-    GN_TRY(gn_near_lists(ctx, dem, box, error));
+    GN_TRY(gn_active_pairs_choose(ctx, dem, box, error));
     gn_dem_set_paths(dem, 0.0);
     dem->verlet.rebuilds++;
     dem->verlet.last_step = ctx->step;

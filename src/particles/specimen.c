@@ -148,7 +148,7 @@ static void add_file(const gn_scene *scene, gn_extent *extent) {
     double scale = scene->specimen.scale;
     gn_mesh mesh = {0};
     if (p->shape == GN_SHAPE_SURFACE)
-        gn_mesh_read_stl(p->surface_path, scale, &mesh, NULL);
+        gn_mesh_read_surface(p->surface_path, scale, &mesh, NULL);
     else if (!gn_is_geometry(p->mesh_path))
         gn_mesh_read_msh(p->mesh_path, scale, &mesh, NULL);
     for (size_t n = 0; n < mesh.node_count; n++) gn_extent_add(extent, mesh.node + 3 * n, 0.0);

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Numbers of particles of the timed lattice: that of the scene, since data beyond the cache is
- * slower, within limits that keep the set-up short. */
+/* Bounds of the number of particles in the timed lattice. It is that of the scene, because data
+ * beyond the cache are slower, but within these bounds, which keep the set-up short. */
 static const double lattice_least = 200.0, lattice_most = 20000.0;
 
 typedef struct timed {
@@ -55,12 +55,12 @@ static void strip(gn_scene *scene, bool mixed) {
     scene->start_fraction = 0.9;
     scene->step = scene->scaled_step = scene->scaled_factor = 0.0;
     scene->estimate = GN_STEP_BOUND;
-    scene->threads = 1; /* waiting of threads is not counted */
+    scene->threads = 1; /* times that threads wait are not counted */
     scene->stop_peak_drop = scene->stop_strain = scene->stop_unbalanced = 0.0;
     scene->precision = mixed ? GN_PRECISION_MIXED : GN_PRECISION_DOUBLE;
 }
 
-/* `close`: the largest number of neighbours, else half of it. */
+/* Adds a lattice; `close`: with the largest number of neighbours, else with half of it. */
 static void put_lattice(const gn_dem *dem, bool close, gn_scene *scene, double upper[3]) {
     const gn_particles *q = &dem->particles;
     double count = fmin(fmax((double)q->soa.count, lattice_least), lattice_most), radius = 0.0;
@@ -87,7 +87,7 @@ static void put_lattice(const gn_dem *dem, bool close, gn_scene *scene, double u
         upper[a] = (double)cells * edge * (a == 1 && close && !space ? sqrt(3.0) : 1.0);
 }
 
-/* Makes a rectangle or box of as many elements. */
+/* Makes a rectangle or box with the same number of elements. */
 static void put_grid(const gn_solids *solids, gn_scene *scene) {
     gn_element_def *elements = &scene->elements;
     bool space = scene->dimension == 3;
@@ -102,7 +102,7 @@ static void put_grid(const gn_solids *solids, gn_scene *scene) {
     elements->motion_count = elements->load_count = 0;
     elements->has_contact = false;
     elements->material_count =
-        1; /* the first holds for all elements, or for a group that the grid lacks */
+        1; /* the first material applies to all elements, or to a group that the grid lacks */
     for (int a = 0; a < 3; a++) {
         elements->size[a] = a < scene->dimension ? 1.0 : 0.0;
         elements->origin[a] = 0.0;
@@ -126,7 +126,7 @@ static gneiss_status take_steps(gn_world *world, gn_history *history, int count,
     return GNEISS_OK;
 }
 
-/* Each interval takes `spell` seconds. */
+/* Measures intervals of `spell` seconds each. */
 static gneiss_status time_spells(gn_world *world, gn_history *history, double spell,
                                  double *seconds, gneiss_error *error) {
     double each[SPELLS], start = gn_process_time();
@@ -179,7 +179,7 @@ static gneiss_status time_lattice(const gn_step_context *ctx, const gn_dem *dem,
     GN_TRY(gn_new(&scene, 1, "a scene", error));
     *scene = ctx->given;
     strip(scene, mixed);
-    scene->end = 1e13 * ctx->dt; /* never */
+    scene->end = 1e13 * ctx->dt; /* beyond any trial */
     scene->has_elements = false;
     put_lattice(dem, close, scene, upper);
     put_ends(scene, wall, names, upper);
@@ -192,7 +192,7 @@ static gneiss_status time_grid(const gn_step_context *ctx, const gn_solids *soli
     GN_TRY(gn_new(&scene, 1, "a scene", error));
     *scene = ctx->given;
     strip(scene, mixed);
-    scene->end = 1e13 * ctx->dt; /* never */
+    scene->end = 1e13 * ctx->dt; /* beyond any trial */
     scene->has_specimen = false;
     scene->test = (gn_test){.kind = GN_TEST_NONE};
     put_grid(solids, scene);
@@ -202,9 +202,9 @@ static gneiss_status time_grid(const gn_step_context *ctx, const gn_solids *soli
     return time_scene(scene, found, error);
 }
 
-/* Two lattices with different numbers of neighbours separate the cost of particles from that of
- * contacts; if noise makes one of them zero or negative, the whole cost is attributed to the other.
- * */
+/* Attributes the cost of a step to particles and contacts by two lattices with different numbers of
+ * neighbours; if by noise one of them would be zero or negative, the whole cost is attributed to
+ * the other. */
 static void divide(const timed *few, const timed *many, gn_cost *cost) {
     double p = few->particles, c = few->contacts, q = many->particles, d = many->contacts;
     double determinant = p * d - q * c;

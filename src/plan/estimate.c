@@ -26,9 +26,10 @@ static double direction_cosine(const gn_step_context *ctx, const gn_dem *dem, si
     return d[ctx->scene.test.axis] / *length;
 }
 
-/* Elastic energy density of uniform strain, e along the axis and f across it: 1/2 (A e^2
- * + 2 B e f + D f^2), from k_n with the strain component along each bond and k_t with that across
- * it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
+/* Computes moduli in uniform strain. The elastic energy density with the strain e along the axis
+ * and f across it is 1/2 (A e^2 + 2 B e f + D f^2), from k_n with the strain component along each
+ * bond and k_t with that across it. If the sides are free of stress, f = -B/D e and E = A - B^2/D.
+ */
 static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_estimate *estimate) {
     const gn_contacts *b = &dem->bonds.contacts;
     double A = 0.0, B = 0.0, D = 0.0;
@@ -44,9 +45,9 @@ static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_est
     estimate->uniform_modulus = (A - B * estimate->poisson) / ctx->volume;
 }
 
-/* Computes the strains at which bond c reaches its strength in tension and in shear, INFINITY:
- * never. Its normal strain is sign (n^2 - nu (1 - n^2)); the shear follows from the transverse
- * displacement of its end. */
+/* Computes the strains at which bond c reaches its strength in tension and in shear; INFINITY:
+ * never. Its normal strain is sign (n^2 - nu (1 - n^2)); its shear follows from the transverse
+ * displacement of its ends. */
 static void breaking_strains(const gn_step_context *ctx, const gn_dem *dem, size_t c,
                              double poisson, double *tension, double *slip) {
     const gn_contacts *b = &dem->bonds.contacts;
@@ -57,14 +58,15 @@ static void breaking_strains(const gn_step_context *ctx, const gn_dem *dem, size
     *tension = normal > 0.0 ? b->rn[c] / (b->kn[c] * length * normal) : INFINITY;
     *slip = INFINITY;
     if (!b->kt || !b->rt || !(b->kt[c] > 0.0)) return;
-    /* Shear strength increases with pressure by mu_1 of the intact bond. */
+    /* With pressure the shear strength increases by mu_1 of the intact bond. */
     double gain = b->mu1 ? b->mu1[c] * b->kn[c] * length * normal : 0.0;
     double need = b->kt[c] * length * shear + gain;
     if (need > 0.0) *slip = b->rt[c] / need;
 }
 
-/* A test in tension fails by stretched bonds; a compression test fails by bonds stretched laterally
- * together with sheared bonds, at the geometric mean of both, whose ratio is bounded. */
+/* Returns the strain at failure. A test in tension fails by stretched bonds. A compression test
+ * fails by bonds stretched laterally and sheared bonds together, at the geometric mean of both
+ * strains, whose ratio is bounded. */
 static double combined_breaking_strain(const gn_scene *scene, double tension, double slip) {
     const double most = 4.0;
     if (gn_scene_test(scene)->sign > 0) return fmin(tension, slip);
@@ -95,7 +97,8 @@ static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem
 
 /* --- ends --- */
 
-/* Counts particles that soon press on a wall: within a twentieth of their radius. */
+/* Counts the particles that will soon press on a wall: their gap is below a twentieth of their
+ * radius. */
 static double near_wall(const gn_step_context *ctx, const gn_dem *dem, const gn_wall_def *wall) {
     const double soon = 0.05;
     const gn_particles *q = &dem->particles;
@@ -109,8 +112,8 @@ static double near_wall(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return count;
 }
 
-/* Returns the strain between the ends that walls add under a stress of 1 Pa: particles press on
- * springs. */
+/* Returns the strain between the ends that walls add under a stress of 1 Pa, by particles that
+ * press on their springs. */
 static double wall_compliance(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_scene *scene = &ctx->scene;
     const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
@@ -140,7 +143,7 @@ static double predicted_end(const gn_step_context *ctx, const gn_estimate *estim
     return end;
 }
 
-/* A test with more particles fails at a lower fraction of the estimate. */
+/* Predicts the peak; with more particles, a test fails at a smaller fraction of the estimate. */
 static void predict_peak(const gn_dem *dem, gn_estimate *estimate) {
     double finer =
         (double)dem->particles.soa.count / gn_slope_base_of(estimate->study, "particles");
@@ -155,7 +158,8 @@ static void predict_peak(const gn_dem *dem, gn_estimate *estimate) {
         estimate->strain * gn_slope_base_of(estimate->study, "first break over peak");
 }
 
-/* Loading of a bending test is not related to a strain of its material. */
+/* Predicts a test of elements. The loading of a bending test is not related to a strain of its
+ * material. */
 static void predict_elements(const gn_step_context *ctx, gn_estimate *estimate) {
     estimate->elements = true;
     estimate->body_strain = estimate->strain = estimate->strength = INFINITY;
@@ -203,7 +207,7 @@ gneiss_status gn_estimate_make(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-/* Bisection: the path of the ends increases with time. */
+/* The end is found by bisection, because the path of the ends increases with time. */
 double gn_estimate_end(const gn_step_context *ctx, const gn_estimate *estimate) {
     double low = 0.0, high = ctx->scene.end;
     if (estimate->absent || !isfinite(estimate->end_strain) || !(estimate->end_strain > 0.0))

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* s, for program start, results and summary of any scene. */
+/* s that the start of the program, results and summary take for any scene */
 static const double fixed_seconds = 0.03;
 
 /* --- cost of a proposal --- */
@@ -15,8 +15,8 @@ static bool packs(const gn_step_context *ctx) {
     return ctx->given.specimen.pack.shape != GN_SHAPE_NONE;
 }
 
-/* Returns the ratio of the step to that of the scene: the stable step is proportional to the
- * particle size. Added mass has less effect than initially once bonds have broken. */
+/* Returns the ratio of the step to that of the scene. The stable step is proportional to the
+ * particle size. Added mass has less effect after bonds have broken than before. */
 static double step_ratio(const gn_step_context *ctx, const gn_plan *plan,
                          const gn_proposal *proposal, bool breaks) {
     double finer = proposal->particles / plan->groups.particles;
@@ -26,8 +26,8 @@ static double step_ratio(const gn_step_context *ctx, const gn_plan *plan,
            pow(finer, -1.0 / (double)ctx->scene.dimension);
 }
 
-/* Returns the s from the start to the predicted end: the time before the ends reach their speed is
- * longer in proportion. */
+/* Returns the time from the start to the predicted end, s, including the time in which the ends
+ * reach their speed, which is proportionally longer. */
 static double duration(const gn_step_context *ctx, const gn_plan *plan, double pace) {
     const gn_estimate *estimate = &plan->estimate;
     double length = ctx->test_length,
@@ -35,8 +35,9 @@ static double duration(const gn_step_context *ctx, const gn_plan *plan, double p
     return (estimate->end_strain * length / estimate->closing_velocity + before) / pace;
 }
 
-/* Statics replace the steps up to 0.9 of the first break, and cost as many steps as in the study's
- * specimen; their iterations are proportional to the particles across. */
+/* Returns the cost of a static start in steps. Statics replace the steps up to 0.9 of the first
+ * break and cost as many steps as in the study's specimen; their iterations are proportional to the
+ * number of particles across. */
 static double steps_of_start(const gn_step_context *ctx, const gn_plan *plan,
                              const gn_proposal *proposal, double dt) {
     const double fraction = 0.9;
@@ -56,7 +57,7 @@ static double rows_of(const gn_step_context *ctx, const gn_plan *plan,
     return fmin(gn_plan_history_rows(plan, &ctx->scene, proposal->pace) * share, proposal->steps);
 }
 
-/* Returns the s of one particle in a step, its contacts included. */
+/* Returns the time that one particle takes in a step, its contacts included, s. */
 static double particle_step(const gn_dem *dem, const gn_cost *cost) {
     double contacts = (double)gn_lists_count(dem);
     return cost->particle + cost->contact * contacts / (double)dem->particles.soa.count;
@@ -129,15 +130,16 @@ static void judge(const gn_plan *plan, const gn_step_context *ctx, gn_proposal *
 
 static const double safeties[] = {0.9, 0.7, 0.5, 0.3};
 static const double factors[GN_PLAN_FACTORS] = {1.0, 1.3, 1.5, 1.75, 2.0};
-/* Runs warn above 1 times the particles' own mass. Debris needs another 0.3 to 0.4 of it, and other
- * packings slightly more than this one. */
+/* Largest ratio of added to own mass. Runs warn above 1. Debris requires another 0.3 to 0.4, and
+ * other packings slightly more than this one. */
 static const double added_most = 0.5;
 static const double numbers[] = {250, 500, 1000, 2000, 4000, 8000, 16000};
 static const int packings[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 40};
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-enum { PACES = 25 }; /* from 1/64 to 64, by factors of the square root of 2 */
+enum { PACES = 25 }; /* from 1/64 to 64 in factors of the square root of 2 */
 
-/* The cheapest proposal within the error; until there is one, the proposal with the least error. */
+/* The cheapest proposal within the error or, until there is one, the proposal with the least error.
+ */
 typedef struct setting_search {
     const gn_world *world;
     gn_plan *plan;
@@ -163,7 +165,8 @@ static void consider(setting_search *search, gn_proposal proposal) {
     search->reached |= right;
 }
 
-/* Tries precision, mass scaling and start where they are known to help and allowed. */
+/* Tries mixed precision, mass scaling and a static start where they are known to help and are
+ * allowed. */
 static void try_ways(setting_search *search, gn_proposal proposal) {
     const gn_plan *plan = search->plan;
     bool masses = gn_slope_find(plan->groups.study, plan->reading, "mass scaling", false) &&
@@ -196,8 +199,8 @@ static void try_numbers(setting_search *search, gn_proposal proposal) {
         }
 }
 
-/* Centre of the tried speeds: that of the scene, or the fastest known one if the speed of the scene
- * is above it. */
+/* Returns the centre of the tried speeds: that of the scene or, if it is above the fastest known
+ * one, the latter. */
 static double middle_pace(const gn_plan *plan, const gn_step_context *ctx) {
     const gn_slope *law = gn_slope_find(plan->groups.study, plan->reading, "velocity", false);
     double speed = plan->estimate.speed;
@@ -218,7 +221,7 @@ static void try_all(setting_search *search, gn_proposal proposal) {
         }
 }
 
-/* Tries finer cells; the loading of elements is kept, because the study has no law of it. */
+/* Tries finer cells; the loading speed of elements is kept, because the study has no law for it. */
 static void try_cells(setting_search *search, gn_proposal proposal) {
     double layers = search->plan->groups.cell > 0.0 ? 1.0 / search->plan->groups.cell : 0.0;
     bool whole = search->world->ctx.scene.elements.has_rectangle;
@@ -234,7 +237,7 @@ static void try_cells(setting_search *search, gn_proposal proposal) {
 
 /* --- the plan --- */
 
-/* The settings of the scene, with one packing. */
+/* Returns the settings of the scene, with one packing. */
 static gn_proposal current_settings(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_solids *solids, const gn_plan *plan) {
     gn_proposal p = {.pace = 1.0, .particles = plan->groups.particles, .packings = 1, .cell = 1.0};
@@ -289,7 +292,8 @@ static gneiss_status measure_costs(const gn_step_context *ctx, const gn_dem *dem
     return gn_fail(error, status, "%s", refused.message);
 }
 
-/* Spheres that roll about two others (discs about one) have no static equilibrium. */
+/* Returns the reason why a run cannot begin at the first break: spheres that roll about two others
+ * (discs about one) have no static equilibrium. */
 static const char *cannot_start(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const char *reason = gn_scene_statics_refusal(&ctx->scene);
@@ -299,17 +303,17 @@ static const char *cannot_start(const gn_step_context *ctx, const gn_dem *dem) {
     return reason;
 }
 
-/* Measures with the bound, whatever the scene's estimate: masses chosen by it hold the step for
- * each particle, so that debris can be scaled as well, and checks during the run need no
+/* Measures masses with the bound, whatever estimate the scene uses: masses chosen by it hold the
+ * step for each particle, so that debris can be scaled as well, and checks during the run need no
  * iterations. */
 static gneiss_status measure_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     const gn_zones *zones, gn_plan *plan, gneiss_error *error) {
     plan->unscaled_step = plan->groups.step_ratio > 1.0 ? ctx->choice.scaling.unscaled : ctx->dt;
     for (size_t m = 1; !plan->groups.mesh && m < COUNT(factors); m++)
-        GN_TRY(gn_dem_predict_masses(ctx, dem, boundary, solids, zones,
-                                     factors[m] * plan->unscaled_step, &plan->bound_step_ratio[m],
-                                     &plan->added_mass[m], error));
+        GN_TRY(gn_timestep_predict_masses(ctx, dem, boundary, solids, zones,
+                                          factors[m] * plan->unscaled_step,
+                                          &plan->bound_step_ratio[m], &plan->added_mass[m], error));
     return GNEISS_OK;
 }
 
@@ -330,8 +334,9 @@ gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, doubl
     plan->current = current_settings(&world->ctx, &world->dem, &world->solids, plan);
     search_settings(world, plan, wanted->error, &q);
     plan->reached = q.reached;
-    /* If the error cannot be reached, the search comes within a tenth of the least one. */
+    /* If the error cannot be reached, the search looks for settings within a tenth of the least
+     * one. */
     if (!q.reached) search_settings(world, plan, 1.1 * q.least.error, &q);
-    plan->best = q.reached ? q.best : plan->current; /* there are no alternatives */
+    plan->best = q.reached ? q.best : plan->current; /* otherwise there are no alternatives */
     return GNEISS_OK;
 }

@@ -14,20 +14,21 @@ typedef struct gn_wanted {
 } gn_wanted;
 
 typedef struct gn_proposal {
-    double pace;      /* loading speed over that of the scene */
-    double particles; /* number in one packing */
+    double pace;      /* ratio of the loading speed to that of the scene */
+    double particles; /* number of particles in one packing */
     int packings;     /* number of packings that are averaged */
     double safety;
-    double step_ratio;       /* step over that without added mass, by the scene's own estimate */
-    double bound_step_ratio; /* step over that without added mass by the bound, used for another
-                                factor */
-    double added_mass;       /* added mass over the particles' own */
+    double
+        step_ratio; /* ratio of the step to that without added mass, by the scene's own estimate */
+    double bound_step_ratio; /* the same ratio by the bound, which is used for other factors */
+    double added_mass;       /* ratio of the added mass to the particles' own */
     bool mixed, first_break;
-    double cell; /* elements: cell side over that of the scene; 1/cell times as many layers */
+    double cell; /* elements: ratio of the cell side to that of the scene; there are 1/cell times as
+                    many layers */
     gn_error_causes causes;
     double error;
-    double steps;   /* number in one run */
-    double seconds; /* processor time, one thread, all packings, packing included */
+    double steps;   /* number of steps of one run */
+    double seconds; /* s of processor time on one thread, of all packings, including their fit */
 } gn_proposal;
 
 enum { GN_PLAN_FACTORS = 5 };
@@ -37,11 +38,11 @@ typedef struct gn_plan {
     const char *reading; /* name of the reading in the study */
     gn_test_groups groups;
     gn_estimate estimate;
-    gn_cost cost[2]; /* cost in double and in mixed precision */
+    gn_cost cost[2]; /* in double and in mixed precision */
     bool mixed_known;
     double unscaled_step; /* s: the step without added mass */
     double bound_step_ratio[GN_PLAN_FACTORS], added_mass[GN_PLAN_FACTORS]; /* see gn_proposal */
-    double setup; /* s of processor time for making the world */
+    double setup; /* s of processor time to create the world */
     const char
         *statics_refusal; /* reason why steps cannot begin at the first break; NULL: they can */
     gn_proposal current, best; /* settings of the scene; proposed settings */
@@ -53,7 +54,7 @@ typedef struct gn_plan {
 gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, double setup,
                            gn_plan *plan, gneiss_error *error);
 
-/* Corrects steps and seconds of a proposal for elements by the world that was made of it. */
+/* Corrects steps and seconds of a proposal for elements by the world that was created from it. */
 void gn_plan_correct(const gn_step_context *ctx, const gn_solids *solids, const gn_plan *plan,
                      gn_proposal *proposal);
 

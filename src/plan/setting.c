@@ -55,7 +55,8 @@ put(gn_settings *settings, gneiss_error *error, const char *key, const char *for
     return gn_settings_add(settings, key, value, error);
 }
 
-/* Values are scaled inversely to times, so that the path is unchanged. */
+/* Writes a table with its values divided by the factor of its times, so that the path is unchanged.
+ */
 static gneiss_status put_table(gn_settings *settings, const char *key, const gn_table *table,
                                double pace, const char *unit, gneiss_error *error) {
     GN_FREED char *text = NULL;
@@ -131,7 +132,7 @@ static gneiss_status put_cells(gn_settings *settings, const gn_scene *scene, dou
                fmax(1.0, round((double)elements->cells[1] / cell)));
 }
 
-/* The target step is given in seconds, so that other packings take the same. */
+/* Writes the target step in seconds, so that other packings have the same step. */
 static gneiss_status put_masses(gn_settings *settings, const gn_plan *plan, const gn_scene *scene,
                                 const gn_proposal *proposal, gneiss_error *error) {
     if (plan->groups.mesh || fabs(proposal->step_ratio / plan->groups.step_ratio - 1.0) <= 1e-3)

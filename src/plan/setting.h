@@ -25,8 +25,8 @@ double gn_plan_end(const gn_plan *plan, const gn_scene *scene, double pace);
 /* Returns the rows of the history: those of the scene, and enough up to the peak to resolve it. */
 double gn_plan_history_rows(const gn_plan *plan, const gn_scene *scene, double pace);
 
-/* Returns the reason why the loading speed must not change: another part of the scene varies with
- * time. NULL: it may change. */
+/* Returns the reason why the loading speed must not change, which is that another part of the scene
+ * varies with time; NULL: it may change. */
 const char *gn_plan_pace_refusal(const gn_scene *scene);
 
 #endif

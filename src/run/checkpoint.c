@@ -201,9 +201,9 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(gn_checkpoint_put_arrays(file, arrays, GAUGE_ARRAYS, error));
     GN_TRY(put_kept(run, file, error));
-    GN_TRY(gn_dem_save(w, file, error));
-    GN_TRY(gn_boundary_save(w, file, error));
-    GN_TRY(gn_elements_save(w, file, error));
+    GN_TRY(gn_checkpoint_put_particles(w, file, error));
+    GN_TRY(gn_checkpoint_put_boundary(w, file, error));
+    GN_TRY(gn_checkpoint_put_elements(w, file, error));
     return put_history(run, file, error);
 }
 
@@ -223,7 +223,7 @@ gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
     char *path = NULL;
     gn_ranks_whole(run->world.ctx.ranks);
     if (!gn_rank_writes()) {
-        gn_dem_as_saved(&run->world);
+        gn_checkpoint_pass_particles(&run->world);
         return GNEISS_OK;
     }
     GN_TRY(gn_checkpoint_path(run->directory, run->world.ctx.step, &path, error));
@@ -426,9 +426,9 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(check_numbers(run, path, error));
     GN_TRY(get_gauge(w, file, error));
-    GN_TRY(gn_dem_load(w, file, path, error));
-    GN_TRY(gn_boundary_load(w, file, path, error));
-    GN_TRY(gn_elements_load(w, file, path, error));
+    GN_TRY(gn_checkpoint_get_particles(w, file, path, error));
+    GN_TRY(gn_checkpoint_get_boundary(w, file, path, error));
+    GN_TRY(gn_checkpoint_get_elements(w, file, path, error));
     GN_TRY(check_pace(w, path, error));
     GN_TRY(check_gauge(w, path, error));
     GN_TRY(get_kept(run, file, path, error));
@@ -436,7 +436,7 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(check_stages(run, path, error));
     GN_TRY(gn_run_rebuild_samples(run, error));
     gn_kept_resume(run);
-    GN_TRY(gn_boundary_load_surfaces(w, path, error));
+    GN_TRY(gn_checkpoint_get_surfaces(w, path, error));
     GN_TRY(gn_coupled_resume(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     GN_TRY(gn_world_restore(w, error));
     GN_TRY(gn_check_duration(&w->ctx, error));

@@ -40,7 +40,7 @@ static size_t list_arrays(gn_world *world, gn_checkpoint_array out[MOST_ARRAYS])
     return n;
 }
 
-gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_checkpoint_put_boundary(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     gn_world *w =
         (gn_world *)(uintptr_t)world; /* list_arrays returns pointers that are not const */
     gn_checkpoint_array arrays[MOST_ARRAYS];
@@ -98,8 +98,8 @@ static bool good_contacts(const gn_world *world) {
     return good;
 }
 
-gneiss_status gn_boundary_load(gn_world *world, const gn_h5 *file, const char *path,
-                               gneiss_error *error) {
+gneiss_status gn_checkpoint_get_boundary(gn_world *world, const gn_h5 *file, const char *path,
+                                         gneiss_error *error) {
     gn_boundary *b = &world->boundary;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, b, error));
@@ -135,7 +135,7 @@ static gneiss_status check_facets(const gn_world *world, const char *path, gneis
                           "%s: expected walls and facets below %zu, found others", path, all);
 }
 
-gneiss_status gn_boundary_load_surfaces(gn_world *world, const char *path, gneiss_error *error) {
+gneiss_status gn_checkpoint_get_surfaces(gn_world *world, const char *path, gneiss_error *error) {
     GN_TRY(gn_bodies_surfaces(&world->ctx, &world->boundary, world->solids.count, error));
     GN_TRY(gn_element_contact_create(&world->ctx, &world->boundary, &world->solids, error));
     return check_facets(world, path, error);

@@ -119,19 +119,19 @@ static gneiss_status put_dormant(const gn_world *world, gn_h5 *file, gneiss_erro
     return gn_checkpoint_put_arrays(file, arrays, DORMANT_ARRAYS, error);
 }
 
-void gn_dem_as_saved(const gn_world *world) {
+void gn_checkpoint_pass_particles(const gn_world *world) {
     gn_world *w = (gn_world *)(uintptr_t)world;
     size_t groups;
-    (void)gn_near_keep(&w->ctx, &w->dem, &groups);
+    (void)gn_active_pairs_keep(&w->ctx, &w->dem, &groups);
 }
 
-gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_checkpoint_put_particles(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     gn_world *w =
         (gn_world *)(uintptr_t)world; /* list_arrays returns pointers that are not const */
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
     size_t groups;
-    const gn_near_kept kept = gn_near_keep(&w->ctx, &w->dem, &groups);
+    const gn_active_pairs_kept kept = gn_active_pairs_keep(&w->ctx, &w->dem, &groups);
     GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (gn_list_used(&w->ctx.scene, l))
@@ -247,7 +247,7 @@ static gneiss_status get_dormant(gn_world *world, const gn_h5 *file, const char 
 /* Reads which pairs were packed; they are applied when there are neighbour lists. */
 static gneiss_status get_near(gn_world *world, const gn_h5 *file, const char *path,
                               gneiss_error *error) {
-    gn_near *n = &world->dem.near;
+    gn_active_pairs *n = &world->dem.near;
     GN_TRY(gn_h5_get(file, "near", GN_F64, 1, sizeof n->kept / 8, 0, &n->kept, error));
     const double whole[] = {n->kept.known, n->kept.worked, n->kept.steps};
     for (int k = 0; k < 3; k++)
@@ -267,8 +267,8 @@ static gneiss_status get_near(gn_world *world, const gn_h5 *file, const char *pa
                : GNEISS_OK;
 }
 
-gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
-                          gneiss_error *error) {
+gneiss_status gn_checkpoint_get_particles(gn_world *world, const gn_h5 *file, const char *path,
+                                          gneiss_error *error) {
     gn_dem *d = &world->dem;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, d, error));

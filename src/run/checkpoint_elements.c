@@ -28,22 +28,22 @@ static gneiss_status save_body(size_t solid, const gn_element_model *model, gn_h
                                gneiss_error *error) {
     const gn_fem_solid *b = &model->solid;
     char path[GN_ELEMENT_PATH];
-    GN_TRY(gn_h5_put_mesh(file, gn_elements_path(solid, "mesh", path), &b->mesh, error));
-    GN_TRY(gn_h5_put_record(file, gn_elements_path(solid, "mesh_nodes", path), &gn_particle_record,
-                            &b->nodes, error));
-    GN_TRY(gn_h5_put_record(file, gn_elements_path(solid, "mesh_elements", path),
+    GN_TRY(gn_h5_put_mesh(file, gn_output_elements_path(solid, "mesh", path), &b->mesh, error));
+    GN_TRY(gn_h5_put_record(file, gn_output_elements_path(solid, "mesh_nodes", path),
+                            &gn_particle_record, &b->nodes, error));
+    GN_TRY(gn_h5_put_record(file, gn_output_elements_path(solid, "mesh_elements", path),
                             &gn_element_record, &b->elements, error));
-    GN_TRY(gn_h5_put_pieces(file, gn_elements_path(solid, "elements", path), pieces, PIECES, model,
-                            error));
+    GN_TRY(gn_h5_put_pieces(file, gn_output_elements_path(solid, "elements", path), pieces, PIECES,
+                            model, error));
     int64_t culprits[3] = {model->limit.bound_element, model->limit.sharp_element,
                            model->limit.iterations};
-    GN_TRY(gn_h5_put(file, gn_elements_path(solid, "elements/culprits", path), GN_I64, 3, 1, 0,
-                     culprits, NULL, NULL, error));
-    return gn_h5_put(file, gn_elements_path(solid, "elements/load", path), GN_F64,
+    GN_TRY(gn_h5_put(file, gn_output_elements_path(solid, "elements/culprits", path), GN_I64, 3, 1,
+                     0, culprits, NULL, NULL, error));
+    return gn_h5_put(file, gn_output_elements_path(solid, "elements/load", path), GN_F64,
                      b->prescribed.count, 6, 0, b->prescribed.load, NULL, NULL, error);
 }
 
-gneiss_status gn_elements_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_checkpoint_put_elements(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < world->solids.count; k++)
         GN_TRY(save_body(k, world->solids.elements[k], file, error));
     return GNEISS_OK;
@@ -77,11 +77,11 @@ static gneiss_status check_records(size_t solid, const gn_fem_solid *body, const
     const size_t all =
         (body->dimension == 3 ? &body->mesh.tetrahedra : &body->mesh.triangles)->count;
     char at[GN_ELEMENT_PATH];
-    gn_elements_path(solid, "mesh_nodes", at);
+    gn_output_elements_path(solid, "mesh_nodes", at);
     GN_TRY(gn_checkpoint_check_record(at, &gn_particle_record, &body->nodes, path, error));
     GN_TRY(gn_checkpoint_check_numbers(at, body->nodes.id, body->nodes.soa.count,
                                        body->mesh.node_count, path, error));
-    gn_elements_path(solid, "mesh_elements", at);
+    gn_output_elements_path(solid, "mesh_elements", at);
     GN_TRY(gn_checkpoint_check_record(at, &gn_element_record, &body->elements, path, error));
     return gn_checkpoint_check_numbers(at, body->elements.id, body->elements.soa.count, all, path,
                                        error);
@@ -94,10 +94,11 @@ static gneiss_status take_records(size_t solid, gn_fem_solid *body, const gn_h5 
     gn_particles nodes = {0};
     gn_elements elements = {0};
     char at[GN_ELEMENT_PATH];
-    GN_TRY(gn_h5_get_record(file, gn_elements_path(solid, "mesh_nodes", at), &gn_particle_record,
-                            &nodes, body->effects, error));
-    gneiss_status status = gn_h5_get_record(file, gn_elements_path(solid, "mesh_elements", at),
-                                            &gn_element_record, &elements, body->effects, error);
+    GN_TRY(gn_h5_get_record(file, gn_output_elements_path(solid, "mesh_nodes", at),
+                            &gn_particle_record, &nodes, body->effects, error));
+    gneiss_status status =
+        gn_h5_get_record(file, gn_output_elements_path(solid, "mesh_elements", at),
+                         &gn_element_record, &elements, body->effects, error);
     const bool fewer = body->nodes.blend && elements.soa.count < body->elements.soa.count;
     bool same = status == GNEISS_OK && nodes.soa.count == body->nodes.soa.count &&
                 (fewer || elements.soa.count == body->elements.soa.count);
@@ -133,9 +134,9 @@ static gneiss_status load_body(size_t solid, gn_element_model *model, const gn_h
     char at[GN_ELEMENT_PATH];
     int64_t culprits[3];
     GN_TRY(take_records(solid, &model->solid, file, path, error));
-    GN_TRY(gn_h5_get_pieces(file, gn_elements_path(solid, "elements", at), pieces, PIECES, model,
-                            error));
-    GN_TRY(gn_h5_get(file, gn_elements_path(solid, "elements/culprits", at), GN_I64, 3, 1, 0,
+    GN_TRY(gn_h5_get_pieces(file, gn_output_elements_path(solid, "elements", at), pieces, PIECES,
+                            model, error));
+    GN_TRY(gn_h5_get(file, gn_output_elements_path(solid, "elements/culprits", at), GN_I64, 3, 1, 0,
                      culprits, error));
     for (int k = 0; k < 3; k++)
         if (culprits[k] < -1 || culprits[k] > INT32_MAX)
@@ -147,13 +148,13 @@ static gneiss_status load_body(size_t solid, gn_element_model *model, const gn_h
     model->limit.iterations = (int)culprits[2];
     if (!(isfinite(model->solid.time) && isfinite(model->solid.dt_past) && model->solid.step >= 0))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected finite times, found others", path);
-    return gn_h5_get(file, gn_elements_path(solid, "elements/load", at), GN_F64,
+    return gn_h5_get(file, gn_output_elements_path(solid, "elements/load", at), GN_F64,
                      model->solid.prescribed.count, 6, 0, model->solid.prescribed.load, error);
 }
 
 /* The scene determines the number of solids. */
-gneiss_status gn_elements_load(gn_world *world, const gn_h5 *file, const char *path,
-                               gneiss_error *error) {
+gneiss_status gn_checkpoint_get_elements(gn_world *world, const gn_h5 *file, const char *path,
+                                         gneiss_error *error) {
     gn_mesh mesh = {0};
     if (world->ctx.scene.has_elements) GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
     GN_TRY(gn_elements_create(&world->ctx, &world->solids, &mesh, error));

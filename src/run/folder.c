@@ -156,7 +156,8 @@ enum { SERIES = sizeof series / sizeof *series, LISTED = 5 };
 
 /* Files that only the end of a run writes. */
 static const char *const single[] = {"results.h5", "summary.json",      "report.html",
-                                     "report.csv", "report_bursts.csv", "report_fragments.csv"};
+                                     "report.csv", "report_bursts.csv", "report_fragments.csv",
+                                     "view.html",  "paraview_state.py", "run.vtkhdf"};
 enum { SINGLE = sizeof single / sizeof *single };
 
 /* --- foreign files --- */

@@ -159,8 +159,8 @@ static gneiss_status remove_files(const gn_run *run, double step, gneiss_error *
         GN_TRY(gn_step_remove(run->directory, names[n], (int64_t)step, ".hdf", error));
     for (size_t n = 0; n < run->world.solids.count; n++) {
         char file[GN_ELEMENT_PATH];
-        GN_TRY(gn_step_remove(run->directory, gn_elements_file(n, "elements", file), (int64_t)step,
-                              ".hdf", error));
+        GN_TRY(gn_step_remove(run->directory, gn_output_elements_file(n, "elements", file),
+                              (int64_t)step, ".hdf", error));
     }
     return GNEISS_OK;
 }

@@ -10,7 +10,7 @@
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
-const char *gn_elements_path(size_t solid, const char *name, char path[GN_ELEMENT_PATH]) {
+const char *gn_output_elements_path(size_t solid, const char *name, char path[GN_ELEMENT_PATH]) {
     if (solid)
         snprintf(path, GN_ELEMENT_PATH, "elements_%zu/%s", solid + 1, name);
     else
@@ -18,7 +18,7 @@ const char *gn_elements_path(size_t solid, const char *name, char path[GN_ELEMEN
     return path;
 }
 
-const char *gn_elements_file(size_t solid, const char *name, char file[GN_ELEMENT_PATH]) {
+const char *gn_output_elements_file(size_t solid, const char *name, char file[GN_ELEMENT_PATH]) {
     int length = snprintf(file, GN_ELEMENT_PATH, "%s", name);
     if (solid) snprintf(file + length, (size_t)(GN_ELEMENT_PATH - length), "_%zu", solid + 1);
     return file;
@@ -77,7 +77,7 @@ static gneiss_status make_view(const gn_fem_solid *solid, size_t number, view *s
                                gneiss_error *error) {
     size_t nodes = solid->nodes.soa.count + 1, elements = solid->elements.soa.count + 1;
     *shown = (view){.solid = solid, .number = number};
-    gn_elements_path(number, "", shown->prefix);
+    gn_output_elements_path(number, "", shown->prefix);
     shown->node_row = gn_alloc_array(nodes, sizeof *shown->node_row);
     shown->element_row = gn_alloc_array(elements, sizeof *shown->element_row);
     shown->element = gn_alloc_array(elements, sizeof *shown->element);
@@ -242,14 +242,14 @@ static gneiss_status write_snapshot(const gn_world *world, const view *shown, co
     return gn_snapshot_write(directory, name, &s, error);
 }
 
-gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
-                                   gneiss_error *error) {
+gneiss_status gn_output_elements_snapshot(const gn_world *world, const char *directory,
+                                          const char *name, gneiss_error *error) {
     for (size_t k = 0; k < world->solids.count; k++) {
         char file[GN_ELEMENT_PATH];
         view v;
         GN_TRY(make_view(&world->solids.elements[k]->solid, k, &v, error));
         gneiss_status status =
-            write_snapshot(world, &v, directory, gn_elements_file(k, name, file), error);
+            write_snapshot(world, &v, directory, gn_output_elements_file(k, name, file), error);
         free_view(&v);
         GN_TRY(status);
     }
@@ -263,7 +263,7 @@ static gneiss_status put_view(const view *shown, gn_h5 *file, gneiss_error *erro
     GN_TRY(gn_output_put(&elements, file, error));
     GN_FREED int32_t *corners = corners_of(shown);
     if (!corners) return gn_no_memory(error, "the output of elements");
-    return gn_h5_put(file, gn_elements_path(shown->number, "elements/node", path), GN_I32,
+    return gn_h5_put(file, gn_output_elements_path(shown->number, "elements/node", path), GN_I32,
                      elements.count, (size_t)shown->solid->dimension + 1, 0, corners, "1",
                      "rows of /nodes, base 0", error);
 }
@@ -277,8 +277,9 @@ static gneiss_status put_body(size_t number, const gn_fem_solid *solid, gn_h5 *f
     return status;
 }
 
-gneiss_status gn_elements_read(const gn_world *world, size_t solid, bool nodes,
-                               const gn_output_field *field, double *values, gneiss_error *error) {
+gneiss_status gn_output_elements_read(const gn_world *world, size_t solid, bool nodes,
+                                      const gn_output_field *field, double *values,
+                                      gneiss_error *error) {
     view v;
     GN_TRY(make_view(&world->solids.elements[solid]->solid, solid, &v, error));
     const gn_output_source source = nodes ? nodes_source(&v) : elements_source(&v);
@@ -287,7 +288,7 @@ gneiss_status gn_elements_read(const gn_world *world, size_t solid, bool nodes,
     return GNEISS_OK;
 }
 
-gneiss_status gn_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_output_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < world->solids.count; k++)
         GN_TRY(put_body(k, &world->solids.elements[k]->solid, file, error));
     return GNEISS_OK;

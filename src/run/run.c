@@ -1,16 +1,14 @@
 #include "run/run.h"
-
 #include "base/error.h"
 #include "base/timer.h"
 #include "io/io.h"
-#include "io/listing.h"
 #include "io/snapshot.h"
 #include "run/folder.h"
 #include "run/kept.h"
 #include "run/part_files.h"
+#include "run/run_private.h"
 #include "run/spacing.h"
 #include "run/stages.h"
-#include "scene/manifest.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
 #include "solids/solids.h"
@@ -18,7 +16,6 @@
 #include "world/world.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -42,7 +39,7 @@ static int64_t interval(const gn_run *run, double span, int64_t wanted) {
 
 /* Sets the intervals of rows and snapshots. `begins`: a run or a stage begins, and they may be
  * closer at first. */
-static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
+void gn_run_set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
     const gn_scene *s = &run->world.ctx.scene;
     if (history) {
         gn_run_space_rows(run, interval(run, span_of(run), s->history_rows));
@@ -68,7 +65,7 @@ static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static void set_clock(gn_run *run) {
+void gn_run_set_clock(gn_run *run) {
     run->wall_start = gn_now();
     run->cpu_start = gn_process_time();
     double every = run->directory[0] ? run->world.ctx.scene.checkpoint_wall : 0.0;
@@ -93,8 +90,8 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
         gn_run_free(run);
         return status;
     }
-    set_intervals(run, true, true, true);
-    set_clock(run);
+    gn_run_set_intervals(run, true, true, true);
+    gn_run_set_clock(run);
     run->wall_start = start;
     run->cpu_start = cpu_start;
     return GNEISS_OK;
@@ -111,7 +108,7 @@ gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, g
         return status;
     }
     double start = run->wall_start, cpu_start = run->cpu_start;
-    set_clock(run);
+    gn_run_set_clock(run);
     run->wall_start = start;
     run->cpu_start = cpu_start;
     return GNEISS_OK;
@@ -236,182 +233,14 @@ static void check_stop_conditions(gn_run *run) {
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 
-/* --- resume --- */
-
-static bool sets(const gn_override *overrides, size_t count, const char *prefix) {
-    for (size_t k = 0; k < count; k++)
-        if (strncmp(overrides[k].key, prefix, strlen(prefix)) == 0) return true;
-    return false;
-}
-
-static bool ends_stage(const gn_override *override) {
-    return strncmp(override->key, "stages", 6) == 0 && strstr(override->key, ".end");
-}
-
-static gneiss_status check_overrides(const gn_override *overrides, size_t count,
-                                     gneiss_error *error) {
-    static const char *const allowed[] = {"time.", "output.", "run."};
-    for (size_t k = 0; k < count; k++) {
-        bool known = false;
-        for (size_t a = 0; a < 3; a++)
-            known = known || strncmp(overrides[k].key, allowed[a], strlen(allowed[a])) == 0;
-        known = known || ends_stage(&overrides[k]);
-        if (!known)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: a resumed run takes time.*, output.*, run.* and "
-                           "stages.<name>.end.* only",
-                           overrides[k].key);
-        if (strcmp(overrides[k].key, "output.directory") == 0)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set output.directory: a resumed run stays in its folder");
-        if (strcmp(overrides[k].key, "output.energy") == 0 ||
-            strcmp(overrides[k].key, "output.orientation") == 0 ||
-            strcmp(overrides[k].key, "output.events") == 0 ||
-            strcmp(overrides[k].key, "run.precision") == 0 ||
-            sets(&overrides[k], 1, "time.mass_scaling"))
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: the key determines the data stored from the start; a resumed "
-                           "run cannot change it",
-                           overrides[k].key);
-    }
-    return GNEISS_OK;
-}
-
-enum { MOST_CHECKPOINTS = 8 };
-
-/* An unusable checkpoint is read once more before it counts as damaged, because an error may be
- * transient. */
-static gneiss_status load_one(const char *directory, int64_t step, const gn_override *overrides,
-                              size_t override_count, gn_run *run, gneiss_error *error) {
-    char *path = NULL;
-    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
-    gneiss_status status = gn_checkpoint_load(path, overrides, override_count, run, error);
-    if (status == GNEISS_ERROR_INPUT)
-        status = gn_checkpoint_load(path, overrides, override_count, run, error);
-    free(path);
-    return status;
-}
-
-static void note_damage(gn_run *run, const gneiss_error *first) {
-    snprintf(run->note, sizeof run->note,
-             "%.1500s; it is kept under its name with .damaged appended; continuing from the "
-             "checkpoint of step %lld",
-             first->message, (long long)run->world.ctx.step);
-}
-
-/* Loads the newest checkpoint that is not damaged, and tells so in run->note; *damaged is the
- * number of newer ones, which are to be moved aside. A checkpoint that cannot be read now (no
- * descriptors, no memory, an error of the disk) may be intact, and no other is loaded in its place.
- */
-static gneiss_status load_newest(const char *directory, const gn_override *overrides,
-                                 size_t override_count, gn_run *run,
-                                 int64_t steps[MOST_CHECKPOINTS], size_t *damaged,
-                                 gneiss_error *error) {
-    size_t count = 0;
-    GN_TRY(gn_checkpoint_list(directory, steps, MOST_CHECKPOINTS, &count, error));
-    if (count == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: expected checkpoint_<step>.h5 files, found none", directory);
-    gneiss_error first = {0}, reading = {0};
-    bool same = true;
-    for (*damaged = 0; *damaged < count; ++*damaged) {
-        gneiss_status status =
-            load_one(directory, steps[*damaged], overrides, override_count, run, &reading);
-        if (status == GNEISS_OK && *damaged > 0) note_damage(run, &first);
-        if (status == GNEISS_OK)
-            return gn_folder_check_checkpoint(directory, steps[*damaged], steps + *damaged,
-                                              count - *damaged, error);
-        if (status != GNEISS_ERROR_INPUT)
-            return gn_fail(error, status,
-                           "%.1500s\n  it may be intact, and nothing was changed: try again, or "
-                           "move it away to continue from an older one",
-                           reading.message);
-        if (*damaged == 0) first = reading;
-        same = same && strcmp(first.message, reading.message) == 0;
-    }
-    /* If all checkpoints fail with the same error, they are not its cause (an override is, for
-     * example). */
-    return count == 1 || same
-               ? gn_fail(error, first.status, "%s", first.message)
-               : gn_fail(error, first.status,
-                         "%.300s: none of %zu checkpoints can be used; the newest: %.1500s",
-                         directory, count, first.message);
-}
-
-/* Applies the overrides at once. */
-static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, size_t count,
-                                     gneiss_error *error) {
-    gn_world *w = &run->world;
-    if (sets(overrides, count, "time.step") || sets(overrides, count, "time.safety") ||
-        sets(overrides, count, "time.contact_steps") || sets(overrides, count, "time.estimate")) {
-        if (gn_world_choose_step(w, error) != GNEISS_OK)
-            return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
-                                                                   : GNEISS_ERROR_INPUT;
-    }
-    if (sets(overrides, count, "time.end") && w->ctx.scene.end < w->ctx.time - 1.5 * w->ctx.dt)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "--set time.end: expected a time after the %.6g s that the run has reached, "
-                       "found %.6g s",
-                       w->ctx.time, w->ctx.scene.end);
-    GN_TRY(gn_check_duration(&w->ctx, error));
-    /* A scene file with another stop condition has no default one; the stored scene has `auto` for
-     * keys that were not given. */
-    if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
-        (sets(overrides, count, "time.stop.strain") ||
-         sets(overrides, count, "time.stop.unbalanced")))
-        w->ctx.scene.stop_peak_drop = w->ctx.given.stop_peak_drop = 0.0;
-    for (size_t k = 0; k < count; k++) /* the condition is evaluated again */
-        if (ends_stage(&overrides[k])) w->stages.state[w->stages.now].ended = 0;
-    set_intervals(run, sets(overrides, count, "output.history_rows"),
-                  sets(overrides, count, "output.snapshots"), false);
-    return GNEISS_OK;
-}
-
 /* A run that had ended remains ended unless the overrides change that. */
-static void take_up(gn_run *run) {
-    set_clock(run);
+void gn_run_take_up(gn_run *run) {
+    gn_run_set_clock(run);
     if (last(run, "step") == (double)(run->world.ctx.step - 1) &&
         gn_run_is_sample(run, run->history.row_count - 1))
         check_stop_conditions(run);
     check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
-}
-
-gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
-                            size_t override_count, gn_run *run, gneiss_error *error) {
-    int lock = 0;
-    int64_t steps[MOST_CHECKPOINTS];
-    size_t damaged = 0;
-    memset(run, 0, sizeof *run);
-    GN_TRY(check_overrides(overrides, override_count, error));
-    if (gn_rank_writes()) GN_TRY(gn_folder_lock(directory, &lock, error));
-    gneiss_status status =
-        load_newest(directory, overrides, override_count, run, steps, &damaged, error);
-    run->folder_lock = lock;
-    if (status == GNEISS_OK) status = apply_overrides(run, overrides, override_count, error);
-    if (status == GNEISS_OK) {
-        snprintf(run->directory, sizeof run->directory, "%s", directory);
-        take_up(run);
-    }
-    for (size_t k = 0; status == GNEISS_OK && gn_rank_writes() && k < damaged; k++)
-        status = gn_checkpoint_set_aside(directory, steps[k], error);
-    if (status == GNEISS_OK) status = gn_output_series(run, error);
-    if (status != GNEISS_OK) gn_run_free(run);
-    return status;
-}
-
-gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
-                          gn_run *run, gneiss_error *error) {
-    memset(run, 0, sizeof *run);
-    GN_TRY(check_overrides(overrides, override_count, error));
-    GN_TRY(gn_checkpoint_load(path, overrides, override_count, run, error));
-    gneiss_status status = apply_overrides(run, overrides, override_count, error);
-    if (status != GNEISS_OK) {
-        gn_run_free(run);
-        return status;
-    }
-    take_up(run);
-    return GNEISS_OK;
 }
 
 void gn_run_free(gn_run *run) {
@@ -436,7 +265,7 @@ static bool series_is_due(const gn_run *run) {
 static gneiss_status write_files(gn_run *run, gneiss_error *error) {
     gn_ranks_whole(run->world.ctx.ranks);
     GN_TRY(gn_output_snapshot(run, "", error));
-    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
+    GN_TRY(gn_output_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     const gn_world *w = &run->world;
     return gn_snapshot_times_add(&run->snapshot_times, w->ctx.step, w->ctx.time, error);
@@ -486,7 +315,7 @@ static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) 
     bool entered;
     GN_TRY(gn_run_stages_go(run, &entered, error));
     if (!entered) return GNEISS_OK;
-    set_intervals(run, true, true, true);
+    gn_run_set_intervals(run, true, true, true);
     *first = true;
     return GNEISS_OK;
 }
@@ -702,7 +531,7 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     run->finished = false;
     run->world.outcome.bad = true;
     GN_TRY(gn_output_snapshot(run, "failed_", error));
-    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
+    GN_TRY(gn_output_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
     if (run->series_length < run->snapshot_times.count) GN_TRY(gn_output_series(run, error));
     return gn_output_results(run, error);

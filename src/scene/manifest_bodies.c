@@ -98,7 +98,8 @@ static const gn_key body_keys[] = {
     NAME("name", gn_body_def, name, REQUIRED, "name by which the rest of the scene refers to it"),
     KEY("surface", FILE, gn_body_def, surface, .second = offsetof(gn_body_def, surface_path),
         PRESENT(TEXT, gn_body_def, surface), .shape_dimension = 3,
-        .text = "3D shape: STL file; a free body needs a closed surface that does not intersect "
+        .text = "3D shape: STL, PLY or OBJ file; a free body needs a closed surface that does not "
+                "intersect "
                 "itself, unless mass, inertia and reference are given"),
     SECTION("box", box_section, PRESENT(BOOL, gn_body_def, has_box), .shape_dimension = 3,
             .text = "3D shape; its lower corner is its origin"),

@@ -148,7 +148,8 @@ TABLE_OF(contact);
 static const gn_key elements_keys[] = {
     KEY("mesh", FILE, gn_scene, elements.mesh, .second = offsetof(gn_scene, elements.mesh_path),
         PRESENT(TEXT, gn_scene, elements.mesh), PLACED(gn_scene, elements.mesh_where),
-        .text = "gmsh .msh file, format 2.2 or 4.1, linear triangles (3D: tetrahedra)"),
+        .text = "gmsh .msh file of triangles (3D: tetrahedra); quadrangles, hexahedra, prisms and "
+                "pyramids are split, and of elements of higher order the corners are used"),
     REAL("scale", gn_scene, elements.scale, "1", GN_SCALES, BY("1"),
          "lengths in the file times this give metres",
          PRESENT(BOOL, gn_scene, elements.scale_given)),

@@ -168,7 +168,7 @@ static const gn_key specimen_keys[] = {
             .text = "3D shape, axis along z; the centre of its lower end is at the origin"),
     KEY("surface", FILE, gn_scene, specimen.pack.surface,
         .second = offsetof(gn_scene, specimen.pack.surface_path), SHAPE(SURFACE, 3),
-        .text = "3D shape: STL file of a closed surface"),
+        .text = "3D shape: STL, PLY or OBJ file of a closed surface"),
     KEY("mesh", FILE, gn_scene, specimen.pack.mesh,
         .second = offsetof(gn_scene, specimen.pack.mesh_path), SHAPE(MESH, 0),
         .text =

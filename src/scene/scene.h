@@ -251,7 +251,7 @@ typedef struct gn_specimen {
     size_t packed_count;
     double *packed;
     gn_particle_columns packed_columns; /* of a file */
-    double packed_volume;               /* m3 (2D: m2), volume of that shape; 0: the source is a file or run */
+    double packed_volume; /* m3 (2D: m2), volume of that shape; 0: the source is a file or run */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: the density of particles is density/(1 - porosity) */

@@ -25,15 +25,15 @@ typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
  * positions, last forces for output). SCRATCH is rebuilt from the others. */
 typedef enum gn_role { GN_STATE, GN_SAVED, GN_SCRATCH } gn_role;
 
-/* Flags for columns of contacts: how rebuilding a list treats them, see records.h. */
-enum { GN_KEPT = 1, GN_ODD = 2 };
+/* Flags for columns of contacts: how lists treat them, see records.h. */
+enum { GN_KEPT = 1, GN_ODD = 2, GN_WRITTEN = 4 };
 
 typedef struct gn_field {
     const char *name;
     gn_type type;
     gn_layout layout;
     gn_role role;
-    unsigned care; /* set of GN_KEPT and GN_ODD */
+    unsigned care; /* set of GN_KEPT, GN_ODD and GN_WRITTEN */
     int components;
     gn_effects needs;  /* present only if all of these are active */
     gn_effects unless; /* absent if all of these are active (0: no such condition) */

@@ -8,6 +8,7 @@
  * care    GN_KEPT: the column is copied to a rebuilt list if the contact is still in it; otherwise
  *         the new list computes it or starts from zero.
  *         GN_ODD: the column changes sign when the two ends change places.
+ *         GN_WRITTEN: kernels write the column, as all columns of the role GN_STATE.
  * single  The column in mixed precision. NONE: unchanged. BESIDE: name_f exists as well and is
  *         converted from it when lists are built. INSTEAD: name_f replaces it.
  * Saving and hashing follow from the role. */
@@ -135,7 +136,7 @@
       GN_FX_BOND_MOMENTS | GN_FX_ROTATION, 0, "N m",                                               \
       "moment on the first particle besides that of the tangential force; 2D: its third "          \
       "component")                                                                                 \
-    Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, INSTEAD,                            \
+    Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_WRITTEN, INSTEAD,               \
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
     Y(X, lag, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE,                            \
       GN_FX_HERTZ | GN_FX_CONTACT_DAMPING, 0, "(m/N)^1/2",                                         \

@@ -55,7 +55,7 @@ void gn_trial_free(gn_trial *t) {
 
 static gneiss_status copy_lists(gn_trial *t, gneiss_error *error) {
     const gn_world *w = t->world;
-    gn_near_settle(&w->ctx, &w->dem);
+    gn_active_pairs_settle(&w->ctx, &w->dem);
     free_lists(t);
     for (int l = 0; l < GN_LIST_COUNT; l++) {
         const gn_contacts *list = &w->dem.list[l].contacts;
@@ -85,7 +85,7 @@ static gneiss_status go_out_from_here(gn_trial *t, gneiss_error *error) {
 
 static void restore_lists(gn_trial *t) {
     gn_world *w = t->world;
-    gn_near_repack(&w->ctx, &w->dem);
+    gn_active_pairs_repack(&w->ctx, &w->dem);
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (t->contacts[l].soa.capacity)
             gn_soa_take(&gn_contact_record, &w->dem.list[l].contacts, &t->contacts[l]);
@@ -213,10 +213,10 @@ void gn_trial_go(gn_trial *t, const double *path, double span, bool loads) {
     restore_lists(t);
     put_particles(t, path, 1.0 / span);
     put_walls(t, walls, rate);
-    gn_dem_evaluate(w, span, 0.0, false);
+    gn_world_evaluate_particles(w, span, 0.0, false);
     note_losses(t);
     put_particles(t, path, rate);
-    gn_dem_evaluate(w, 0.0, 2.0, true);
+    gn_world_evaluate_particles(w, 0.0, 2.0, true);
     note_losses(t);
     read_loads(t, path, rate);
     put_particles(t, path, rate);
@@ -300,8 +300,8 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
         status = gn_fail(error, GNEISS_ERROR_MEMORY,
                          "no memory for the equilibrium of %zu particles", t->count);
     if (status == GNEISS_OK)
-        status = gn_dem_relax(&t->world->ctx, &t->world->dem, &t->world->boundary, slips, t->rate,
-                              t->load, tolerance, &t->made, u, found, error);
+        status = gn_timestep_relax(&t->world->ctx, &t->world->dem, &t->world->boundary, slips,
+                                   t->rate, t->load, tolerance, &t->made, u, found, error);
     if (status == GNEISS_OK) add_corrections(t, u, path, found);
     gn_free(slips);
     gn_free(u);
@@ -312,12 +312,12 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
 
 /* Evaluates stored energies and the readings of the state. */
 static void read_state(gn_world *w) {
-    gn_dem_evaluate(w, 0.0, 0.0, true);
+    gn_world_evaluate_particles(w, 0.0, 0.0, true);
     gn_boundary_forces(&w->ctx, &w->dem, &w->boundary);
-    gn_dem_measure(w, &w->ledger.energy, w->ledger.stress);
+    gn_world_measure_particles(w, &w->ledger.energy, w->ledger.stress);
     gn_boundary_measure(&w->ctx, &w->boundary, &w->ledger.energy);
     w->ledger.balance = (gn_balance){0};
-    gn_dem_balance(&w->dem, &w->boundary, &w->ledger.balance);
+    gn_world_balance_particles(&w->dem, &w->boundary, &w->ledger.balance);
     w->ledger.unbalanced = fmin(w->ledger.balance.ratio, GN_UNBALANCED_MOST);
 }
 

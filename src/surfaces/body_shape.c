@@ -93,7 +93,7 @@ static gneiss_status make_mesh(const gn_scene *scene, size_t index, gn_mesh *mes
     else if (gn_body_tool(def))
         status = gn_tool_mesh(gn_body_tool(def), &def->tool, mesh, error);
     else
-        status = gn_mesh_read_stl(def->surface_path, 1.0, mesh, error);
+        status = gn_mesh_read_surface(def->surface_path, 1.0, mesh, error);
     double volume;
     if (status == GNEISS_OK && gn_body_mass_is_from_surface(def))
         status = gn_mesh_close_surface(mesh, "surface", &volume, error);
@@ -145,7 +145,7 @@ static void drop_degenerate(gn_body_shape *shape, int corners) {
         if (is_degenerate(shape, from, corners)) continue;
         memmove(shape->corner + (size_t)corners * kept++, from, (size_t)corners * sizeof *from);
     }
-    shape->dropped = shape->facets - kept;
+    shape->dropped += shape->facets - kept;
     shape->facets = kept;
 }
 
@@ -154,6 +154,7 @@ static gneiss_status from_mesh(const gn_body_def *def, const gn_mesh *mesh, gn_b
     shape->vertices = mesh->node_count;
     shape->facets = mesh->triangles.count;
     shape->cavities = mesh->cavities;
+    shape->dropped = mesh->changes.degenerate;
     shape->vertex = gn_alloc_array(shape->vertices + 1, 4 * sizeof *shape->vertex);
     shape->corner = gn_alloc_array(shape->facets + 1, 3 * sizeof *shape->corner);
     if (!shape->vertex || !shape->corner)

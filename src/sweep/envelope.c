@@ -17,7 +17,7 @@ static bool has(const point_set *points, size_t k) {
     return isfinite(points->x[k * points->stride]) && isfinite(points->y[k * points->stride]);
 }
 
-/* Counts confinements that differ by more than a millionth of the largest. */
+/* Counts confinements that differ from each other by more than a millionth of the largest. */
 static size_t different(const point_set *points) {
     double largest = 0.0;
     size_t count = 0;
@@ -41,7 +41,7 @@ static double squared_deviator(double s3, double s1) {
     return (s1 - s3) * (s1 - s3);
 }
 
-/* Fits by least squares about the means, so that large pressures lose no precision. */
+/* Fits a line by least squares about the means, so that large pressures lose no precision. */
 static void fit_line(const point_set *points, double (*of)(double s3, double s1), double *slope,
                      double *start) {
     double n = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
@@ -127,7 +127,7 @@ static bool is_confinement(const char *key) {
     return false;
 }
 
-/* True if a parameter belongs to the test procedure, not to the specimen. */
+/* True if a parameter belongs to the test procedure and not to the specimen. */
 static bool is_procedure(const char *key) {
     static const char *const lists[] = {"walls", "sets",   "bodies", "membrane", "time",
                                         "test",  "output", "run",    "stages",   "periodic"};
@@ -169,8 +169,8 @@ static void sort_runs(const gn_sweep *sweep, const bool *counts, size_t *runs) {
     qsort_r(runs, sweep->run_count, sizeof *runs, compare_runs, &order);
 }
 
-/* Envelopes are distinguished by every parameter but the confinement and those parameters of the
- * procedure that vary with it, such as a speed that is zipped with the pressure. */
+/* Chooses the parameters that distinguish envelopes: all but the confinement and those parameters
+ * of the procedure that vary with it, such as a speed that is zipped with the pressure. */
 static void choose_grouping(const gn_sweep *sweep, size_t *runs, bool *confines, bool *grouping) {
     const run_order order = {sweep, confines};
     for (size_t p = 0; p < sweep->parameter_count; p++)
@@ -186,14 +186,14 @@ static void choose_grouping(const gn_sweep *sweep, size_t *runs, bool *confines,
     }
 }
 
-/* Returns the index of a reading; the number of readings: not found. */
+/* Returns the index of a reading; the number of readings: it is not among them. */
 static size_t place_of(const gn_summary *summary, const char *name) {
     size_t r = 0;
     while (r < summary->reading_count && strcmp(summary->readings[r].name, name) != 0) r++;
     return r;
 }
 
-/* Fits each group; groups without different confinements are left out. */
+/* Fits each group; groups with a single confinement are skipped. */
 static void fit_groups(const gn_summary *summary, gn_envelopes *envelopes, const size_t *runs,
                        double *pairs, size_t at, size_t of) {
     const gn_sweep *sweep = summary->sweep;

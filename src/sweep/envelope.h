@@ -14,35 +14,35 @@
     X(hoek_brown_mi, "1", "m_i of Hoek and Brown's curve for intact rock")                         \
     X(hoek_brown_strength, "Pa", "its strength without confinement")
 
-/* Least number of different confinements: a line through two points cannot be judged. */
+/* Least number of different confinements, because a line through two points always fits. */
 enum { GN_ENVELOPE_LEAST = 3 };
 
 typedef struct gn_envelope {
-    bool there; /* axial strengths at different confinements exist */
+    bool there; /* there are axial strengths at different confinements */
 #define X(name, unit, text) double name;
     GN_ENVELOPE_READINGS(X) /* NaN: absent */
 #undef X
-    char no_coulomb[160], no_hoek_brown[160]; /* reasons for the absence of values; "" */
+    char no_coulomb[160], no_hoek_brown[160]; /* reasons for the absence of values; "": present */
 } gn_envelope;
 
 /* Envelopes of a sweep, one for each combination of the other parameters. */
 typedef struct gn_envelopes {
-    bool confined;   /* axial strengths at different confinements exist in any runs */
-    size_t count;    /* number of envelopes that exist */
+    bool confined;   /* some runs have axial strengths at different confinements */
+    size_t count;    /* number of envelopes */
     gn_envelope *of; /* [count] */
-    size_t *first;   /* [count]: one run of each */
-    int64_t *of_run; /* [run_count]: the envelope of a run; -1: none */
-    bool *grouping;  /* [parameter_count]: true if envelopes differ in the parameter */
+    size_t *first;   /* [count] a run of each */
+    int64_t *of_run; /* [run_count] envelope of a run; -1: none */
+    bool *grouping;  /* [parameter_count] true: envelopes differ in the parameter */
 } gn_envelopes;
 
 gneiss_status gn_envelopes_make(const gn_summary *summary, gn_envelopes *envelopes,
                                 gneiss_error *error);
 void gn_envelopes_free(gn_envelopes *envelopes);
-/* Returns "friction = 0.3": the varying parameters of an envelope; "". */
+/* Returns the parameters in which an envelope differs from others, such as "friction = 0.3"; "". */
 const char *gn_envelope_label(const gn_summary *summary, const gn_envelopes *envelopes,
                               size_t which, char *text, size_t size);
 
-/* Fits an envelope to numbers, without those that are not finite. */
+/* Fits an envelope to numbers; those that are not finite are ignored. */
 gn_envelope gn_envelope_fit(const double *confinement, const double *axial, size_t count,
                             size_t stride);
 

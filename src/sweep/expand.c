@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* To be raised whenever the contents of a run's folder change their meaning. */
+/* Version, to be increased whenever the meaning of the contents of a run's folder changes. */
 enum { FOLDER_FORMAT = 1 };
 
 /* ---- the scene of a run ---- */
@@ -25,7 +25,7 @@ const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_
                 .values[sweep->chosen[sweep->runs[run].first_value + parameter]];
 }
 
-/* `seeded`: the seeds have their numbers already. */
+/* Reads the scene of a run. `seeded`: the seeds have their numbers already. */
 static gneiss_status read_scene(const gn_sweep *sweep, size_t run, bool seeded, bool varied,
                                 gn_scene *scene, gneiss_error *error) {
     gn_override all[OVERRIDES_MAX];
@@ -49,7 +49,8 @@ gneiss_status gn_sweep_scene(const gn_sweep *sweep, size_t run, gn_scene *scene,
     return read_scene(sweep, run, true, true, scene, error);
 }
 
-/* Numbers of ranges are in SI without a unit; written values keep their unit. */
+/* Returns the unit to be written after a value: numbers of ranges are in SI and without a unit;
+ * written values keep their unit. */
 static const char *unit_behind(const gn_sweep_parameter *parameter, const char *text) {
     bool bare = parameter->numeric && text[strspn(text, "+-.0123456789eE")] == '\0';
     return bare ? parameter->unit : "";
@@ -90,7 +91,7 @@ const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *t
 
 /* ---- messages ---- */
 
-/* Returns the parameter that a line "--set KEY: ..." concerns; NULL: none. */
+/* Returns the parameter value that a line "--set KEY: ..." concerns; NULL: none. */
 static const gn_sweep_value *parameter_of_message(const gn_sweep *sweep, size_t run,
                                                   const char *line,
                                                   const gn_sweep_parameter **parameter) {
@@ -105,7 +106,7 @@ static const gn_sweep_value *parameter_of_message(const gn_sweep *sweep, size_t 
     return NULL;
 }
 
-/* Gives notes about values of the sweep file the place of the key in it, so that many values give
+/* Gives notes about values of the sweep file the place of their key in it, so that many values give
  * one note. */
 static void place_notes(const gn_sweep *sweep, size_t run, gn_scene_notes *notes) {
     for (size_t k = 0; sweep->text && k < notes->count; k++) {
@@ -148,7 +149,7 @@ static gneiss_status relocate_messages(const gn_sweep *sweep, size_t run, gneiss
     return gn_fail(error, error->status, "%s", text);
 }
 
-/* A scene that is invalid without the parameters is reported by itself. */
+/* Reads the scene without the parameters first, so that its own errors are reported as such. */
 static gneiss_status checked_scene(const gn_sweep *sweep, size_t run, bool seeded, gn_scene *scene,
                                    gneiss_error *error) {
     gneiss_error own = {0}, alone = {0};
@@ -167,7 +168,7 @@ static gneiss_status checked_scene(const gn_sweep *sweep, size_t run, bool seede
 
 /* ---- hashes ---- */
 
-/* Hashes of file contents, each read once. */
+/* Number of files whose hash is stored, so that each is read once. */
 enum { FILES_KEPT = 64 };
 typedef struct file_hashes {
     size_t count;
@@ -201,7 +202,7 @@ static gneiss_status hash_file(file_hashes *known, const char *path, uint64_t *h
     return GNEISS_OK;
 }
 
-/* Adds the contents of every file that a section of the scene names. */
+/* Adds to the hash the contents of every file that a section of the scene names. */
 static gneiss_status hash_files(file_hashes *known, const gn_section *section, const char *base,
                                 uint64_t *hash, gneiss_error *error) {
     for (size_t k = 0; k < section->key_count; k++) {
@@ -230,7 +231,7 @@ static bool varies(const gn_sweep *sweep, const char *key) {
     return false;
 }
 
-/* Files enter the hash by their contents, not by their paths. */
+/* Removes paths, because files enter the hash by their contents and not by their paths. */
 static void forget_paths(const gn_section *section, char *base) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
@@ -245,8 +246,8 @@ static void forget_paths(const gn_section *section, char *base) {
     }
 }
 
-/* Writes the scene without keys that do not change results: its name, the output folder, the number
- * of threads (unless the sweep varies it). */
+/* Writes the scene without the keys that do not change results: its name, the output folder, and
+ * the number of threads (unless the sweep varies it). */
 static gneiss_status plain_text(const gn_sweep *sweep, const gn_scene *scene, char **text,
                                 gneiss_error *error) {
     GN_FREED_BY(gn_scene_delete) gn_scene *plain = NULL;
@@ -288,7 +289,7 @@ static bool has_random_numbers(const gn_scene *scene) {
            (scene->has_elements && scene->elements.distortion > 0.0);
 }
 
-/* Counted seeds begin at the seed of the scene. */
+/* Gives numbers to seeds that were given by their count; they begin at the seed of the scene. */
 static gneiss_status number_seeds(gn_sweep *sweep, gn_scene *scene, gneiss_error *error) {
     if (!sweep->seed_count || sweep->seeds) return GNEISS_OK;
     GN_TRY(checked_scene(sweep, 0, false, scene, error));
@@ -324,7 +325,7 @@ static gneiss_status count_runs(gn_sweep *sweep, gn_combine combine, size_t *lis
     return GNEISS_OK;
 }
 
-/* The last list varies fastest; zipped lists vary together. */
+/* Chooses the values of every run. The last list varies fastest; zipped lists vary together. */
 static void choose_values(gn_sweep *sweep, gn_combine combine, size_t points) {
     for (size_t run = 0; run < sweep->run_count; run++) {
         gn_sweep_run *r = &sweep->runs[run];
@@ -385,13 +386,13 @@ static gneiss_status read_runs(gn_sweep *sweep, gn_scene *scene, gneiss_error *e
     return status;
 }
 
-/* ---- places in the scene that the parameters write: keys have several spellings ---- */
+/* ---- places in the scene that the parameters change; a key may be spelt in several ways ---- */
 
 enum { OVERRIDES_MOST = 64, PLACES_MOST = OVERRIDES_MOST + GN_SWEEP_PARAMETERS_MAX };
 
 typedef struct writer {
     const char *key;
-    const gn_sweep_parameter *parameter; /* NULL: of the command line */
+    const gn_sweep_parameter *parameter; /* NULL: from the command line */
     char place[GN_KEY_PATH_SIZE];
 } writer;
 
@@ -401,8 +402,8 @@ static bool holds(const char *whole, const char *part) {
     return strncmp(whole, part, length) == 0 && (part[length] == '.' || !part[length]);
 }
 
-/* A part of a value that is equal in every run may be varied: --set gravity=[0, 0, 0] and
- * gravity[2]. */
+/* Tells whether two overrides conflict. A part of a value that is the same in every run may be
+ * varied: --set gravity=[0, 0, 0] and gravity[2]. */
 static bool conflicts(const writer *before, const writer *now) {
     if (holds(now->place, before->place)) return true;
     return before->parameter && before->parameter->count > 1 && holds(before->place, now->place);
@@ -432,8 +433,8 @@ static gneiss_status check_one(const gn_sweep *sweep, const gn_tree *tree, write
     return GNEISS_OK;
 }
 
-/* Overrides are applied in their order, so that names are those at that moment. An override that
- * cannot be applied is reported when the scene is read. */
+/* Checks a run for conflicts. Overrides are applied in their order, so that names are those at that
+ * moment. An override that cannot be applied is reported when the scene is read. */
 static gneiss_status check_run(const gn_sweep *sweep, size_t run, gneiss_error *error) {
     writer all[PLACES_MOST];
     gn_tree *tree = NULL;
@@ -455,7 +456,7 @@ static gneiss_status check_run(const gn_sweep *sweep, size_t run, gneiss_error *
     return status;
 }
 
-/* Places differ between runs only if names do. */
+/* Checks all runs for conflicts; places differ between runs only if names do. */
 static gneiss_status check_places(const gn_sweep *sweep, gneiss_error *error) {
     bool names = false;
     for (size_t p = 0; p < sweep->parameter_count; p++) {

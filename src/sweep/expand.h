@@ -4,8 +4,8 @@
 
 #include "sweep/sweep.h"
 
-/* Fills the runs from parameters and seeds, reading the scene of each. Counted seeds get their
- * numbers. */
+/* Makes the runs from parameters and seeds, and reads the scene of each. Seeds that were given by
+ * their count get their numbers. */
 gneiss_status gn_sweep_expand(gn_sweep *sweep, gn_combine combine, gneiss_error *error);
 
 #endif

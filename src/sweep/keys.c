@@ -83,7 +83,7 @@ static const gn_key range_keys[] = {
 const gn_section gn_range_section = {range_keys, sizeof range_keys / sizeof(gn_key), 0,
                                      GN_NO_WHERE};
 
-/* ---- names that readings of a sweep may have ---- */
+/* ---- names of the readings of a sweep ---- */
 
 static const char *const fixed[] = {
 #define X(name, unit, text) #name,
@@ -95,7 +95,7 @@ static const char *const fixed[] = {
             "energy.stored_at_start",
     "energy.residual"};
 
-/* Columns of the whole model; names are borrowed for advice. */
+/* Columns of the whole model; names are borrowed, for advice. */
 enum { COLUMNS_MOST = 256 };
 typedef struct columns {
     size_t count;
@@ -124,7 +124,7 @@ static bool is_of_an_owner(const char *column, const gn_quantity_group *group) {
     return false;
 }
 
-/* A planar scene has a subset of the columns of a 3D scene. */
+/* Adds columns; a planar scene has a subset of the columns of a 3D scene. */
 static void add_columns(columns *all, const gn_quantity *quantity) {
     gn_shape_component part[GN_SHAPE_MOST];
     size_t parts = gn_shape_components(quantity->shape, 3, part);

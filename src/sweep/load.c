@@ -15,7 +15,7 @@ static const size_t size_limit = (size_t)16 << 20;
 
 /* ---- readings ---- */
 
-/* Returns the node of name k in the list, or the single one. */
+/* Returns node k of a list of names, or the single one. */
 static const gn_node *name_node(const gn_node *node, size_t k) {
     return node->kind == GN_NODE_LIST ? gn_node_item(node, k) : node;
 }
@@ -57,8 +57,8 @@ static bool whole(const char *text, size_t length, uint64_t *value) {
     return !errno;
 }
 
-/* "5" is a number of seeds with an open start: count is set, seeds is NULL. "3, 7" and "[3]" are
- * seeds. */
+/* Reads seeds. "5" is a number of seeds without a start: count is set and seeds is NULL. "3, 7" and
+ * "[3]" are seeds. */
 static bool read_seed_text(const char *text, size_t *count, uint64_t **seeds) {
     uint64_t value;
     size_t length = strlen(text);
@@ -98,7 +98,7 @@ static gneiss_status read_seeds(gn_reader *reader, const gn_node *node, gn_sweep
                              GN_SWEEP_RUNS_MAX));
 }
 
-/* Overrides the seeds of the file. */
+/* Replaces the seeds of the file by those of the command line. */
 static gneiss_status seeds_from_line(const char *text, gn_sweep *sweep, gneiss_error *error) {
     gn_free(sweep->seeds);
     sweep->seeds = NULL;
@@ -116,7 +116,8 @@ static void set_path(gn_reader *reader, const char *key) {
     reader->path_length = strlen(reader->path);
 }
 
-/* Refuses keys that are no physics of a run, or that the sweep sets by other keys. */
+/* Returns the reason why a key is refused: it does not concern the physics of a run, or the sweep
+ * sets it by other keys; NULL: it is accepted. */
 static const char *refused(const gn_sweep *sweep, const char *key) {
     static const char *const own[] = {"title", "output.directory", "output.checkpoint"};
     for (size_t k = 0; k < sizeof own / sizeof *own; k++)
@@ -129,7 +130,8 @@ static const char *refused(const gn_sweep *sweep, const char *key) {
     return NULL;
 }
 
-/* Writes keys in brackets, run[seed], with a dot: only numbers keep their brackets. */
+/* Writes a key in brackets, such as run[seed], with a dot instead: only numbers keep their
+ * brackets. */
 static void normalise_key(const char *written, char *key, size_t size) {
     bool open = false;
     size_t used = 0;
@@ -196,7 +198,7 @@ static gneiss_status read_parameters(gn_reader *reader, const gn_node *root,
     return GNEISS_OK;
 }
 
-/* Zipped lists with more than one value must have equal lengths. */
+/* Checks that zipped lists with more than one value have equal lengths. */
 static gneiss_status check_lengths(gn_reader *reader, const gn_sweep_file *file,
                                    const gn_sweep *sweep) {
     size_t wanted = 0;
@@ -243,7 +245,7 @@ static void take_over(gn_sweep_file *file, gn_sweep *sweep) {
     file->readings = NULL;
 }
 
-/* Parses with a temporary scene, because the reader takes the dimension from one. */
+/* Parses with a temporary scene, from which the reader takes the dimension. */
 static gneiss_status parse(gn_reader *reader, const gn_tree *tree, gn_sweep *sweep,
                            gn_combine *combine) {
     gneiss_error own = {0}, *error = reader->error;
@@ -298,8 +300,8 @@ static gneiss_status read_text(const char *path, const char *what, char **text,
 
 static const char confining[] = "membrane.pressure";
 
-/* Finds the key of the single membrane pressure of a scene, its own or that of a stage. Returns
- * their number. */
+/* Finds the key of the only membrane pressure of a scene, in the scene itself or in a stage.
+ * Returns the number of pressures. */
 static size_t find_pressure(const gn_node *root, char *key, size_t size) {
     const gn_node *stages = gn_node_child(root, "stages");
     const bool list = stages && stages->kind == GN_NODE_LIST;
@@ -324,8 +326,8 @@ static bool is_given(const gn_sweep *sweep, const gn_tree *tree, const char *key
     return false;
 }
 
-/* The confinements of a test become values of the membrane pressure, unless the command line gives
- * it. */
+/* Converts the confinements of a test to values of the membrane pressure, unless the command line
+ * gives it. */
 static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, gn_sweep *sweep) {
     const gn_node *root = gn_tree_root(tree);
     const gn_node *list = gn_node_find(root, "test.confinement");
@@ -352,7 +354,8 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, g
     return gn_parameter_read(reader, list, &none, parameter);
 }
 
-/* An invalid scene has no confinements: reading it as a scene reports why. */
+/* Reads the confinements of a scene. An invalid scene has none here; reading it as a scene reports
+ * the reason. */
 static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_error *error) {
     gn_tree *tree = NULL;
     gneiss_error unsaid = {0};
@@ -368,7 +371,7 @@ static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_e
     return status;
 }
 
-/* A list of confinements is refused in a scene that a sweep varies. */
+/* Refuses a list of confinements in a scene that a sweep varies. */
 static gneiss_status check_confinements(gn_sweep *sweep, gneiss_error *error) {
     const size_t before = sweep->parameter_count;
     if (before == GN_SWEEP_PARAMETERS_MAX) return GNEISS_OK;

@@ -14,7 +14,7 @@ static bool is_whole(const gn_key *key) {
            key->type == GN_KEY_PARTICLES || key->type == GN_KEY_IDS;
 }
 
-/* True for a single number; of a vector, a component counts as one. */
+/* True for a single number; a component of a vector counts as one. */
 static bool is_number(const gn_key *key) {
     return is_whole(key) || key->type == GN_KEY_REAL || key->type == GN_KEY_TABLE ||
            key->type == GN_KEY_VECTOR || key->type == GN_KEY_SPIN;
@@ -33,7 +33,8 @@ void gn_number_text(double value, char *text, size_t size) {
     }
 }
 
-/* Writes a node as YAML in one line, with quoted scalars inside lists, so that they stay texts. */
+/* Writes a node as YAML on one line, with quoted scalars inside lists, so that they remain texts.
+ */
 static void write_flow(FILE *out, const gn_node *node, bool inside) {
     if (node->kind == GN_NODE_NULL) return;
     if (node->kind == GN_NODE_SCALAR) {
@@ -90,7 +91,7 @@ static gneiss_status make_values(const gn_reader *reader, size_t count,
     return parameter->values ? GNEISS_OK : no_memory(reader);
 }
 
-/* An invalid value is reported when a scene is read with it. */
+/* Adds the value of a node; an invalid value is reported when a scene is read with it. */
 static gneiss_status put_node(const gn_reader *reader, const gn_node *node,
                               const gn_sweep_parameter *parameter, gn_sweep_value *value) {
     char reason[96];
@@ -123,13 +124,13 @@ static gneiss_status read_values(const gn_reader *reader, const gn_node *list,
 
 /* ---- ranges ---- */
 
-/* An empty node has no place, so that its key's place is used. */
+/* Reports an error at the node; an empty node has no place, so that the key's place is used. */
 static gneiss_status wrong(const gn_reader *reader, const gn_node *node, const char *text) {
     return gn_read_fail(reader, node, node->kind == GN_NODE_NULL ? node->key_where : node->where,
                         reader->path, "%s", text);
 }
 
-/* Returns value k of a range; its ends are exactly the given ones. */
+/* Returns value k of a range, whose ends are exactly the given ones. */
 static double range_value(const gn_range_def *range, int64_t k) {
     if (k == 0) return range->from;
     if (k == range->count - 1) return range->to;
@@ -163,7 +164,7 @@ static double normal_probability(double z) {
 }
 
 /* Returns the quantile `uniform` of the distribution. Whole numbers have equal probabilities: each
- * represents the interval from itself to the next. */
+ * stands for the interval from itself to the next. */
 static double draw(const gn_range_def *range, bool normal, bool whole, double uniform) {
     if (normal) {
         double low = normal_probability((range->from - range->mean) / range->deviation),
@@ -181,7 +182,7 @@ static double draw(const gn_range_def *range, bool normal, bool whole, double un
                  : range->from + (range->to - range->from) * uniform;
 }
 
-/* Draws the coordinates of all points. */
+/* Draws one coordinate of all points. */
 static gneiss_status draw_points(const gn_reader *reader, const gn_node *node,
                                  const gn_drawing *drawing, double **points) {
     if (drawing->method == GN_SAMPLING_NONE)
@@ -236,7 +237,7 @@ static gneiss_status make_choices(const gn_reader *reader, const gn_node *list,
 
 /* ---- a parameter ---- */
 
-/* Makes the table of a range with the unit and the interval of its key. */
+/* Reads a range; the table of its keys gets the unit and the interval of the parameter's key. */
 static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn_key *meant,
                                 gn_range_def *range) {
     gn_key keys[GN_SECTION_KEYS_MAX];
@@ -246,7 +247,7 @@ static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn
         if (keys[k].type != GN_KEY_REAL) continue;
         bool deviation = keys[k].offset == offsetof(gn_range_def, deviation);
         keys[k].unit = unit_of(meant);
-        /* A deviation of angles cannot be converted by the tangent. */
+        /* A standard deviation of angles cannot be converted by the tangent. */
         if (deviation && strcmp(keys[k].unit, GN_SLOPE) == 0) keys[k].unit = "1";
         if (!deviation) keys[k].range = meant->range;
     }
@@ -311,6 +312,6 @@ gneiss_status gn_parameter_read(gn_reader *reader, const gn_node *node, const gn
                           ? unit_of(parameter->meant)
                           : "";
     if (strchr(parameter->unit, '|'))
-        parameter->unit = ""; /* two alternatives: the scene decides */
+        parameter->unit = ""; /* there are two alternatives, between which the scene decides */
     return GNEISS_OK;
 }

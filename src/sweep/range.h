@@ -4,23 +4,23 @@
 
 #include "sweep/sweep.h"
 
-/* A range or distribution as written, read by gn_range_section. */
+/* A range or distribution as written in the file, read by gn_range_section. */
 typedef struct gn_range_def {
-    double from, to, mean, deviation; /* values in the unit of the key */
+    double from, to, mean, deviation; /* in the unit of the key */
     int64_t count;
     gn_spacing spacing;
     const gn_node *of;
 } gn_range_def;
 
-/* Distribution of a parameter: as gn_range_def, or one of a list. */
+/* Distribution of a parameter: a gn_range_def, or one of a list. */
 typedef struct gn_drawing {
     gn_sampling method;
     uint64_t seed;
     size_t dimension, count;
 } gn_drawing;
 
-/* Fills parameter->values from the node; key and `meant` are set before. `drawing` is for
- * distributions, its dimension is that of the next one. Problems are kept in reader->problems. */
+/* Fills parameter->values from the node; key and `meant` must be set. `drawing` is used for
+ * distributions; its dimension is that of the next one. Problems are kept in reader->problems. */
 gneiss_status gn_parameter_read(gn_reader *reader, const gn_node *node, const gn_drawing *drawing,
                                 gn_sweep_parameter *parameter);
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Each coordinate has its own stream of random numbers. */
+/* Returns the seed of the random numbers of a coordinate. */
 static uint64_t stream(uint64_t seed, size_t dimension) {
     return gn_random_bits(seed ^ UINT64_C(0x73776565700000), dimension);
 }
@@ -16,8 +16,8 @@ static double fraction(uint64_t bits) {
 
 /* ---- Latin hypercube ---- */
 
-/* The strata are shuffled from the end (Fisher & Yates) by numbers 0 .. count - 1 of the stream;
- * later numbers give the positions inside. */
+/* The strata are shuffled from the end (Fisher & Yates) by numbers 0 to count - 1 of the stream;
+ * later numbers give the positions inside the strata. */
 void gn_sample_latin(uint64_t seed, size_t dimension, size_t count, double *points) {
     uint64_t own = stream(seed, dimension);
     for (size_t k = 0; k < count; k++) points[k] = (double)k;
@@ -37,7 +37,7 @@ void gn_sample_latin(uint64_t seed, size_t dimension, size_t count, double *poin
 
 /* ---- Sobol's sequence ---- */
 
-/* Primitive polynomials and first direction numbers of dimensions 2 .. 21, from the table
+/* Primitive polynomials and first direction numbers of dimensions 2 to 21, from the table
  * new-joe-kuo-6.21201 (Joe & Kuo 2008, SIAM J. Sci. Comput. 30, 2635): degree, inner coefficients
  * as bits, m_1 .. m_degree. */
 enum { DEGREE_MOST = 7 };
@@ -66,7 +66,7 @@ static const struct {
     {7, 4, {1, 3, 7, 13, 13, 15, 69}},
 };
 
-/* v_1 .. v_32, v_k = m_k 2^(32 - k); the recurrence is eq. 2.2 of Joe & Kuo. */
+/* Computes v_1 .. v_32, v_k = m_k 2^(32 - k); the recurrence is eq. 2.2 of Joe & Kuo. */
 static void make_directions(size_t dimension, uint32_t v[32]) {
     if (dimension == 0) {
         for (int k = 0; k < 32; k++) v[k] = UINT32_C(1) << (31 - k);
@@ -82,7 +82,8 @@ static void make_directions(size_t dimension, uint32_t v[32]) {
     }
 }
 
-/* Sobol bits in the order of the Gray code (Antonov & Saleev 1979), as in published sequences. */
+/* Returns a point's bits in the order of the Gray code (Antonov & Saleev 1979), as in published
+ * sequences. */
 static uint32_t bits_of(const uint32_t v[32], uint32_t index) {
     uint32_t gray = index ^ (index >> 1), bits = 0;
     for (int k = 0; gray; k++, gray >>= 1)
@@ -105,9 +106,9 @@ void gn_sample_sobol(uint64_t seed, size_t dimension, size_t count, double *poin
 
 /* ---- the normal distribution ---- */
 
-/* Newton's method on the probability of the nearer tail, which keeps all digits. Q(x) is at most
- * exp(-x^2/2)/2, so that the start lies outside, where the tail is convex: the first step goes to
- * the other side, and all others approach from there. */
+/* Newton's method is applied to the probability of the nearer tail, which preserves all digits.
+ * Q(x) is at most exp(-x^2/2)/2, so that the start is farther out, where the tail is convex: the
+ * first step overshoots, and all others approach from that side. */
 double gn_normal_quantile(double p) {
     double tail = p < 0.5 ? p : 1.0 - p;
     double x = sqrt(fmax(-2.0 * log(2.0 * tail), 0.0));

@@ -35,8 +35,8 @@ static void outcome_path(const char *folder, char *path, size_t size) {
     snprintf(path, size, "%s/outcome.json", folder);
 }
 
-/* Parses outcome.json, as JSON is YAML. *results (malloc'ed, NULL: missing) is the digest of the
- * results at the end of the run. */
+/* Parses outcome.json as YAML, which includes JSON. *results (malloc'ed, NULL: missing) is the
+ * digest of the results at the end of the run. */
 static bool parse(const char *text, const char *path, gn_outcome *outcome, char **results) {
     gn_tree *tree = NULL;
     if (gn_tree_read(text, strlen(text), path, &tree, NULL) != GNEISS_OK) return false;
@@ -58,7 +58,7 @@ static bool parse(const char *text, const char *path, gn_outcome *outcome, char 
     return known;
 }
 
-/* True if the end of the path of the scene, FOLDER/scene.yaml, matches the run's folder. */
+/* True if the end of the scene's path, FOLDER/scene.yaml, is that of the run's folder. */
 static bool of_folder(const char *scene_file, const char *folder) {
     const char *slash = strrchr(folder, '/'), *own = slash ? slash + 1 : folder;
     char tail[GN_PATH_SIZE];
@@ -80,7 +80,7 @@ static gneiss_status check_owner(const gn_h5 *file, const char *path, const char
     return status;
 }
 
-/* "": results of a version that wrote no digests. */
+/* Reads the digest of the results; "": a version that wrote no digests made them. */
 static gneiss_status digest_of_results(const gn_h5 *file, char digest[24], gneiss_error *error) {
     int64_t value = 0;
     digest[0] = '\0';
@@ -90,7 +90,8 @@ static gneiss_status digest_of_results(const gn_h5 *file, char digest[24], gneis
     return GNEISS_OK;
 }
 
-/* Checks all contents, also those that no summary reads: they count as results of the run. */
+/* Checks all contents, including those that no summary reads, because they count as results of the
+ * run. */
 static gneiss_status check_contents(gn_h5 *file, const char *path, const char *folder,
                                     const char *results, bool *replaced, gneiss_error *error) {
     char *hash = NULL, digest[24];
@@ -107,8 +108,8 @@ static gneiss_status check_contents(gn_h5 *file, const char *path, const char *f
                    results ? "" : ", which outcome.json does not name");
 }
 
-/* Results may be missing or different if the disk was full, the file was removed or replaced, or a
- * copy was truncated. */
+/* Tells whether a folder has the results of its run. They may be missing or different if the disk
+ * was full, the file was removed or replaced, or a copy was truncated. */
 static bool has_results(const char *folder, const char *results, bool *replaced,
                         gneiss_error *trouble) {
     char path[GN_PATH_SIZE + 32];
@@ -126,7 +127,7 @@ static void mark_lost(gn_outcome *outcome, const char *what, const gneiss_error 
              trouble->message);
 }
 
-/* An unreadable checkpoint is left to `resume`. */
+/* Tells whether a checkpoint is of another run; an unreadable one is left to `resume`. */
 static bool is_foreign(const char *folder, int64_t step, gneiss_error *trouble) {
     char *path = NULL, *scene = NULL;
     if (gn_checkpoint_path(folder, step, &path, NULL) != GNEISS_OK) return false;
@@ -153,8 +154,8 @@ gneiss_status gn_outcome_rename_foreign(const char *folder, gneiss_error *error)
     return GNEISS_OK;
 }
 
-/* Sets the state by the existence of a checkpoint to resume from; checkpoints of another run do not
- * count. */
+/* Sets the state depending on whether there is a checkpoint from which to resume; checkpoints of
+ * another run do not count. */
 static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *outcome,
                                           gneiss_error *error) {
     int64_t step[CHECKPOINTS_MOST];
@@ -171,7 +172,8 @@ static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *outcom
     return GNEISS_OK;
 }
 
-/* *known is false, and outcome->lost true, if outcome.json exists and cannot be read. */
+/* Reads outcome.json. If it exists and cannot be read, *known is false and outcome->lost is true.
+ */
 static void read_outcome(const char *folder, gn_outcome *outcome, char **results, bool *known) {
     char path[GN_PATH_SIZE + 32], *text = NULL;
     gneiss_error trouble = {0};
@@ -202,7 +204,8 @@ gneiss_status gn_outcome_read(const char *folder, gn_outcome *outcome, gneiss_er
     return replaced ? GNEISS_OK : look_for_checkpoints(folder, outcome, error);
 }
 
-/* "" if they cannot be read, which the next call finds. */
+/* Reads the digest of the results in a folder; "" if they cannot be read, which the next call will
+ * find. */
 static void digest_in_folder(const char *folder, char digest[24]) {
     char path[GN_PATH_SIZE + 32];
     gn_h5 *file = NULL;
@@ -214,7 +217,7 @@ static void digest_in_folder(const char *folder, char digest[24]) {
 }
 
 /* The file is not synced: if a power failure loses it, the run is resumed from its last checkpoint,
- * at its end. */
+ * which is at its end. */
 gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], digest[24] = "";
     if (outcome->state == GN_RUN_DONE) digest_in_folder(folder, digest);
@@ -251,7 +254,7 @@ static const double pi = 3.14159265358979323846;
 static double gn_student_within(double t, size_t freedom) {
     double angle = atan2(t, sqrt((double)freedom)), c = cos(angle), c2 = c * c;
     bool odd = freedom % 2 == 1;
-    /* odd: cos + 2/3 cos^3 + 2.4/(3.5) cos^5 ..; even: 1 + 1/2 cos^2 + 1.3/(2.4) cos^4 .. */
+    /* odd: cos + 2/3 cos^3 + 2.4/(3.5) cos^5 + ...; even: 1 + 1/2 cos^2 + 1.3/(2.4) cos^4 + ... */
     double term = odd ? c : 1.0, sum = freedom == 1 ? 0.0 : term;
     for (size_t k = odd ? 3 : 2; k + 2 <= freedom; k += 2) {
         term *= c2 * (double)(k - 1) / (double)k;
@@ -260,7 +263,7 @@ static double gn_student_within(double t, size_t freedom) {
     return odd ? 2.0 / pi * (angle + sin(angle) * sum) : sin(angle) * sum;
 }
 
-/* Bisection from an upper bound: the probability increases with t. */
+/* Bisection from an upper bound; the probability increases with t. */
 double gn_student_quantile(double within, size_t freedom) {
     double low = 0.0, high = 1.0;
     while (gn_student_within(high, freedom) < within && high < 1e300) high *= 2.0;
@@ -303,7 +306,7 @@ static void describe(gn_summary_reading *reading, const char *name, const char *
     snprintf(reading->text, sizeof reading->text, "%s", text);
 }
 
-/* Descriptions of history columns are in the files of the runs. */
+/* Describes a reading; descriptions of history columns are in the files of the runs. */
 static void describe_known(gn_summary_reading *reading) {
 #define X(name_, unit_, text_)                                                                     \
     if (strcmp(reading->name, #name_) == 0) describe(reading, #name_, unit_, text_);
@@ -371,8 +374,8 @@ static gneiss_status read_last(const gn_h5 *file, const char *set, double *last,
     return GNEISS_OK;
 }
 
-/* Reads a reading and its `rest`; NaN: the file has none. An unreadable value is an error, not an
- * absent reading. */
+/* Reads a reading and its `rest`; NaN: the file has none. A value that cannot be read is an error
+ * and not an absent reading. */
 static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *reading, double *value,
                                   double *rest, gneiss_error *error) {
     char set[GN_NAME_SIZE + 32];
@@ -427,7 +430,7 @@ static gneiss_status read_run(gn_summary *summary, size_t k, const char *folder,
     return GNEISS_OK;
 }
 
-/* A run with unreadable results counts as not completed, with the reason. */
+/* Reads a run; one with unreadable results counts as not completed, with the reason. */
 static gneiss_status take_run(gn_summary *summary, size_t k, gneiss_error *error) {
     const gn_sweep *sweep = summary->sweep;
     gn_summary_run *run = &summary->runs[k];
@@ -460,7 +463,7 @@ static gneiss_status take_run(gn_summary *summary, size_t k, gneiss_error *error
 
 /* ---- all runs ---- */
 
-/* Leaves out readings that no run has, unless they were requested. */
+/* Removes readings that no run has, unless they were requested. */
 static void leave_out_absent(gn_summary *summary) {
     size_t width = summary->reading_count, kept = 0;
     bool keep[USUAL];
@@ -486,7 +489,7 @@ double gn_summary_rest(const gn_summary *summary, size_t combination, size_t rea
     for (size_t k = combination * each; k < (combination + 1) * each; k++)
         most = fmax(
             most,
-            summary->rest[k * summary->reading_count + reading]); /* NaN is less than any number */
+            summary->rest[k * summary->reading_count + reading]); /* no number is less than NaN */
     return most;
 }
 
@@ -542,7 +545,9 @@ gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error
         bool ours =
             status == GNEISS_OK ? strcmp(kind, "sweep") == 0 : gn_folder_holds_sweep(directory);
         free(kind);
-        if (ours) return GNEISS_OK; /* a damaged one is rewritten from the folders of the runs */
+        if (ours)
+            return GNEISS_OK; /* ours may be damaged: it is rewritten from the folders of the runs
+                               */
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.300s: expected no file or that of a sweep: choose another folder with "
                        "--out, or --force replaces it",

@@ -14,7 +14,7 @@
 
 /* ---- CSV ---- */
 
-/* Writes a cell by RFC 4180. */
+/* Writes a cell as RFC 4180 requires. */
 static void put_cell(FILE *out, const char *text) {
     if (!strpbrk(text, ",\"\r\n")) {
         fputs(text, out);
@@ -28,7 +28,7 @@ static void put_cell(FILE *out, const char *text) {
     fputc('"', out);
 }
 
-/* An absent number is an empty cell. */
+/* Writes a number; an absent one is an empty cell. */
 static void put_number(FILE *out, double value) {
     char text[40];
     if (isnan(value)) return;
@@ -198,7 +198,7 @@ static gneiss_status put_header(gn_h5 *file, const gn_summary *summary, gneiss_e
     return gn_h5_put_text(file, "scene", sweep->scene_text, error);
 }
 
-/* Writes numbers in SI; for other values their index in the texts of the attribute `values`. */
+/* Writes numbers in SI; other values as their index among the texts of the attribute `values`. */
 static gneiss_status put_parameter(gn_h5 *file, const gn_summary *summary, size_t p, double *column,
                                    gneiss_error *error) {
     const gn_sweep *sweep = summary->sweep;
@@ -285,7 +285,7 @@ static gneiss_status put_runs(gn_h5 *file, const gn_summary *summary, double *co
     return put_lines(file, "runs/message", summary, message_line, summary->sweep->run_count, error);
 }
 
-/* Writes a reading of every envelope; `absent` holds the reasons of missing numbers, one per line.
+/* Writes a reading of every envelope; `absent` has the reasons for missing numbers, one per line.
  */
 static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *envelopes, size_t offset,
                                           bool coulomb, const char *labels[3], double *column,

@@ -14,7 +14,7 @@ enum { GN_SWEEP_PARAMETERS_MAX = 32, GN_SWEEP_RUNS_MAX = 100000 };
 /* The file as written, read by gn_sweep_section (keys.c). */
 typedef struct gn_sweep_file {
     char title[256];
-    char scene[GN_PATH_SIZE], scene_path[GN_PATH_SIZE]; /* scene as written; its absolute path */
+    char scene[GN_PATH_SIZE], scene_path[GN_PATH_SIZE]; /* as written; absolute path */
     const gn_node *parameters, *seeds;                  /* NULL: not given */
     gn_combine combine;
     gn_sampling sampling;
@@ -26,22 +26,22 @@ typedef struct gn_sweep_file {
 } gn_sweep_file;
 
 extern const gn_section gn_sweep_section;
-/* Keys of the values of one parameter that are not given as a list. */
+/* Keys of a parameter's values that are not given as a list. */
 extern const gn_section gn_range_section;
 
 /* A value of a parameter, in the form of an override. */
 typedef struct gn_sweep_value {
     char *text;           /* gn_alloc'ed */
-    double number;        /* SI; NaN: not a number */
+    double number;        /* in SI; NaN: the value is not a number */
     gn_scene_place where; /* place in the sweep file */
 } gn_sweep_value;
 
 typedef struct gn_sweep_parameter {
     char key[GN_KEY_PATH_SIZE]; /* key in the form of an override */
     const gn_key *meant;
-    const char *unit;     /* SI; "": none, or not numbers */
+    const char *unit;     /* SI unit; "": none, or values are not numbers */
     bool numeric;         /* every value is a number */
-    bool sampled;         /* the parameter is drawn together with the other sampled ones */
+    bool sampled;         /* the parameter is sampled, together with all others that are */
     gn_scene_place where; /* place of the key in the file */
     size_t count;
     gn_sweep_value *values; /* gn_alloc'ed */
@@ -49,23 +49,24 @@ typedef struct gn_sweep_parameter {
 
 typedef struct gn_sweep_run {
     size_t first_value; /* index in gn_sweep.chosen of its first value */
-    size_t combination; /* runs of one combination differ only in the seed */
-    size_t original;    /* the first run with this hash, which may be the run itself */
+    size_t combination; /* combination of values; the runs of one combination differ only in the
+                           seed */
+    size_t original;    /* the first run with the same hash, which may be the run itself */
     uint64_t seed;
-    uint64_t hash;    /* hash of the resolved scene, the files it names, and the version */
-    uint64_t packing; /* hash of its packing; 0: no packing */
+    uint64_t hash;    /* hash of the resolved scene, the files that it names, and the version */
+    uint64_t packing; /* hash of its packing; 0: it has none */
     int64_t threads;  /* threads of its scene; 0: any */
 } gn_sweep_run;
 
 typedef struct gn_sweep {
     char title[256];
-    char source[GN_PATH_SIZE];    /* the sweep file, or the scene of a sweep over seeds alone */
+    char source[GN_PATH_SIZE];    /* the sweep file; or, for a sweep over seeds alone, the scene */
     char scene[GN_PATH_SIZE];     /* path of the scene, for messages */
-    char directory[GN_PATH_SIZE]; /* requested by the file; "": none */
+    char directory[GN_PATH_SIZE]; /* folder that the file requests; "": none */
     char *text;                   /* text of the sweep file; NULL without one */
     char *scene_text;
-    size_t
-        override_count; /* overrides of the command line, borrowed, applied before the parameters */
+    size_t override_count; /* overrides of the command line, borrowed; they are applied before the
+                              parameters */
     const gn_override *overrides;
     size_t parameter_count;
     gn_sweep_parameter parameters[GN_SWEEP_PARAMETERS_MAX];
@@ -81,14 +82,14 @@ typedef struct gn_sweep {
     gn_scene_notes notes; /* notes on all scenes */
 } gn_sweep;
 
-/* Reads the file and all its scenes, so that no unreadable scene is run. `overrides` are for the
- * scene, borrowed; `seeds` (may be NULL) replaces the file's seeds, as text. Messages state
- * file:line:column. On failure nothing is allocated. */
+/* Reads the file and all its scenes, so that a sweep with an invalid scene is not begun.
+ * `overrides` are for the scene, borrowed; `seeds` (may be NULL), as text, replaces the file's
+ * seeds. Messages give file:line:column. On failure nothing is allocated. */
 gneiss_status gn_sweep_load(const char *path, const gn_override *overrides, size_t override_count,
                             const char *seeds, gn_sweep *sweep, gneiss_error *error);
 
-/* Creates a sweep over the seeds of one scene (NULL: none), and over the confinements of its test;
- * *wanted: the scene has seeds or confinements, otherwise nothing is allocated. */
+/* Creates a sweep over the seeds of one scene (NULL: none), and over the confinements of its test.
+ * *wanted: the scene has seeds or confinements; otherwise nothing is allocated. */
 gneiss_status gn_sweep_of_scene(const char *scene, const gn_override *overrides,
                                 size_t override_count, const char *seeds, gn_sweep *sweep,
                                 bool *wanted, gneiss_error *error);
@@ -102,15 +103,16 @@ gneiss_status gn_sweep_scene(const gn_sweep *sweep, size_t run, gn_scene *scene,
 /* Returns the value of a parameter in a run. */
 const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_t parameter);
 
-/* Writes "friction = 0.3, seed 2": the varied parameters, with the seed or without. */
+/* Writes the varied parameters of a run, with the seed or without: "friction = 0.3, seed 2". */
 const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *text, size_t size);
 
-/* Writes the varied parameters that are true in `shown` [parameter_count]. */
+/* Writes those varied parameters for which `shown` [parameter_count] is true. */
 const char *gn_sweep_label_of(const gn_sweep *sweep, size_t run, const bool *shown, char *text,
                               size_t size);
 
 /* True if a name is a possible reading: that of a test, energy.<term>, or history.<column>, where
- * walls and the like may have any name; if not, `advice` proposes the probable one. */
+ * walls and other objects may have any name. If it is not, `advice` proposes the name that was
+ * probably intended. */
 bool gn_reading_known(const char *name, char *advice, size_t size);
 
 #endif

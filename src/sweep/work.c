@@ -25,10 +25,10 @@ typedef struct gn_child {
     pid_t pid;
     size_t run;
     int threads;       /* number of processors that the run uses */
-    int core;          /* index of the processor to which the run is pinned; -1: none */
+    int core;          /* number of the processor on which the run must stay; -1: any */
     bool resumed;      /* started from a checkpoint */
-    bool stepping;     /* past packing and set-up */
-    int64_t from_step; /* step of the newest checkpoint when it was started; -1: none */
+    bool stepping;     /* packing and set-up are finished */
+    int64_t from_step; /* step of the newest checkpoint when the run was started; -1: none */
     double start;      /* gn_now() */
     char folder[GN_PATH_SIZE];
 } gn_child;
@@ -37,7 +37,7 @@ typedef struct gn_child_way {
     const char *program;     /* path of gneiss */
     const sigset_t *signals; /* signals that the child blocks */
     const cpu_set_t *pinned; /* NULL: any processor of the parent */
-    bool own_threads;        /* threads as in its scene, not child->threads */
+    bool own_threads;        /* number of threads as in the scene, not child->threads */
     bool allow_gmsh;         /* --allow-gmsh */
 } gn_child_way;
 
@@ -46,7 +46,7 @@ typedef struct gn_child_way {
 
 /* ---- starting ---- */
 
-/* Creates a new file in place of any existing one; an existing link is not followed. */
+/* Creates a new file in place of any existing one; if that is a link, it is not followed. */
 static int open_log(const char *folder, const char *name) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -55,7 +55,7 @@ static int open_log(const char *folder, const char *name) {
 }
 
 /* Runs in the child between fork and exec, with system calls only. A separate process group keeps
- * the terminal's Ctrl-C from it: the parent passes signals on, once. */
+ * the terminal's Ctrl-C from it; the parent passes signals on, once. */
 static void become(const gn_child_way *way, char *const *arguments, const int descriptor[3],
                    pid_t parent) {
     setpgid(0, 0);
@@ -99,7 +99,7 @@ static int64_t newest_checkpoint(const char *folder) {
     return step;
 }
 
-/* Starts `gneiss run` on scene.yaml in child->folder, or `gneiss resume`; its output is written to
+/* Starts `gneiss run` on scene.yaml in child->folder, or `gneiss resume`; its output goes to
  * progress.jsonl and messages.txt there. The child gets SIGTERM when its parent ends in any way. */
 static gneiss_status child_start(gn_child *child, const gn_child_way *way, gneiss_error *error) {
     char scene[GN_PATH_SIZE + 32], threads[16];
@@ -125,7 +125,7 @@ static gneiss_status child_start(gn_child *child, const gn_child_way *way, gneis
 
 /* ---- watching ---- */
 
-/* Reads the last `size` - 1 bytes of a file; "" if it cannot be read. */
+/* Reads the last `size` - 1 bytes of a file; the result is "" if it cannot be read. */
 static void read_tail(const char *folder, const char *name, char *text, size_t size) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -138,7 +138,7 @@ static void read_tail(const char *folder, const char *name, char *text, size_t s
     close(descriptor);
 }
 
-/* Reads the last complete line: {"step":12, ..., "eta":3.5, ...}. */
+/* Returns the remaining time, s, from the last complete line: {"step":12, ..., "eta":3.5, ...}. */
 static double child_remaining(gn_child *child) {
     char text[1 << 10];
     read_tail(child->folder, "progress.jsonl", text, sizeof text);
@@ -156,7 +156,8 @@ static double child_remaining(gn_child *child) {
 
 /* ---- the end ---- */
 
-/* Reads from the last "gneiss: ..." that is no warning to the end, without line breaks. */
+/* Copies the text from the last "gneiss: ..." that is not a warning up to the end, without line
+ * breaks. */
 static void last_message(const char *folder, char *message, size_t size) {
     char text[1 << 13];
     read_tail(folder, "messages.txt", text, sizeof text);
@@ -171,7 +172,7 @@ static void last_message(const char *folder, char *message, size_t size) {
     message[used] = '\0';
 }
 
-/* Translates the wait status of a child, with its last message, into an outcome. */
+/* Converts the wait status of a child, with its last message, to an outcome. */
 static void child_outcome(const gn_child *child, int wait_status, gn_outcome *outcome) {
     *outcome = (gn_outcome){.state = GN_RUN_FAILED};
     if (WIFSIGNALED(wait_status)) {
@@ -192,17 +193,18 @@ static void child_outcome(const gn_child *child, int wait_status, gn_outcome *ou
                  outcome->code);
 }
 
-/* Consecutive kills without a new checkpoint after which a run counts as failed. */
+/* Number of consecutive kills without a new checkpoint after which a run counts as failed. */
 enum { KILLS_MOST = 5 };
 
 typedef struct run_task {
     size_t run;
     gn_outcome outcome;
-    bool over; /* the calling process has no more work */
+    bool over; /* the calling process has no more work to do for it */
     bool running;
     bool afresh;   /* the checkpoints are unusable */
-    int kills;     /* kills without progress in between */
-    double wanted; /* gn_now() before which the run is not started again: its folder was in use */
+    int kills;     /* number of kills without progress in between */
+    double wanted; /* gn_now() from which on the run may be started again, after its folder was in
+                      use */
 } run_task;
 
 typedef struct run_pool {
@@ -218,7 +220,7 @@ typedef struct run_pool {
     int core[CPU_SETSIZE]; /* numbers of the processors */
     sigset_t signals;      /* original mask, for children */
     double start;
-    double own_seconds; /* seconds of the runs that this call completed */
+    double own_seconds; /* s of the runs that this call has completed */
     size_t own_count;
     size_t done, failed, found;
     bool stopping;
@@ -230,8 +232,7 @@ bool gn_sweep_run_in_shard(const gn_sweep *sweep, const gn_sweep_way *way, size_
     return sweep->runs[run].original == run && (!way->shards || run % way->shards == way->shard);
 }
 
-/* Counts the runs of the shard by state; `outcome` [run_count] is filled for all runs of the sweep.
- */
+/* Counts the runs of the shard by state; `outcome` [run_count] is set for all runs of the sweep. */
 static gneiss_status read_outcomes(const gn_sweep *sweep, const char *directory,
                                    gn_outcome *outcome, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
@@ -267,7 +268,7 @@ static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Lists the processors of this process, in their order. */
+/* Lists the processors of this process, in ascending order. */
 static void list_cores(run_pool *pool) {
     cpu_set_t set;
     int count = 0;
@@ -278,15 +279,16 @@ static void list_cores(run_pool *pool) {
     int left = (int)(pool->task_count - pool->found);
     pool->cores = pool->way->threads > 0 ? pool->way->threads : count;
     pool->jobs = pool->way->jobs > 0 ? pool->way->jobs : pool->cores;
-    /* A sweep that uses a part of the machine may share the processors with another sweep. */
+    /* Runs are bound to processors only if the sweep uses the whole machine; otherwise it may share
+     * processors with another sweep. */
     pool->pins = pool->cores == count && pool->jobs == count && left >= count;
     if (pool->jobs > left) pool->jobs = left > 0 ? left : 1;
 }
 
 /* ---- progress ---- */
 
-/* Returns the remaining time of the running runs, plus for each other run the mean time of the
- * completed runs, or else of the running ones. */
+/* Returns the remaining time: that of the running runs, plus for each other run the mean time of
+ * the completed runs, or else of the running ones. */
 static double remaining(run_pool *pool) {
     double sum = 0.0, longest = 0.0, expected = 0.0, now = gn_now();
     size_t known = 0, waiting = 0;
@@ -324,7 +326,8 @@ static void report_event(run_pool *pool, const char *what, size_t run, const gn_
 
 /* ---- starting ---- */
 
-/* One run makes a packing; the others find it in the cache. */
+/* Tells whether a run has to wait until another one has made its packing, which it then finds in
+ * the cache. */
 static bool waits_for_packing(run_pool *pool, uint64_t packing) {
     const char *cache = getenv("GNEISS_CACHE");
     if (!packing || (cache && strcmp(cache, "off") == 0)) return false;
@@ -337,7 +340,7 @@ static bool waits_for_packing(run_pool *pool, uint64_t packing) {
     return false;
 }
 
-/* True if a run that outlives a killed sweep still uses the folder, until it has written its
+/* True if a folder is still in use by a run that outlives a killed sweep, until it has written its
  * checkpoint. */
 static bool in_use(const char *folder) {
     int lock = 0;
@@ -360,7 +363,7 @@ static gneiss_status write_scene(const run_pool *pool, const run_task *task, con
     return gn_write_text_file(path, text, GN_RENAMED, error);
 }
 
-/* Returns the processors for the next run: a share of the free ones. */
+/* Returns the number of processors for the next run: a share of the free ones. */
 static int share(const run_pool *pool, const run_task *task) {
     int taken = 0, waiting = 0;
     for (size_t k = 0; k < pool->child_count; k++) taken += pool->children[k].threads;
@@ -389,7 +392,7 @@ static bool varies_threads(const gn_sweep *sweep) {
     return false;
 }
 
-/* Prepares the folder of a run: removes unusable files and writes its scene. */
+/* Prepares the folder of a run: removes unusable files and writes the scene. */
 static gneiss_status prepare(const run_pool *pool, run_task *task, gn_child *child,
                              gneiss_error *error) {
     const char *folder = child->folder;
@@ -408,7 +411,7 @@ static gneiss_status prepare(const run_pool *pool, run_task *task, gn_child *chi
     return child->resumed ? GNEISS_OK : write_scene(pool, task, folder, error);
 }
 
-/* *started is false when the folder is in use. */
+/* Starts a run; *started is false if the folder is in use. */
 static gneiss_status start(run_pool *pool, run_task *task, bool *started, gneiss_error *error) {
     gn_child *child = &pool->children[pool->child_count];
     cpu_set_t set;
@@ -437,7 +440,8 @@ static gneiss_status start(run_pool *pool, run_task *task, bool *started, gneiss
     return GNEISS_OK;
 }
 
-/* *held: a run waits for a packing or for a folder in use. */
+/* Starts runs on free processors; *held: a run waits for a packing, or for a folder that is in use.
+ */
 static gneiss_status start_more(run_pool *pool, bool *held, gneiss_error *error) {
     *held = false;
     for (size_t k = 0; k < pool->task_count && pool->child_count < (size_t)pool->jobs; k++) {
@@ -463,7 +467,8 @@ static bool was_killed(const gn_outcome *outcome) {
            outcome->code == GNEISS_INTERRUPTED;
 }
 
-/* A run that was killed is resumed, unless this happens repeatedly without progress. */
+/* Tells whether a run that was killed may be resumed: not if this happens repeatedly without
+ * progress. */
 static bool may_resume(run_task *task, const gn_child *child) {
     if (newest_checkpoint(child->folder) > child->from_step) task->kills = 0;
     return ++task->kills < KILLS_MOST;
@@ -514,7 +519,7 @@ static gneiss_status reap(run_pool *pool, gneiss_error *error) {
     return first;
 }
 
-/* Waits until a child ends or a signal arrives, for at most the given number of seconds. */
+/* Waits until a child ends or a signal arrives, but at most the given number of seconds. */
 static void wait_a_while(double seconds) {
     sigset_t child;
     sigemptyset(&child);
@@ -523,7 +528,7 @@ static void wait_a_while(double seconds) {
     (void)sigtimedwait(&child, NULL, &most);
 }
 
-/* Signals the children once: a second signal would end them without checkpoints. */
+/* Sends a signal to the children once; a second one would end them without checkpoints. */
 static void stop(run_pool *pool) {
     if (pool->stopping) return;
     pool->stopping = true;

@@ -1,13 +1,13 @@
-/* A beam of width b on supports S apart, under one load F at mid-span or two that share it, s
- * apart. With a = (S - s)/2 from a support to the nearest load the stress in the fibre below
- * mid-span is M (h/2)/I = 3 F a/(b h^2), with the height that a notch leaves; a displacement d of
- * the loads causes a strain of 3 h d/(a (3 S - 4 a)) without a notch. With one load that is 3 F
- * S/(2 b h^2) and 6 h d/S^2. */
+/* A beam of width b on supports S apart, under one load F at mid-span, or two loads that share it
+ * and are s apart. Let a = (S - s)/2 be the distance from a support to the nearest load. The stress
+ * in the fibre below mid-span is M (h/2)/I = 3 F a/(b h^2), with the height that a notch leaves.
+ * Without a notch a displacement d of the loads causes the strain 3 h d/(a (3 S - 4 a)) there. With
+ * one load these are 3 F S/(2 b h^2) and 6 h d/S^2. */
 #include "test_kinds/curves.h"
 
 #include <math.h>
 
-/* The shorter of the sides that the load is not along. */
+/* Returns the shorter one of the two sides across the load. */
 static double least_side(const gn_tested_specimen *x) {
     return fmin(x->side[(x->axis + 1) % 3], x->side[(x->axis + 2) % 3]);
 }
@@ -57,7 +57,7 @@ const gn_test_descriptor gn_test_bending = {
     .takes = GN_TAKES(thickness) | GN_TAKES(span) | GN_TAKES(load_span) | GN_TAKES(height) |
              GN_TAKES(notch),
     .needs = GN_TAKES(span),
-    .peak_drop = 0.95, /* the fracture energy needs it, as in tension */
+    .peak_drop = 0.95, /* the fracture energy requires it, as in tension */
     .shape = beam,
     .area_source = "the force over it is the stress in the fibre below mid-span",
     .readings = GN_READS_LOADED | GN_READS(flexural_strength) | GN_READS(flexural_modulus) |

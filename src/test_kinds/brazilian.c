@@ -1,5 +1,6 @@
-/* A disc under two opposite line loads across its diameter. In its middle there is, across the load
- * P, the tension 2 P/(pi D t) (Hondros 1959, Aust. J. Appl. Sci. 10, 243-268; ISRM 1978). */
+/* A disc under two opposite line loads P across its diameter D. In its middle the tension across
+ * the load is 2 P/(pi D t), with the thickness t (Hondros 1959, Aust. J. Appl. Sci. 10, 243-268;
+ * ISRM 1978). */
 #include "test_kinds/curves.h"
 
 #include <math.h>

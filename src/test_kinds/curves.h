@@ -1,4 +1,4 @@
-/* Readings from curves: functions that the files of this folder share, and that the kinds of tests
+/* Readings from curves: functions that the files of this folder share and that the kinds of tests
  * use (readings_curves.c). */
 #ifndef GN_TEST_KINDS_CURVES_H
 #define GN_TEST_KINDS_CURVES_H
@@ -10,8 +10,8 @@
 #define GN_READS_PEAK                                                                              \
     (GN_READS(peak_stress) | GN_READS(peak_strain) | GN_READS(largest_stress) |                    \
      GN_READS(largest_strain))
-/* Sets of every test, of one with two ends, of a prism, of a prism that is loaded along its axis
- * alone. */
+/* Sets of readings: of every test, of a test with two ends, of a prism, of a prism that is loaded
+ * along its axis alone. */
 #define GN_READS_TEST                                                                              \
     (GN_READS_PEAK | GN_READS(elastic_stress) | GN_READS(events) | GN_READS(b_value) |             \
      GN_READS(fragments) | GN_READS(largest_fragment))
@@ -38,7 +38,7 @@ typedef struct gn_row_span {
     size_t first, last;
 } gn_row_span;
 
-/* y over x: least squares, and the standard error of the slope. */
+/* A line of y over x by least squares, and the standard error of its slope. */
 typedef struct gn_line_fit {
     double slope, error;
 } gn_line_fit;
@@ -47,60 +47,63 @@ typedef struct gn_curves {
     const gn_tested *tested;
     const gn_history *history;
     const double *strain, *stress;
-    const double *average[3]; /* strain, by axis */
+    const double *average[3]; /* average strain along each axis */
     size_t begin;             /* row with which the test begins (beginning.h) */
     bool never_strained;      /* the strain never grew in the sense of the test */
     size_t largest;           /* row of the largest stress since */
     gn_row_span loading;      /* rows from 1 to 50 % of the largest stress */
-    gn_row_span elastic;      /* those of `loading` before bonds break, yield or soften */
-    const char *cut_reason;   /* why they end before 50 %, as "bonds break"; NULL: they do not */
-    const double *time;       /* s */
-    double interval;          /* s between rows of time steps; 0: unknown */
+    gn_row_span elastic;      /* those rows of `loading` before bonds break, yield or soften */
+    const char
+        *cut_reason; /* why these rows end before 50 %, such as "bonds break"; NULL: they do not */
+    const double *time; /* s */
+    double interval;    /* s, interval between rows of time steps; 0: unknown */
 } gn_curves;
 
-/* Slopes are readings while their standard error is below this share of them. */
+/* Largest ratio of a slope's standard error to the slope with which it is a reading. */
 static const double gn_scatter_allowed = 0.1;
 
-/* Reasons for the absence of a reading: the first one that applies is reported. */
+/* Record the reason for the absence of a reading; the first one that applies is reported. */
 void gn_reading_absent(gn_readings *readings, gn_reading which, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 char *gn_reason_of(gn_readings *readings, gn_reading which);
 
-/* NaN for fewer than 3 points, or all at the same x. A start at the first break has few rows where
- * time steps would have had many: straight lines between them count as the rows that are missing.
- */
+/* Fits a line; NaN for fewer than 3 points, or if all have the same x. With a start at the first
+ * break there are few rows where time steps would have given many; straight lines between them
+ * replace the missing rows. */
 gn_line_fit gn_line(const gn_curves *curves, const double *x, const double *y, gn_row_span span);
 
-/* Bonds that have broken up to a row. */
+/* Returns the number of bonds that have broken up to a row. */
 double gn_breaks_until(const gn_curves *curves, size_t row);
 
-/* Finds the rows that elastic constants are fitted to, from those of `loading`. */
+/* Finds the rows from which elastic constants are fitted, among those of `loading`. */
 void gn_find_elastic_rows(gn_curves *curves);
 
-/* Relative difference of the slopes over the first and the second half of the rows from the slope
- * over all of them; 0 for fewer than 6 rows. `slope`: of a line or a quotient of two. */
+/* Returns the relative difference of the slopes over the first and the second half of the rows from
+ * the slope over all of them; 0 for fewer than 6 rows. `slope`: computes a slope, or a quotient of
+ * two. */
 typedef double gn_slope_of(const gn_curves *curves, gn_row_span span);
 double gn_nonlinearity(const gn_curves *curves, gn_slope_of *slope);
 
-/* The modulus of a specimen whose section varies, from a slope: gn_tested.by_ends or .by_mean. */
+/* Returns the modulus of a specimen whose section varies from a slope; `factor`: gn_tested.by_ends
+ * or .by_mean. */
 double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *readings);
 
-/* Conditions that a slope must meet to be a reading. */
+/* Conditions for a slope to be a reading; if one is not met, the reading becomes absent. */
 void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
-/* Over these rows only the stress along the axis may grow, and the mean strain must be that of the
- * ends. */
+/* Over these rows only the stress along the axis may grow, and the mean strain must equal that of
+ * the ends. */
 void gn_need_axial(const gn_curves *curves, gn_row_span span, gn_reading which,
                    gn_readings *readings);
 void gn_need_modulus(gn_line_fit fit, gn_reading which, gn_readings *readings);
 
-/* Why the largest stress is no strength; NULL: it is one. */
+/* Returns the reason why the largest stress is no strength; NULL: it is one. */
 const char *gn_no_peak(const gn_curves *curves);
 
-/* Why a column of average strain has no number in a row; NULL: it has one. */
+/* Returns the reason why a column of average strain has no number in a row; NULL: it has one. */
 const char *gn_no_average_strain(const double *strain, size_t row);
 
-/* For the functions `read` of descriptors (curves_loading.c). Both read a column at the peak, the
- * second one a column of the average strain. NULL: there is no such column. */
+/* For the functions `read` of descriptors (curves_loading.c): read a column at the peak, and a
+ * component of the average strain at the peak. NULL: there is no such column. */
 void gn_read_at_peak(const gn_curves *curves, gn_reading which, const double *column, double factor,
                      double *value, gn_readings *readings);
 void gn_read_strain_at_peak(const gn_curves *curves, gn_reading which, const char *name,
@@ -108,13 +111,14 @@ void gn_read_strain_at_peak(const gn_curves *curves, gn_reading which, const cha
 /* Reads the slope of stress over strain in the elastic rows. */
 void gn_read_slope(const gn_curves *curves, gn_reading which, double *value, gn_readings *readings);
 void gn_read_fracture_energy(const gn_curves *curves, gn_readings *readings);
-/* The column of a tensor's component along an axis; NULL: there is none. */
+/* Returns the column of a tensor's component along an axis; NULL: there is none. */
 const double *gn_curves_tensor(const gn_curves *curves, const char *name, int axis);
 
-/* Readings of any loading along an axis. */
+/* Computes the readings of any loading along an axis. */
 void gn_readings_of_loading(const gn_curves *curves, gn_readings *readings);
 
-/* Bursts of breaking bonds (readings_bursts.c); these and pieces, whatever the stress did. */
+/* gn_readings_of_bursts computes the readings of bursts of breaking bonds (readings_bursts.c);
+ * gn_readings_of_breaks calls it and adds the readings of fragments. */
 void gn_readings_of_bursts(const gn_tested *tested, gn_readings *readings);
 void gn_readings_of_breaks(const gn_tested *tested, gn_readings *readings);
 

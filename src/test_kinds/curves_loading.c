@@ -73,8 +73,8 @@ void gn_read_fracture_energy(const gn_curves *curves, gn_readings *readings) {
 
 /* --- of any loading along an axis --- */
 
-/* Returns the rows from the first with one fraction of the largest stress to the first with
- * another. */
+/* Returns the rows from the first one with the fraction `low` of the largest stress to the first
+ * one with `high`. */
 static gn_row_span between(const gn_curves *curves, double low, double high) {
     gn_row_span s = {.first = curves->begin};
     const double most = curves->stress[curves->largest];
@@ -98,7 +98,7 @@ static void slope_between(const gn_curves *curves, gn_reading which, double low,
     gn_need_modulus(f, which, readings);
 }
 
-/* Reads the modulus between two rows, whatever broke or yielded in between. */
+/* Reads the modulus between two rows, whatever has broken or yielded in between. */
 static void read_secant(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_secant_modulus;
     const gn_row_span s = curves->loading;
@@ -127,7 +127,7 @@ static void read_initiation(const gn_curves *curves, gn_readings *readings) {
                           "%.0f bonds are broken at the peak, of 100 the first is 1 %%", all);
 }
 
-/* Finds the row of the least volume, if rows follow it before the peak. */
+/* Reads the row of the least volume, if rows follow it before the peak. */
 static void read_damage(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_crack_damage_stress;
     const char *reason = gn_no_peak(curves);

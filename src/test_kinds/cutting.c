@@ -1,8 +1,8 @@
 /* A tool that moves along the surface of a rock at a depth (linear cutting test). Its force has
  * three parts: normal, out of the rock; rolling, against the motion; side, along normal x axis.
- * Means follow from impulses and are therefore exact, however many rows there are. The strain of
- * the test is the path over its length, the stress the rolling force over the section of the cut,
- * which is the energy per volume that a cut of that section takes. */
+ * Means follow from impulses and are therefore exact for any number of rows. The strain of the test
+ * is the path over its length. The stress is the rolling force over the section of the cut, which
+ * is the energy per volume for a cut of that section. */
 #include "test_kinds/curves.h"
 
 #include <math.h>
@@ -45,10 +45,10 @@ static double goktan_force(const gn_cut *c) {
 typedef struct course {
     size_t rows;
     const double *path, *time, *impulse[3];
-    double begin, end; /* m, of the means; end <= begin: the tool has not come so far */
+    double begin, end; /* m, range of the means; end <= begin: the tool has not come so far */
 } course;
 
-/* A column at a place of the path, linear between rows; the path never decreases. */
+/* Returns a column at a place of the path, linear between rows; the path never decreases. */
 static double at_path(const course *c, const double *column, double path) {
     size_t low = 0, high = c->rows - 1;
     while (high - low > 1) {
@@ -76,7 +76,7 @@ static double deviation(const course *c, int k, int blocks, double mean) {
     return blocks > 1 ? sqrt(squares / (blocks - 1)) : NAN;
 }
 
-/* The largest mean over a window that begins or ends in a row. */
+/* Returns the largest mean over a window that begins or ends in a row. */
 static double peak_force(const course *c, int k, double window) {
     const double wide = fmin(window, c->end - c->begin);
     double most = -INFINITY;
@@ -90,7 +90,7 @@ static double peak_force(const course *c, int k, double window) {
     return isinf(most) ? NAN : most;
 }
 
-/* Work of the rolling force, J. */
+/* Returns the work of the rolling force, J. */
 static double work_of(const course *c) {
     double sum = 0.0, past = c->begin;
     for (size_t r = 0; r <= c->rows; r++) {
@@ -211,8 +211,8 @@ static void read_cutting(const gn_curves *curves, gn_readings *readings) {
     read_predictions(&curves->tested->cut, readings);
 }
 
-/* The section to which energies refer, too; a pick or a disc without a spacing has none, and the
- * square of the depth stands for it. */
+/* Returns the shape of the cut. Energies refer to its section as well; a pick, or a disc without a
+ * spacing, has none, and the square of the depth replaces it. */
 static gn_tested_shape cut_shape(const gn_test_sizes *t, const gn_tested_specimen *x) {
     const double width = t->spacing > 0.0      ? t->spacing
                          : x->dimension == 2   ? 1.0

@@ -51,7 +51,7 @@ gneiss_status gn_history_add_column(gn_history *history, const char *name, const
     return GNEISS_OK;
 }
 
-/* Enlarges all columns or, if memory is lacking for one of them, none. */
+/* Enlarges all columns, or none if memory is lacking for one of them. */
 static gneiss_status grow(gn_history *history, gneiss_error *error) {
     size_t capacity = history->row_capacity ? 2 * history->row_capacity : 256, c;
     double **value = gn_alloc_array(history->column_count, sizeof *value);

@@ -13,7 +13,7 @@ typedef struct gn_column {
     char name[GN_COLUMN_NAME_SIZE]; /* "stress", "wall_top_force_z" */
     char unit[24];
     char text[160];
-    bool absent;   /* the scene does not provide it: NaN in every row */
+    bool absent;   /* the scene has no such quantity: NaN in every row */
     double *value; /* [rows] */
 } gn_column;
 
@@ -22,14 +22,14 @@ typedef struct gn_history {
     gn_column *columns; /* [column_count] */
 } gn_history;
 
-/* Adds a column; only while the table has no rows. */
+/* Adds a column; allowed only while the table has no rows. */
 gneiss_status gn_history_add_column(gn_history *history, const char *name, const char *unit,
                                     const char *text, gneiss_error *error);
 
 /* Appends a row of `column_count` values. */
 gneiss_status gn_history_append(gn_history *history, const double *row, gneiss_error *error);
 
-/* Removes the rows from `begin` on for which `keep` (indexed by row) is false. */
+/* Removes those rows from `begin` on for which `keep` (indexed by row) is false. */
 void gn_history_keep(gn_history *history, size_t begin, const bool *keep);
 
 /* Returns the values of a column by name, NULL if there is none. Valid until the next append. */

@@ -1,8 +1,8 @@
-/* A specimen that is pressed from all sides alike, by a membrane, walls or a periodic box. */
+/* A specimen that a membrane, walls or a periodic box presses equally from all sides. */
 #include "test_kinds/curves.h"
 
-/* Stress and strain are measured in the specimen, and not computed from forces and displacements of
- * ends. */
+/* Returns sizes of 1: stress and strain are measured in the specimen and not computed from forces
+ * and displacements of ends. */
 static gn_tested_shape unit(const gn_test_sizes *t, const gn_tested_specimen *x) {
     (void)t, (void)x;
     return (gn_tested_shape){.length = 1.0, .area = 1.0, .section = 1.0};

@@ -8,14 +8,15 @@
 #include <stdio.h>
 #include <string.h>
 
-/* If other stresses grow by the fraction k of the axial one, (nu - k (1 - nu))/(1 - 2 nu k) is read
- * as nu and E/(1 - 2 nu k) as E. Rough ends cause that: k is 0.03 in a cylinder with a height of
- * two widths between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
+/* Largest ratio of other stresses to the axial one for a modulus and for Poisson's ratio. If other
+ * stresses grow by the fraction k of the axial one, (nu - k (1 - nu))/(1 - 2 nu k) is read as nu,
+ * and E/(1 - 2 nu k) as E. Rough ends cause this: k is 0.03 in a cylinder with a height of two
+ * widths between glued ends, and 0.075 in a cube (with nu 0.2, 0.14 is read, and 1.03 E). */
 static const double beside_modulus = 0.1, beside_ratio = 0.05;
 
-/* --- absent --- */
+/* --- absent readings --- */
 
-/* Removes the sign of zero for reasons. */
+/* Removes the sign of zero, for reasons as texts. */
 static double unsigned_zero(double x) {
     return x == 0 ? 0 : x;
 }
@@ -51,7 +52,7 @@ static void leave_others(const gn_tested *of, gn_readings *readings) {
     }
 }
 
-/* Reads the energy of zones, for any test or none. */
+/* Reads the energy returned by zones, with any test or without one. */
 static void read_zones(const gn_tested *of, gn_readings *readings) {
     const gn_reading which = GN_READING_returned_energy;
     if (!of->zones) return;
@@ -61,7 +62,7 @@ static void read_zones(const gn_tested *of, gn_readings *readings) {
         gn_reading_absent(readings, which, "there was no energy beyond rounding");
 }
 
-/* Makes readings with a reason NaN, and gives NaN readings a reason. */
+/* Makes readings that have a reason NaN, and gives readings that are NaN a reason. */
 static void settle(gn_readings *readings) {
     for (int k = 0; k < GN_READING_COUNT; k++) {
         if (readings->reason[k][0]) values_of(readings)[k] = NAN;
@@ -79,8 +80,8 @@ static size_t largest_row(const double *stress, size_t begin, size_t rows) {
     return largest;
 }
 
-/* Returns the rows from the first crossing of 1 % of the largest stress up to the first crossing of
- * 50 %, both before it. */
+/* Returns the rows from the first crossing of 1 % to the first crossing of 50 % of the largest
+ * stress, both before it. */
 static gn_row_span loading_span(const double *stress, size_t begin, size_t largest) {
     gn_row_span s = {.first = begin};
     while (s.first < largest && !(stress[s.first] >= 0.01 * stress[largest])) s.first++;
@@ -89,7 +90,8 @@ static gn_row_span loading_span(const double *stress, size_t begin, size_t large
     return s;
 }
 
-/* Returns the interval of the later half, which every kind of start includes. */
+/* Returns the interval between rows in the later half, which consists of time steps whatever the
+ * start. */
 static double interval_of(const double *time, size_t rows) {
     size_t half = rows / 2;
     return time && rows > half + 1 ? (time[rows - 1] - time[half]) / (double)(rows - 1 - half) : 0;
@@ -105,7 +107,8 @@ static double follows(const gn_curves *curves, gn_row_span span, int a, int b) {
 }
 
 /* Requires uniaxial loading: a modulus is stress over strain along one axis with all other stresses
- * constant, zero or those of a cell. Scenes that load or hold the sides, or shear, violate that. */
+ * constant, at zero or at the pressure of a cell. Scenes that load or hold the sides, or shear the
+ * specimen, violate this. */
 static void need_one_axis(const gn_curves *curves, gn_row_span span, gn_reading which, double limit,
                           gn_readings *readings) {
     const int axis = curves->tested->axis;
@@ -129,9 +132,8 @@ static void need_one_axis(const gn_curves *curves, gn_row_span span, gn_reading 
         }
 }
 
-/* Compares the displacement of the ends with the mean strain: if far more of the displacement is
- * bending, or deformation of the ends, the mean strains are not those of a specimen loaded along
- * its axis. */
+/* Requires the displacement of the ends to agree with the mean strain. If much of it is bending, or
+ * deformation of the ends, the mean strains are not those of a specimen loaded along its axis. */
 static void need_ways(const gn_curves *curves, gn_row_span span, gn_reading which,
                       gn_readings *readings) {
     double ways =
@@ -207,7 +209,8 @@ static void read_average_modulus(const gn_curves *curves, gn_readings *readings)
     need_ways_or_stress(curves, curves->elastic, which, readings);
 }
 
-/* An elastic solid has -1 to 0.5; in 2D up to 1, because of plane strain. */
+/* Requires a possible Poisson's ratio: an elastic solid has -1 to 0.5; in 2D up to 1, because of
+ * plane strain. */
 static void need_possible_ratio(int dimension, double nu, gn_reading which, gn_readings *readings) {
     double most = dimension == 2 ? 1 : 0.5;
     if (!(fabs(nu) <= 1))
@@ -218,9 +221,9 @@ static void need_possible_ratio(int dimension, double nu, gn_reading which, gn_r
             "the volume grows under pressure (%.3g, an elastic solid has at most %.1g)", nu, most);
 }
 
-/* Fits both strains over the stress and divides the slopes. A fit of lateral over axial strain
- * would be biased towards zero by vibrations in the axial average; over the stress such scatter
- * averages out of both slopes. */
+/* Fits both strains over the stress and divides the slopes. In a fit of lateral over axial strain,
+ * vibrations of the axial average would bias the slope towards zero; over the stress, such scatter
+ * averages out in both slopes. */
 static gn_line_fit ratio_fit(const gn_curves *curves, gn_row_span span) {
     int axis = curves->tested->axis, dimension = curves->tested->dimension;
     double lateral = 0, variance = 0;
@@ -254,7 +257,7 @@ static void read_poisson(const gn_curves *curves, gn_readings *readings) {
     need_possible_ratio(curves->tested->dimension, f.slope, which, readings);
 }
 
-/* Reads the ratio between two rows, whatever broke or yielded in between. */
+/* Reads Poisson's ratio between two rows, whatever has broken or yielded in between. */
 static void read_secant_ratio(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_secant_poisson_ratio;
     const gn_row_span s = curves->loading;
@@ -279,7 +282,8 @@ static void read_secant_ratio(const gn_curves *curves, gn_readings *readings) {
     need_possible_ratio(dimension, readings->secant_poisson_ratio, which, readings);
 }
 
-/* Plane strain: E' = E/(1 - nu^2), nu' = nu/(1 - nu), solved for E and nu. */
+/* Reads the constants in plane strain: E' = E/(1 - nu^2) and nu' = nu/(1 - nu) are solved for E and
+ * nu. */
 static void read_plane(const gn_curves *curves, gn_readings *readings) {
     const gn_reading modulus = GN_READING_plane_young_modulus,
                      ratio = GN_READING_plane_poisson_ratio;
@@ -324,7 +328,8 @@ static void read_peak(const gn_curves *curves, gn_readings *readings) {
     if (reason) gn_reading_absent(readings, GN_READING_peak_strain, "%s", reason);
 }
 
-/* Sums are signed: waves between the ends cancel, and a missing part remains. */
+/* Reads the imbalance of the ends. Sums are signed, so that waves between the ends cancel and a
+ * missing part remains. */
 static void read_balance(const gn_curves *curves, gn_readings *readings) {
     const double *lower = gn_history_column(curves->history, "stress_lower"),
                  *upper = gn_history_column(curves->history, "stress_upper");

@@ -1,6 +1,6 @@
-/* Quantities that a laboratory reads off the curves of a test. Tension is positive in average
- * stresses and strains; readings are positive in the sense of the test, as reported in the field.
- */
+/* Quantities that are read off the curves of a laboratory test. Tension is positive in average
+ * stresses and strains; readings are positive in the sense of the test, as is usual in
+ * laboratories. */
 #ifndef GN_TEST_KINDS_READINGS_H
 #define GN_TEST_KINDS_READINGS_H
 
@@ -151,52 +151,53 @@ typedef struct gn_readings {
 #undef X
     char reason[GN_READING_COUNT]
                [GN_REASON_SIZE]; /* reason for the absence of a reading (NaN); "": it is present */
-    /* Relative increase of the largest stress over that of the row before, at most 1; the strains
-     * of the rows before and after it. */
+    /* Relative increase of the largest stress over that of the row before, at most 1; strains of
+     * the rows before and after it. */
     double peak_rise, peak_strain_least, peak_strain_most;
     /* Largest relative difference of the slopes over the first and the second half of the rows from
      * the slope over all of them; 0: not known. */
     double nonlinearity[GN_READING_COUNT];
     double peak_fall;      /* relative fall of the last row from the largest stress */
     double initial_stress; /* Pa, stress at the ends before they moved; 0: they never moved */
-    double initial_fall;   /* Pa, the part of that stress that vanished before the test began
+    double initial_fall;   /* Pa, part of that stress that vanished before the test began
                               (beginning.h) */
 } gn_readings;
 
 const char *gn_reading_name(gn_reading which);
 
-/* True if a reading belongs to tests of a kind, in a scene with zones or without: results and
- * summaries hold only those that do. */
+/* True if a reading belongs to tests of a kind, in a scene with zones or without; results and
+ * summaries contain only those that do. */
 bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones);
 
-/* The test whose readings are taken. */
+/* The test of which readings are computed. */
 typedef struct gn_tested {
     gn_test_kind kind;
-    int dimension, axis;                /* axis 0 1 2 */
-    int sign;                           /* -1 compression, +1 tension */
-    bool elastic;                       /* no part of the specimen can fail */
-    bool one_sided;                     /* one end has the force of the other by definition */
-    bool notched;                       /* a beam */
-    bool under_gravity;                 /* under gravity */
-    bool conversion_halted;             /* conversion ended the run */
-    double section;                     /* m2, area of the section that breaks */
-    double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
-    const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
+    int dimension, axis;    /* axis 0 1 2 */
+    int sign;               /* -1 compression, +1 tension */
+    bool elastic;           /* no part of the specimen can fail */
+    bool one_sided;         /* by definition, the force of one end is that of the other */
+    bool notched;           /* a beam with a notch */
+    bool under_gravity;     /* gravity acts on the specimen */
+    bool conversion_halted; /* conversion ended the run */
+    double section;         /* m2, area of the section that breaks */
+    double fragments, largest_fragment; /* computed elsewhere; NaN: there are no bonds */
+    const int32_t *bursts; /* [burst_count] number of bonds that broke in each burst, found
+                              elsewhere; NULL: there are no readings */
     size_t burst_count;
-    const char *no_bursts; /* reason for the absence of readings */
-    /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
-     * as the section varies; 0: as 1; NaN: none follows from it. */
+    const char *no_bursts; /* reason for the absence of these readings */
+    /* Ratio of Young's modulus to the slope of stress over the strain of the test, and over the
+     * mean strain, if the section varies; 0 stands for 1; NaN: no modulus follows. */
     double by_ends, by_mean;
     gn_cut cut;             /* properties of the cut, for cutting tests */
     bool zones;             /* particles and elements share a part of the body */
-    double returned_energy; /* determined elsewhere at the end; NaN: there is no value */
+    double returned_energy; /* computed elsewhere at the end; NaN: there is no value */
 } gn_tested;
 
-/* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of
- * the test), `strain_xx` .. and `stress_xx` .. (averages, tension positive), `broken_tension`,
- * `broken_shear`, and what tests of the kind have besides; what is not there is not looked at. In
- * 2D the lateral strain is that of the one other in-plane axis. A reading that the curves cannot
- * give is NaN and has a reason. */
+/* Computes the readings from history columns: `strain`, `stress`, `stress_lower`, `stress_upper`
+ * (positive in the sense of the test), `strain_xx` .. and `stress_xx` .. (averages, tension
+ * positive), `broken_tension`, `broken_shear`, and others that tests of the kind have; absent
+ * columns are ignored. In 2D the lateral strain is that along the other in-plane axis. A reading
+ * that the curves cannot give is NaN and has a reason. */
 void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *readings);
 
 #endif

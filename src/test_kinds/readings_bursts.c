@@ -1,5 +1,5 @@
-/* Bursts of breaking bonds, the counterpart of acoustic events: their number and the slope of their
- * sizes. */
+/* Bursts of breaking bonds, which correspond to acoustic events: their number and the slope of the
+ * distribution of their sizes. */
 #include "test_kinds/curves.h"
 
 #include <math.h>
@@ -33,7 +33,8 @@ static double power_of(double mean_log) {
     return 0.5 * (low + high);
 }
 
-/* The standard error of a slope b of n events is b/sqrt(n) (Aki 1965): 14 % for 50 events. */
+/* Least number of events for a slope: the standard error of a slope b of n events is b/sqrt(n) (Aki
+ * 1965), 14 % for 50 events. */
 enum { EVENTS_LEAST = 50 };
 
 void gn_readings_of_bursts(const gn_tested *tested, gn_readings *readings) {

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A stress is a peak if it has then decreased by this fraction: more than vibrations and single
+/* Fraction by which a stress must have decreased to be a peak: more than vibrations and single
  * bonds cause on a rising curve. */
 static const double fall = 0.05;
 
@@ -67,12 +67,12 @@ void gn_need_modulus(gn_line_fit fit, gn_reading which, gn_readings *readings) {
 
 /* --- the elastic rows --- */
 
-/* Below this fraction of the largest stress, platens break single protruding grains, which is not
- * yet the failure of the specimen. */
+/* Fraction of the largest stress below which platens break single protruding grains, which is not
+ * the failure of the specimen. */
 static const double seating = 0.1;
 
-/* Fraction of the work that dissipation in bonds may have, which is then the error of the slope of
- * the work over the square of the strain. */
+/* Largest share of dissipation in bonds in the work, which is then the error of the slope of the
+ * work over the square of the strain. */
 static const double dissipated = 0.01;
 
 double gn_breaks_until(const gn_curves *curves, size_t row) {
@@ -88,7 +88,8 @@ static double few_bonds(const gn_curves *curves) {
     return intact ? 0.01 * pow(fmax(intact[curves->begin], 0), (d - 1) / d) : 0;
 }
 
-/* Returns the first row of the span after significant breaks; its end if there is none. */
+/* Returns the first row of the span after a significant number of breaks; the end of the span if
+ * there is none. */
 static size_t first_break(const gn_curves *curves) {
     const double few = few_bonds(curves), most = curves->stress[curves->largest];
     double before = gn_breaks_until(curves, curves->loading.first);
@@ -118,7 +119,7 @@ static double stored(const gn_curves *curves, size_t row) {
     return sum;
 }
 
-/* Returns the first row of the span in which a loss exceeds its fraction of the work. Without the
+/* Returns the first row of the span in which a loss exceeds its share of the work. Without the
  * energy ledger losses are unknown. */
 static size_t first_loss(const gn_curves *curves, const char *column) {
     size_t row = curves->loading.first;
@@ -152,7 +153,7 @@ double gn_nonlinearity(const gn_curves *curves, gn_slope_of *slope) {
 
 /* --- slopes and peaks --- */
 
-/* Returns the number of rows for which the interval before a row counts: 1 for time steps. */
+/* Returns the number of rows that the interval before a row replaces: 1 for time steps. */
 static size_t parts_of(const gn_curves *curves, size_t row, gn_row_span span) {
     const double wide = 1.5, most = 1e4;
     if (row == span.first || !(curves->interval > 0)) return 1;
@@ -192,9 +193,9 @@ static double last_of(const gn_history *history, const char *name) {
     return column ? column[history->row_count - 1] : NAN;
 }
 
-/* Tells whether the sheared specimen slides by friction over a third of the displacement of its
- * ends or more: after the stress first comes within `fall` of its largest value, most of the work
- * of the ends is friction. */
+/* Tells whether the sheared specimen slides by friction over a third or more of the displacement of
+ * its ends: after the stress has first come within `fall` of its largest value, most of the work of
+ * the ends is friction. */
 static bool slides(const gn_curves *curves) {
     const double *friction = gn_history_column(curves->history, "energy_friction"),
                  *force = gn_history_column(curves->history, "force"),

@@ -1,5 +1,5 @@
-/* One half of a specimen moved along the other: shear between two ends, simple_shear throughout
- * the space between them in a periodic box. */
+/* One half of a specimen that is moved along the other: `shear` between two ends, and
+ * `simple_shear` throughout the space between them in a periodic box. */
 #include "test_kinds/curves.h"
 
 static void read_shear(const gn_curves *curves, gn_readings *readings) {
@@ -14,8 +14,8 @@ static void read_shear(const gn_curves *curves, gn_readings *readings) {
     gn_read_slope(curves, GN_READING_shear_modulus, &readings->shear_modulus, readings);
 }
 
-/* A sheared specimen under pressure may keep most of its peak stress by friction, so that a run
- * ends at a strain as well. */
+/* By friction, a sheared specimen under pressure may keep most of its peak stress, so that a run
+ * also ends at a strain. */
 #define SHEARED                                                                                    \
     .ends = true, .sheared = true, .sign = 1, .needs = GN_TAKES(normal), .peak_drop = 0.5,         \
     .strain = 0.2, .shape = gn_test_prism,                                                         \

@@ -2,7 +2,7 @@
 #include "test_kinds/curves.h"
 
 /* The peak drop is so large because the fracture energy is read once a tenth of the load is left;
- * the rest is for broken parts that ring. */
+ * the rest is for broken parts that vibrate. */
 const gn_test_descriptor gn_test_tension = {
     .name = "tension",
     .ends = true,

@@ -1,7 +1,7 @@
-/* Laboratory tests that are known by name. A kind is one file of this folder, <kind>.c: its
- * descriptor says which keys it takes, how its scenes are checked, how the length and the area of
- * strain and stress follow from the specimen, what is read off its curves and what a report shows.
- * All other code asks the descriptor and names no kind. */
+/* Laboratory tests that are known by name. A kind is one file of this folder, <kind>.c. Its
+ * descriptor states which keys it takes, how its scenes are checked, how the length and the area
+ * for strain and stress follow from the specimen, which readings follow from its curves, and what a
+ * report shows. All other code uses the descriptor and names no kind. */
 #ifndef GN_TEST_KINDS_TEST_KIND_H
 #define GN_TEST_KINDS_TEST_KIND_H
 
@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* X(NAME, name, text): GN_TEST_<NAME>, its name in scene files, its part of the text of test.kind.
- * The descriptor is gn_test_<name>. */
+/* X(NAME, name, text): GN_TEST_<NAME>, the name in scene files, and the part of the text of
+ * test.kind. The descriptor is gn_test_<name>. */
 #define GN_TEST_KIND_LIST(X)                                                                       \
     X(COMPRESSION, compression, "")                                                                \
     X(TENSION, tension, "")                                                                        \
@@ -28,17 +28,17 @@
 typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_KIND_LIST(X) GN_TEST_KINDS } gn_test_kind;
 #undef X
 
-/* Lengths and areas that a scene gives: keys of the section `test`, m or m2; 0: not given. */
+/* Lengths and areas that a scene gives as keys of the section `test`, m or m2; 0: not given. */
 #define GN_TEST_SIZES(X)                                                                           \
     X(length)                                                                                      \
     X(area)                                                                                        \
     X(diameter)  /* diameter of a cylinder or a disc */                                            \
     X(thickness) /* thickness of a disc or a beam */                                               \
     X(span)      /* distance of the supports of a beam */                                          \
-    X(load_span) /* distance of its two loads; 0: one load at mid-span */                          \
+    X(load_span) /* distance between the two loads of a beam; 0: one load at mid-span */           \
     X(height)    /* height of a beam */                                                            \
     X(notch)     /* depth of its notch */                                                          \
-    X(depth)     /* depth of a cut; the following keys are those of a cut too */                   \
+    X(depth)     /* depth of a cut; the following keys also belong to cuts */                      \
     X(spacing)                                                                                     \
     X(run_in)                                                                                      \
     X(peak_window)                                                                                 \
@@ -50,7 +50,7 @@ typedef struct gn_test_sizes {
 #undef X
 } gn_test_sizes;
 
-/* Keys of the section `test` that only some kinds take. */
+/* Keys of the section `test` that only some kinds have. */
 #define GN_TEST_KEYS(X) GN_TEST_SIZES(X) X(centre) X(normal) X(tool) X(blocks) X(pressure_exponent)
 #define X(name)         GN_TEST_KEY_##name,
 typedef enum gn_test_key { GN_TEST_KEYS(X) GN_TEST_KEY_COUNT } gn_test_key;
@@ -58,10 +58,10 @@ typedef enum gn_test_key { GN_TEST_KEYS(X) GN_TEST_KEY_COUNT } gn_test_key;
 #define GN_TAKES(name)  (1u << GN_TEST_KEY_##name)
 #define GN_TAKES_LENGTH (GN_TAKES(length) | GN_TAKES(area) | GN_TAKES(diameter))
 
-/* A set of readings, a bit each (curves.h). */
+/* A set of readings, one bit each (curves.h). */
 __extension__ typedef unsigned __int128 gn_reading_set;
 
-/* Extents of the specimen at the start of a test. */
+/* Sizes of the specimen at the start of a test. */
 typedef struct gn_tested_specimen {
     int dimension, axis;
     double side[3];    /* m */
@@ -69,15 +69,15 @@ typedef struct gn_tested_specimen {
     /* These are known for prisms and for sheared specimens. */
     double length;  /* m: the given length, otherwise that of the strained part */
     double height;  /* m: the given length, otherwise that of the whole specimen; times the section
-                       it is the volume */
-    double section; /* m2: given, else the mean one, across the axis or the normal */
+                       it gives the volume */
+    double section; /* m2: if not given, the mean section across the axis or the normal */
 } gn_tested_specimen;
 
-/* Sizes that stress and strain refer to. */
+/* Sizes to which stress and strain refer. */
 typedef struct gn_tested_shape {
-    double length;  /* m: closing of the ends over the strain of the test */
-    double area;    /* m2: force over the stress of the test */
-    double section; /* m2: section that breaks: across the axis, of a disc along it, of a beam above
+    double length;  /* m: ratio of the closing of the ends to the strain of the test */
+    double area;    /* m2: ratio of the force to the stress of the test */
+    double section; /* m2: section that breaks: across the axis; of a disc along it; of a beam above
                        its notch */
     double volume;  /* m3, given by the scene for a body from a file; 0: not given */
     double diameter;  /* m, of a disc */
@@ -99,41 +99,41 @@ typedef struct gn_test_descriptor {
 
     /* The specimen and how it is loaded. */
     bool ends;      /* two ends load the specimen along an axis */
-    bool isotropic; /* loaded from all sides alike, without ends: stress is the mean pressure,
-                       strain the loss of volume */
-    bool prism;     /* stress is the force of the ends over its section, strain their closing over
-                       its length */
-    bool disc;      /* loaded across its diameter, with its faces across z */
-    bool beam;      /* the specimen is a beam on two supports */
+    bool isotropic; /* the specimen is loaded equally from all sides and has no ends: stress is the
+                       mean pressure, strain the loss of volume */
+    bool prism;   /* stress is the force of the ends over the section, strain their closing over the
+                     length */
+    bool disc;    /* the specimen is a disc with faces across z, loaded across its diameter */
+    bool beam;    /* the specimen is a beam on two supports */
     bool tool;    /* the test has no ends: a body moves along the surface of the specimen; strain is
-                     its path over the length, stress its force against the motion over the area */
+                     its path over the length, stress the force against its motion over the area */
     bool sheared; /* the ends move along a plane, whose normal is a key; strain is their
                      displacement over their distance along the normal */
     bool periodic_sides; /* the sides are periodic: the box is open along the normal, and its
                             section is the area */
-    bool sides_stand;    /* the sides stand beside the specimen along all other directions */
-    bool confined;       /* under a membrane: stress is the deviator */
-    bool general; /* scenes use it for other bodies as well, as beams clamped at one end or pulled
+    bool sides_stand;    /* sides stand beside the specimen along all other directions */
+    bool confined;       /* the specimen is under a membrane, and stress is the deviator */
+    bool general; /* scenes also use it for other bodies, such as beams clamped at one end or pulled
                      out of a block: the positions of its ends and its sizes are checked less
                      strictly */
-    int sign; /* +1: the upper end moves along the axis where strain and stress are positive, -1:
-                 against it */
+    int sign; /* +1: the upper end moves along the axis if strain and stress are positive; -1: in
+                 the opposite sense */
 
     /* The scene. */
     unsigned takes;           /* a set of GN_TAKES */
-    unsigned needs;           /* keys that it requires, a part of these */
+    unsigned needs;           /* keys that it requires; a subset of these */
     int dimension;            /* 2, 3; 0: either */
-    const char *counterpart;  /* name of the kind that is this one in the other dimension */
-    double peak_drop, strain; /* default conditions at which a run ends: the relative fall of stress
-                                 from its peak; the strain; 0: no such condition */
-    const char *study;        /* tests in the study of accuracy that are of this kind; NULL: none */
+    const char *counterpart;  /* name of the same kind of test in the other dimension */
+    double peak_drop, strain; /* default conditions that end a run: relative fall of stress from its
+                                 peak; strain; 0: no such condition */
+    const char *study;        /* tests of this kind in the study of accuracy; NULL: none */
 
     /* Stress and strain. */
     gn_tested_shape (*shape)(const gn_test_sizes *given, const gn_tested_specimen *specimen);
-    const char *area_source; /* origin of the area unless the scene gives it */
+    const char *area_source; /* how the area is determined unless the scene gives it */
 
-    /* Readings: the set of those that belong to it (curves.h), and the function that reads those
-     * that not all kinds have, NULL: there are none. */
+    /* Readings: the set of those that the kind has (curves.h), and the function for those that only
+     * some kinds have; NULL: there are none. */
     gn_reading_set readings;
     void (*read)(const struct gn_curves *curves, struct gn_readings *readings);
 
@@ -142,18 +142,18 @@ typedef struct gn_test_descriptor {
     gn_test_figure figures[8];             /* the last one has no name */
 } gn_test_descriptor;
 
-/* GN_TEST_NONE has a descriptor without capabilities, whose readings are absent because the scene
- * has no test. */
+/* GN_TEST_NONE has a descriptor without abilities; its readings are absent because the scene has no
+ * test. */
 extern const gn_test_descriptor *const gn_test_kinds[GN_TEST_KINDS];
 
 static inline const gn_test_descriptor *gn_test_of(gn_test_kind kind) {
     return gn_test_kinds[kind];
 }
 
-/* "brazilian and bending": the kinds of a set, a bit each. */
+/* Writes the kinds of a set, one bit each: "brazilian and bending". */
 const char *gn_test_names(unsigned kinds, char *text, size_t size);
 
-/* The shape of prisms and of sheared specimens. */
+/* Returns the shape of prisms and of sheared specimens. */
 gn_tested_shape gn_test_prism(const gn_test_sizes *given, const gn_tested_specimen *specimen);
 
 #endif

@@ -328,7 +328,7 @@ gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_zones *zones, bool listed, gn_whole_limit *limit,
                                gneiss_error *error) {
     whole y = {.q = zones->coupled, .ctx = ctx, .dem = dem, .solids = solids, .limit = limit};
-    gneiss_status status = gn_dem_with_spectrum(ctx, dem, boundary, listed, find, &y, error);
+    gneiss_status status = gn_timestep_with_spectrum(ctx, dem, boundary, listed, find, &y, error);
     whole_free(&y);
     return status;
 }
@@ -353,8 +353,8 @@ const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t siz
     return text;
 }
 
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_solids *solids,
-                                         const gn_zones *zones) {
+const gn_element_model *gn_timestep_elements_lead(const gn_step_context *ctx,
+                                                  const gn_solids *solids, const gn_zones *zones) {
     const gn_element_model *lead = NULL;
     for (size_t k = 0; k < solids->count; k++)
         if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];

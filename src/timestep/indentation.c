@@ -138,7 +138,7 @@ void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary)
     update_pairs(ctx, dem);
     update_walls(ctx, dem, boundary);
     keep_pairs(dem);
-    gn_near_repack(ctx, dem);
+    gn_active_pairs_repack(ctx, dem);
 }
 
 /* --- prescribed motions --- */

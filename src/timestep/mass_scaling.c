@@ -18,7 +18,7 @@
 
 #include <math.h>
 
-double gn_dem_added_kinetic(const gn_dem *dem) {
+double gn_timestep_added_kinetic(const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double all = 0.0, added = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -51,8 +51,8 @@ static gneiss_status find_factors(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   const gn_zones *zones, const wanted *q, double part,
                                   gneiss_error *error) {
-    GN_TRY(gn_dem_masses(ctx, dem, boundary, false, part * q->limit, NULL, q->factor, error));
-    GN_TRY(gn_dem_masses(ctx, dem, boundary, true, part * q->listed, NULL, q->also, error));
+    GN_TRY(gn_timestep_masses(ctx, dem, boundary, false, part * q->limit, NULL, q->factor, error));
+    GN_TRY(gn_timestep_masses(ctx, dem, boundary, true, part * q->listed, NULL, q->also, error));
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         q->factor[p] = fmax(q->factor[p], q->also[p]);
     return gn_resolution_masses(ctx, dem, boundary, solids, zones, q->step, q->factor, error);
@@ -116,10 +116,10 @@ static bool follow_once(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledg
     return any;
 }
 
-gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                   bool listed, const uint8_t *changed, double *held,
-                                   gneiss_error *error) {
+gneiss_status gn_timestep_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                        gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                        bool listed, const uint8_t *changed, double *held,
+                                        gneiss_error *error) {
     enum { ROUNDS = 8 }; /* dashpots require several rounds */
     const gn_mass_scaling *s = &ctx->choice.scaling;
     *held = 0.0;
@@ -131,7 +131,7 @@ gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundar
     GN_TRY(gn_new(&factor, dem->particles.soa.count + 1, "masses", error));
     gneiss_status status = GNEISS_OK;
     for (int round = 0; round < ROUNDS; round++) {
-        status = gn_dem_masses(ctx, dem, boundary, listed, step, changed, factor, error);
+        status = gn_timestep_masses(ctx, dem, boundary, listed, step, changed, factor, error);
         if (status != GNEISS_OK || !follow_once(ctx, dem, ledger, factor)) break;
         if (dem->damping_fraction == 0.0) break;
     }
@@ -202,10 +202,10 @@ static gneiss_status make_room(const gn_dem *dem, wanted *q, gneiss_error *error
 }
 
 /* The largest factor of a mass is the square of the ratio of the step to that of the bound. */
-gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, double step, double *of_bound,
-                                    double *added, gneiss_error *error) {
+gneiss_status gn_timestep_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids,
+                                         const gn_zones *zones, double step, double *of_bound,
+                                         double *added, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
     const double limit = gn_limit_needed(ctx, dem, solids, zones, step / ctx->scene.safety);
     *of_bound = *added = INFINITY;
@@ -213,7 +213,8 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
     double *factor = gn_alloc_array(q->soa.count + 1, sizeof *factor), most = 1.0, sum = 0.0;
     if (!factor)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses", q->soa.count);
-    gneiss_status status = gn_dem_masses(ctx, dem, boundary, false, limit, NULL, factor, error);
+    gneiss_status status =
+        gn_timestep_masses(ctx, dem, boundary, false, limit, NULL, factor, error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
         if (!(q->vel[4 * p + 3] > 0.0)) continue;
         most = fmax(most, factor[p]);
@@ -225,9 +226,9 @@ gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *de
     return status;
 }
 
-gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                  gneiss_error *error) {
+gneiss_status gn_timestep_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     if (!(ctx->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
     wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * ctx->dt,

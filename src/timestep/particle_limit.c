@@ -156,9 +156,9 @@ static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_e
     return gn_step_limits(spectrum, q->tolerance, q->limit, error);
 }
 
-gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
-                                   void *context, gneiss_error *error) {
+gneiss_status gn_timestep_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
+                                        const gn_boundary *boundary, bool listed,
+                                        gn_spectrum_user *use, void *context, gneiss_error *error) {
     gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
     double reach = listed ? dem->verlet.skin : 0.0;
@@ -172,20 +172,20 @@ gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem
 static gneiss_status ask(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          bool listed, const question *q, gneiss_error *error) {
     question copy = *q;
-    return gn_dem_with_spectrum(ctx, dem, boundary, listed, answer, &copy, error);
+    return gn_timestep_with_spectrum(ctx, dem, boundary, listed, answer, &copy, error);
 }
 
-gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, bool listed, double step,
-                            const uint8_t *changed, double *factor, gneiss_error *error) {
+gneiss_status gn_timestep_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, bool listed, double step,
+                                 const uint8_t *changed, double *factor, gneiss_error *error) {
     question q = {.step = step, .turned = changed, .masses = factor};
     return ask(ctx, dem, boundary, listed, &q, error);
 }
 
-gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const uint8_t *slips, double rate,
-                           const double *load, double tolerance, gn_preconditioner *made, double *u,
-                           gn_equilibrium *found, gneiss_error *error) {
+gneiss_status gn_timestep_relax(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, const uint8_t *slips, double rate,
+                                const double *load, double tolerance, gn_preconditioner *made,
+                                double *u, gn_equilibrium *found, gneiss_error *error) {
     gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
     GN_TRY(make_data(ctx, dem, boundary, 0.0, &data, error));
@@ -258,8 +258,8 @@ static gneiss_status follow_and_ask(gn_step_context *ctx, gn_dem *dem, gn_bounda
     about.turned = of;
     double held = 0.0;
     if (ctx->scene.estimate == GN_STEP_BOUND)
-        GN_TRY(gn_dem_follow_masses(ctx, dem, boundary, solids, zones, ledger, listed, of, &held,
-                                    error));
+        GN_TRY(gn_timestep_follow_masses(ctx, dem, boundary, solids, zones, ledger, listed, of,
+                                         &held, error));
     *q->verdict = (gn_step_verdict){.holds = true};
     /* Masses were raised for a slightly larger step, by the tolerance with which blocks are left
      * unchanged. */
@@ -296,13 +296,13 @@ static gneiss_status limit_fell(gn_step_context *ctx, gn_dem *dem, gn_boundary *
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                           gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                           bool *due, gneiss_error *error) {
+gneiss_status gn_timestep_particle_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                         gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                         bool full, bool *due, gneiss_error *error) {
     bool fell = full;
     GN_TRY(gn_loose_find(ctx, dem, error));
     if (!full) GN_TRY(limit_fell(ctx, dem, boundary, solids, zones, ledger, &fell, error));
-    GN_TRY(gn_boundary_limit(ctx, dem, boundary, fell, due, error));
+    GN_TRY(gn_timestep_boundary_limit(ctx, dem, boundary, fell, due, error));
     if (!*due) return GNEISS_OK;
     if (fell) GN_TRY(find_limit(ctx, dem, boundary, error));
     return usable_limit(ctx, dem, boundary, &ctx->choice.stable, error);
@@ -312,9 +312,9 @@ gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *bound
 
 /* A margin of one hundredth is left for normals and arms that rotate until the lists are rebuilt.
  */
-gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                                  bool *fine, gneiss_error *error) {
+gneiss_status gn_timestep_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       bool full, bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
     double needed = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99);
@@ -349,15 +349,15 @@ static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_
 
 /* If collisions are resolved, steps are far below the limit; row sums then prove the step stable
  * without a search for changes. */
-gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, bool *far, gneiss_error *error) {
+gneiss_status gn_timestep_limit_far(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    const gn_zones *zones, bool *far, gneiss_error *error) {
     gn_step_verdict verdict = {0};
     question q = {.step = gn_limit_needed(ctx, dem, solids, zones, ctx->dt / 0.99),
                   .verdict = &verdict};
     *far = false;
     if (ctx->dt > 0.5 * ctx->choice.stable || !(q.step < INFINITY)) return GNEISS_OK;
-    GN_TRY(gn_dem_with_spectrum(ctx, dem, boundary, true, by_sums, &q, error));
+    GN_TRY(gn_timestep_with_spectrum(ctx, dem, boundary, true, by_sums, &q, error));
     *far = verdict.holds;
     return GNEISS_OK;
 }
@@ -368,9 +368,10 @@ static bool resolve(gn_step_context *ctx, gn_resolution r) {
     return shorter;
 }
 
-gneiss_status gn_dem_resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                                    const gn_solids *solids, const gn_zones *zones, bool *shorter,
-                                    gneiss_error *error) {
+gneiss_status gn_timestep_resolve_listed(gn_step_context *ctx, gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids,
+                                         const gn_zones *zones, bool *shorter,
+                                         gneiss_error *error) {
     gn_resolution resolution;
     GN_TRY(gn_loose_find(ctx, dem, error));
     GN_TRY(gn_resolution_listed(ctx, dem, boundary, solids, zones, &resolution, error));
@@ -378,8 +379,9 @@ gneiss_status gn_dem_resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                                    bool *shorter, gneiss_error *error) {
+gneiss_status gn_timestep_resolve_flight(gn_step_context *ctx, gn_dem *dem,
+                                         const gn_boundary *boundary, bool *shorter,
+                                         gneiss_error *error) {
     gn_resolution flight;
     double unused;
     *shorter = false;
@@ -389,7 +391,7 @@ gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_
     return GNEISS_OK;
 }
 
-void gn_dem_limit_anew(gn_step_context *ctx) {
+void gn_timestep_limit_anew(gn_step_context *ctx) {
     ctx->choice.listed = INFINITY;
     ctx->choice.resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
 }
@@ -422,9 +424,9 @@ static gneiss_status turned_hold(gn_step_context *ctx, gn_dem *dem, gn_boundary 
 /* If springs rotate relative to each other, their limit changes although they stay the same: a
  * bonded chain that is stretched straight needs a smaller step than one with a right angle. If the
  * step is not proved stable, the limit of all particles is computed again. */
-gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
-                                  gneiss_error *error) {
+gneiss_status gn_timestep_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       bool *due, gneiss_error *error) {
     bool hold = true;
     uint8_t *turned = gn_alloc(dem->particles.soa.count + 1);
     if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");

@@ -113,8 +113,9 @@ static gneiss_status check_spins(const gn_step_context *ctx, const gn_dem *dem,
         ctx->stable, advice);
 }
 
-gneiss_status gn_dem_check_paths(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, bool measure, gneiss_error *error) {
+gneiss_status gn_timestep_check_particle_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                               const gn_boundary *boundary, bool measure,
+                                               gneiss_error *error) {
     GN_TRY(check_motion(ctx, dem, boundary, error));
     return measure ? check_spins(ctx, dem, error) : GNEISS_OK;
 }
@@ -155,8 +156,8 @@ static gneiss_status check_wall(const gn_step_context *ctx, const gn_dem *dem,
         ctx->scene.walls[k].servo.active ? "servo.max_velocity bounds it" : advice);
 }
 
-gneiss_status gn_boundary_check_paths(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, gneiss_error *error) {
+gneiss_status gn_timestep_check_boundary_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                               const gn_boundary *boundary, gneiss_error *error) {
     for (size_t k = 0; k < ctx->scene.body_count; k++)
         GN_TRY(check_body(ctx, dem, boundary, k, error));
     for (size_t k = 0; k < ctx->scene.wall_count; k++)
@@ -164,8 +165,8 @@ gneiss_status gn_boundary_check_paths(const gn_step_context *ctx, const gn_dem *
     return GNEISS_OK;
 }
 
-gneiss_status gn_elements_check_paths(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_timestep_check_element_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                              const gn_solids *solids, gneiss_error *error) {
     double most = 0.0;
     for (size_t k = 0; k < solids->count; k++)
         most = fmax(most, gn_element_contact_speed(solids->elements[k]));

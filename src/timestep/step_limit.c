@@ -127,7 +127,7 @@ static gneiss_status limit_now(gn_step_context *ctx, gn_dem *dem, const gn_bound
 /* Names the particle, element or zone that sets the limit. */
 static const char *name_limiting_part(const gn_step_context *ctx, const gn_solids *solids,
                                       const gn_zones *zones, char *text, size_t size) {
-    const gn_element_model *lead = gn_elements_lead(ctx, solids, zones);
+    const gn_element_model *lead = gn_timestep_elements_lead(ctx, solids, zones);
     const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
     if (whole) return gn_whole_culprit(whole, text, size);
     if (lead) return gn_elements_culprit(ctx, lead, text, size);
@@ -238,7 +238,7 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
                                     const gn_solids *solids, const gn_zones *zones,
                                     gneiss_error *error) {
     bool shorter;
-    GN_TRY(gn_dem_resolve_listed(ctx, dem, boundary, solids, zones, &shorter, error));
+    GN_TRY(gn_timestep_resolve_listed(ctx, dem, boundary, solids, zones, &shorter, error));
     if (shorter) gn_timestep_lower(ctx, dem, ctx->choice.resolution.step);
     return check_advance(ctx, solids, zones, error);
 }
@@ -247,7 +247,7 @@ static gneiss_status check_rotated(gn_step_context *ctx, gn_dem *dem, gn_boundar
                                    gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                    gneiss_error *error) {
     bool due;
-    GN_TRY(gn_dem_limit_turned(ctx, dem, boundary, solids, zones, ledger, &due, error));
+    GN_TRY(gn_timestep_limit_turned(ctx, dem, boundary, solids, zones, ledger, &due, error));
     if (!due) return GNEISS_OK;
     GN_TRY(limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error));
     if (ctx->dt <= GN_TURNED_SHARE * ctx->stable) return GNEISS_OK;
@@ -329,10 +329,10 @@ static gneiss_status check_lists(gn_step_context *ctx, gn_dem *dem, gn_boundary 
     follow_flight(ctx, dem, boundary);
     gn_timestep_follow_bodies(ctx, dem, boundary);
     GN_TRY(resolve_listed(ctx, dem, boundary, solids, zones, error));
-    if (!full) GN_TRY(gn_dem_limit_far(ctx, dem, boundary, solids, zones, fine, error));
+    if (!full) GN_TRY(gn_timestep_limit_far(ctx, dem, boundary, solids, zones, fine, error));
     if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
     GN_TRY(check_rotated(ctx, dem, boundary, solids, zones, ledger, error));
-    GN_TRY(gn_dem_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
+    GN_TRY(gn_timestep_limit_listed(ctx, dem, boundary, solids, zones, ledger, full, fine, error));
     if (!*fine) GN_TRY(check_whole(ctx, dem, boundary, solids, zones, fine, error));
     /* Leaves a margin of two hundredths, so that the next lists need not lower the step again. */
     if (!*fine) gn_timestep_lower(ctx, dem, 0.98 * ctx->choice.listed);
@@ -359,10 +359,10 @@ static gneiss_status check_anew(gn_step_context *ctx, gn_dem *dem, gn_boundary *
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                 gneiss_error *error) {
     bool fine, shorter;
-    gn_dem_limit_anew(ctx);
+    gn_timestep_limit_anew(ctx);
     GN_TRY(check_lists(ctx, dem, boundary, solids, zones, ledger, true, &fine, error));
     if (!ctx->scene.has_specimen) return GNEISS_OK;
-    GN_TRY(gn_dem_resolve_flight(ctx, dem, boundary, &shorter, error));
+    GN_TRY(gn_timestep_resolve_flight(ctx, dem, boundary, &shorter, error));
     if (shorter) gn_timestep_lower(ctx, dem, ctx->choice.resolution.step);
     return GNEISS_OK;
 }
@@ -376,7 +376,8 @@ gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *
     gneiss_status status = GNEISS_OK;
     if (ctx->scene.has_specimen) gn_pressed_update(ctx, dem, boundary);
     if (ctx->scene.has_specimen)
-        status = gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, full, &due, error);
+        status = gn_timestep_particle_limit(ctx, dem, boundary, solids, zones, ledger, full, &due,
+                                            error);
     if (status == GNEISS_OK) status = gn_elements_limit(ctx, solids, full, &elements_due, error);
     if (status == GNEISS_OK && full && ctx->step == 0) gn_coupled_stiffen(ctx, dem, solids, zones);
     if (status == GNEISS_OK)
@@ -437,7 +438,8 @@ gneiss_status gn_timestep_update_reported_limit(gn_step_context *ctx, gn_dem *de
                                                 gneiss_error *error) {
     bool due;
     if (!ctx->scene.has_specimen || solids->count || ctx->effects & GN_FX_BONDS) return GNEISS_OK;
-    GN_TRY(gn_dem_limit(ctx, dem, boundary, solids, zones, ledger, true, &due, error));
+    GN_TRY(
+        gn_timestep_particle_limit(ctx, dem, boundary, solids, zones, ledger, true, &due, error));
     return limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error);
 }
 

@@ -445,17 +445,18 @@ static bool are_more(const gn_step_choice *known, double bodies, double vertices
     return bodies > 1.02 * known->surface_rate || vertices > 1.02 * known->vertex_rate;
 }
 
-gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, bool *more,
-                                      gneiss_error *error) {
+gneiss_status gn_timestep_surfaces_yield_more(const gn_step_context *ctx, const gn_dem *dem,
+                                              const gn_boundary *boundary, bool *more,
+                                              gneiss_error *error) {
     double bodies, vertices;
     GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
     *more = are_more(&ctx->choice, bodies, vertices);
     return GNEISS_OK;
 }
 
-gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
-                                bool anew, bool *due, gneiss_error *error) {
+gneiss_status gn_timestep_boundary_limit(gn_step_context *ctx, const gn_dem *dem,
+                                         gn_boundary *boundary, bool anew, bool *due,
+                                         gneiss_error *error) {
     double bodies, vertices;
     GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
     *due = anew || are_more(&ctx->choice, bodies, vertices);

@@ -102,61 +102,63 @@ const char *gn_timestep_light_body(const gn_step_context *ctx, const gn_dem *dem
 
 /* Finds the displacements that bring the linearised system into equilibrium with `load`, see
  * gn_equilibrium_solve. `slips`: see gn_spectrum, `rate`: gn_viscosity. */
-gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const uint8_t *slips, double rate,
-                           const double *load, double tolerance, gn_preconditioner *made, double *u,
-                           gn_equilibrium *found, gneiss_error *error);
+gneiss_status gn_timestep_relax(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, const uint8_t *slips, double rate,
+                                const double *load, double tolerance, gn_preconditioner *made,
+                                double *u, gn_equilibrium *found, gneiss_error *error);
 /* Finds the limit of the particles alone (particle_limit.c), by the springs that have become active
  * since the last check or, with `full`, by all active springs. *due: the limit has changed, or that
  * of the objects that particles touch. */
-gneiss_status gn_dem_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                           gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                           bool *due, gneiss_error *error);
+gneiss_status gn_timestep_particle_limit(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                         gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                         bool full, bool *due, gneiss_error *error);
 /* Finds the limit for contacts that have rotated since the last check. */
-gneiss_status gn_dem_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool *due,
-                                  gneiss_error *error);
+gneiss_status gn_timestep_limit_turned(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       bool *due, gneiss_error *error);
 /* Tells whether the step of the world is stable with all listed contacts closed; if not,
  * choice.listed is a stable one. `full`: checks all listed contacts, not only those that have
  * changed. */
-gneiss_status gn_dem_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
-                                  bool *fine, gneiss_error *error);
+gneiss_status gn_timestep_limit_listed(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       bool full, bool *fine, gneiss_error *error);
 /* Tells whether the step is so short that row sums over the listed contacts prove it stable,
  * without a search for changes. */
-gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, bool *far, gneiss_error *error);
+gneiss_status gn_timestep_limit_far(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    const gn_zones *zones, bool *far, gneiss_error *error);
 /* Finds the shortest collision among listed pairs (resolve_listed), or of the whole scene if no
  * listed pair collides (resolve_flight). *shorter: it is shorter than known before. */
-gneiss_status gn_dem_resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                                    const gn_solids *solids, const gn_zones *zones, bool *shorter,
-                                    gneiss_error *error);
-gneiss_status gn_dem_resolve_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                                    bool *shorter, gneiss_error *error);
+gneiss_status gn_timestep_resolve_listed(gn_step_context *ctx, gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids,
+                                         const gn_zones *zones, bool *shorter, gneiss_error *error);
+gneiss_status gn_timestep_resolve_flight(gn_step_context *ctx, gn_dem *dem,
+                                         const gn_boundary *boundary, bool *shorter,
+                                         gneiss_error *error);
 /* Discards the results about lists and collisions. */
-void gn_dem_limit_anew(gn_step_context *ctx);
+void gn_timestep_limit_anew(gn_step_context *ctx);
 
 /* Raises masses, if the scene requests it, starting from the step that the world has found without
  * raised masses. */
-gneiss_status gn_dem_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                  gneiss_error *error);
+gneiss_status gn_timestep_scale_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                       gneiss_error *error);
 /* Predicts the effect of mass scaling for a step (s, safety included) with time.estimate: bound.
  * *of_bound: ratio of the step to that of the bound with the particles' own masses; *added: ratio
  * of added to own mass; INFINITY: other parts of the model do not allow this step. */
-gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, double step, double *of_bound,
-                                    double *added, gneiss_error *error);
+gneiss_status gn_timestep_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids,
+                                         const gn_zones *zones, double step, double *of_bound,
+                                         double *added, gneiss_error *error);
 /* Returns the share of added mass in the kinetic energy, with the velocities of the last half
  * step. */
-double gn_dem_added_kinetic(const gn_dem *dem);
+double gn_timestep_added_kinetic(const gn_dem *dem);
 
 /* Checks that velocities of particles are finite and their paths in the step short enough
  * (paths.c). */
-gneiss_status gn_dem_check_paths(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, bool measure, gneiss_error *error);
+gneiss_status gn_timestep_check_particle_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                               const gn_boundary *boundary, bool measure,
+                                               gneiss_error *error);
 
 /* Returns the largest squared frequency, 1/s2, of the body of a row on the springs of its wall,
  * with all listed ones closed; moves *row to the first row of the next body or wall
@@ -164,21 +166,23 @@ gneiss_status gn_dem_check_paths(const gn_step_context *ctx, const gn_dem *dem,
 double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t *row);
 
 /* Checks that no wall or body moved too far in the step (paths.c). */
-gneiss_status gn_boundary_check_paths(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, gneiss_error *error);
+gneiss_status gn_timestep_check_boundary_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                               const gn_boundary *boundary, gneiss_error *error);
 
 /* Limits by bodies and vertices of elements that particles can displace (surface_limit.c). The
  * first function tells whether their rates have risen by more than a fiftieth; the second also
  * stores them in that case, or if `anew`. */
-gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, bool *more, gneiss_error *error);
+gneiss_status gn_timestep_surfaces_yield_more(const gn_step_context *ctx, const gn_dem *dem,
+                                              const gn_boundary *boundary, bool *more,
+                                              gneiss_error *error);
 
-gneiss_status gn_boundary_limit(gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
-                                bool anew, bool *due, gneiss_error *error);
+gneiss_status gn_timestep_boundary_limit(gn_step_context *ctx, const gn_dem *dem,
+                                         gn_boundary *boundary, bool anew, bool *due,
+                                         gneiss_error *error);
 
 /* Checks that no node in contact with particles moved too far in the step (paths.c). */
-gneiss_status gn_elements_check_paths(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_solids *solids, gneiss_error *error);
+gneiss_status gn_timestep_check_element_paths(const gn_step_context *ctx, const gn_dem *dem,
+                                              const gn_solids *solids, gneiss_error *error);
 
 /* gn_coupled_limit computes the sharp limit of the coupled system, with the active springs or, with
  * `listed`, with all listed ones. gn_coupled_has_limit tells whether there is such a limit: not
@@ -200,7 +204,7 @@ const char *gn_side_text(gn_side side);
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
 
 /* Returns the body of elements that determines the step; NULL: none does. */
-const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_solids *solids,
-                                         const gn_zones *zones);
+const gn_element_model *gn_timestep_elements_lead(const gn_step_context *ctx,
+                                                  const gn_solids *solids, const gn_zones *zones);
 
 #endif

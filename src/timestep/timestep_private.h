@@ -37,18 +37,18 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
                                    gneiss_error *error);
 /* Finds the factors of masses with which the springs of the particles are stable at `step`
  * (gn_step_masses): the active springs or, with `listed`, all springs of the lists. */
-gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, bool listed, double step,
-                            const uint8_t *changed, double *factor, gneiss_error *error);
+gneiss_status gn_timestep_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, bool listed, double step,
+                                 const uint8_t *changed, double *factor, gneiss_error *error);
 /* Called when new springs, active or listed, need a smaller step than that for which masses were
  * raised. Raises the masses of the particles at them [particles] and of their neighbours as far as
  * their own blocks require it, at their present velocities (the kinetic energy is booked as
  * step_change). Does nothing without time.mass_scaling and before the first step. `held`: s, the
  * step at which their blocks are stable afterwards; 0: unknown. */
-gneiss_status gn_dem_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                   gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
-                                   bool listed, const uint8_t *changed, double *held,
-                                   gneiss_error *error);
+gneiss_status gn_timestep_follow_masses(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                        gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
+                                        bool listed, const uint8_t *changed, double *held,
+                                        gneiss_error *error);
 /* Finds the shortest contact of any two distinct particles of the scene, or of a particle and a
  * wall or surface, wherever they are; also the stability limit of a single such contact, s. */
 gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
@@ -69,8 +69,8 @@ double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_s
  * `listed`, with all springs of the lists. */
 typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,
                                        gneiss_error *error);
-gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
-                                   void *context, gneiss_error *error);
+gneiss_status gn_timestep_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
+                                        const gn_boundary *boundary, bool listed,
+                                        gn_spectrum_user *use, void *context, gneiss_error *error);
 
 #endif

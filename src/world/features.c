@@ -156,7 +156,7 @@ GN_HOOK(check_debris) {
 const gn_feature gn_feature_debris = {
     .name = "debris",
     .used = may_have_debris,
-    .hook = {[GN_HOOK_READING] = find_debris, [GN_HOOK_AFTER_STEP] = check_debris},
+    .hook = {[GN_HOOK_REQUEST_READING] = find_debris, [GN_HOOK_AFTER_STEP] = check_debris},
 };
 
 /* --- readings --- */
@@ -285,8 +285,9 @@ GN_HOOK(move_box) {
 const gn_feature gn_feature_box = {
     .name = "box",
     .used = is_periodic,
-    .hook =
-        {[GN_HOOK_READING] = ask_for_sums, [GN_HOOK_WORK] = book_box, [GN_HOOK_MOVED] = move_box},
+    .hook = {[GN_HOOK_REQUEST_READING] = ask_for_sums,
+             [GN_HOOK_WORK] = book_box,
+             [GN_HOOK_MOVED] = move_box},
 };
 
 static bool has_zones(const gn_world *world) {
@@ -330,5 +331,5 @@ const gn_feature gn_feature_zones = {
              [GN_HOOK_BEFORE_FORCES] = read_zones,
              [GN_HOOK_ACT] = act_on_zones,
              [GN_HOOK_ELEMENTS_MOVED] = follow_elements,
-             [GN_HOOK_READ] = add_zones},
+             [GN_HOOK_ADD_TO_READING] = add_zones},
 };

@@ -1,5 +1,5 @@
-/* Rebuilds the lists of the particles (gn_dem_refresh, called by refresh.c): removal, sources,
- * sorting, then the pairs. */
+/* Rebuilds the lists of the particles (gn_world_refresh_particles, called by refresh.c): removal,
+ * sources, sorting, then the pairs. */
 #include "base/error.h"
 #include "base/new.h"
 #include "boundary/boundary.h"
@@ -77,7 +77,7 @@ static gneiss_status remove_gone(gn_world *world, gneiss_error *error) {
     return gn_gauge_leave(&world->ctx, &world->dem, &world->gauge, error);
 }
 
-gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error) {
+gneiss_status gn_world_arrange_particles(gn_world *world, gneiss_error *error) {
     GN_TRY(remove_gone(world, error));
     gn_dem_wrap(&world->ctx, &world->dem);
     GN_TRY(reorder(&world->ctx, &world->dem, &world->boundary, error));
@@ -88,8 +88,8 @@ gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error) {
                : GNEISS_OK;
 }
 
-gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error) {
-    gn_near_repack(&world->ctx, &world->dem);
+gneiss_status gn_world_refresh_particles(gn_world *world, gneiss_error *error) {
+    gn_active_pairs_repack(&world->ctx, &world->dem);
     gn_dem_tune_skin(&world->ctx, &world->dem);
     gn_dem_widen_skin(&world->ctx, &world->dem,
                       widest_gap(&world->ctx, &world->dem, &world->boundary, &world->box));
@@ -107,8 +107,8 @@ gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
-                             gneiss_error *error) {
+gneiss_status gn_world_restore_particles(const gn_step_context *ctx, gn_dem *dem,
+                                         const gn_periodic_box *box, gneiss_error *error) {
     gn_dem_null_particles(ctx, dem);
     GN_TRY(gn_dem_number_rows(dem, error));
     GN_TRY(gn_pieces_create(ctx, dem, error));
@@ -116,6 +116,6 @@ gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_p
     gn_dem_ready_kernels(ctx, dem);
     GN_TRY(gn_dem_ready_blocks(ctx, dem, error));
     gn_flow_listed(ctx, dem);
-    GN_TRY(gn_near_lists(ctx, dem, box, error));
-    return gn_near_resume(dem, error);
+    GN_TRY(gn_active_pairs_choose(ctx, dem, box, error));
+    return gn_active_pairs_resume(dem, error);
 }

@@ -35,7 +35,7 @@ static gneiss_status enter_hertz(const gn_step_context *ctx, gn_dem *dem,
     return status;
 }
 
-gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error) {
+gneiss_status gn_world_enter_particles(gn_world *world, gneiss_error *error) {
     if (!world->ctx.scene.has_specimen) return GNEISS_OK;
     double stored = gn_contacts_stored(&world->ctx, &world->dem, &world->box);
     GN_TRY(enter_hertz(&world->ctx, &world->dem, &world->boundary, &world->ledger, error));
@@ -44,6 +44,7 @@ gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error) {
     world->ledger.energy.stage_change +=
         gn_contacts_stored(&world->ctx, &world->dem, &world->box) - stored;
     gn_dem_step_changed(&world->ctx, &world->dem); /* dashpots */
-    gn_near_forget(&world->ctx, &world->dem);      /* velocities and parameters may have changed */
+    gn_active_pairs_forget(&world->ctx,
+                           &world->dem); /* velocities and parameters may have changed */
     return gn_sets_enter(&world->ctx, &world->dem, error);
 }

@@ -22,8 +22,8 @@
 #include <math.h>
 #include <string.h>
 
-gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  bool measure) {
+gn_motion_args gn_world_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    bool measure) {
     gn_motion_args a = {0};
     a.particles = &dem->particles;
     a.lists = GN_LIST_COUNT;
@@ -51,7 +51,7 @@ static void list_args(const gn_world *world, bool measure, gn_contact_args args[
 
 /* --- forces and motion --- */
 
-void gn_dem_forces(gn_world *world, bool measure) {
+void gn_world_particle_forces(gn_world *world, bool measure) {
     gn_dem *d = &world->dem;
     if (world->ctx.effects & GN_FX_PRESCRIBED)
         gn_prescription_update(&world->ctx, &world->dem, world->ctx.time + 0.5 * world->ctx.dt);
@@ -64,8 +64,9 @@ void gn_dem_forces(gn_world *world, bool measure) {
     }
     gn_contact_args contacts[GN_LIST_COUNT];
     list_args(world, measure, contacts);
-    gn_motion_args motion = gn_dem_motion_args(&world->ctx, &world->dem, &world->boundary, measure);
-    gn_dem_sweep(world, contacts, &motion);
+    gn_motion_args motion =
+        gn_world_motion_args(&world->ctx, &world->dem, &world->boundary, measure);
+    gn_world_sweep(world, contacts, &motion);
 }
 
 /* Returns the sums over contacts of particles, bodies and facets with walls and with each other. */
@@ -78,10 +79,11 @@ static gn_contact_sums wall_sums(const gn_step_context *ctx, const gn_dem *dem,
     return walls;
 }
 
-void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure) {
+void gn_world_move_particles(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                             bool measure) {
     if (dem->hold.count) {
-        gn_motion_args motion = gn_dem_motion_args(ctx, dem, boundary, measure);
-        gn_dem_sweep_held(dem, &motion);
+        gn_motion_args motion = gn_world_motion_args(ctx, dem, boundary, measure);
+        gn_world_sweep_held(dem, &motion);
     }
     const gn_contact_sums walls = wall_sums(ctx, dem, boundary);
     gn_dem_moved(ctx, dem, &walls);
@@ -89,7 +91,7 @@ void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
 
 /* --- forces without a step --- */
 
-void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure) {
+void gn_world_evaluate_particles(gn_world *world, double span, double kick, bool measure) {
     const double past = world->ctx.dt_past;
     if (world->ctx.effects & GN_FX_PRESCRIBED)
         gn_prescription_update(&world->ctx, &world->dem, world->ctx.time);
@@ -98,11 +100,12 @@ void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure) {
     gn_dem_confine(&world->ctx, &world->dem, &world->dem.bonds.contacts);
     gn_contact_args contacts[GN_LIST_COUNT];
     list_args(world, measure, contacts);
-    gn_motion_args motion = gn_dem_motion_args(&world->ctx, &world->dem, &world->boundary, measure);
+    gn_motion_args motion =
+        gn_world_motion_args(&world->ctx, &world->dem, &world->boundary, measure);
     motion.dt_past = 0.0;
     motion.dt = kick;
     if (kick > 0.0) motion.damping = motion.damping_spin = 0.0;
-    gn_dem_sweep(world, contacts, &motion);
+    gn_world_sweep(world, contacts, &motion);
     world->ctx.dt_past = past;
     const gn_contact_sums walls = wall_sums(&world->ctx, &world->dem, &world->boundary);
     gn_dem_add_up(&world->dem, &walls);
@@ -117,7 +120,7 @@ static void book_contacts(const gn_dem_sums *sums, gn_energy *energy) {
 #undef X
 }
 
-void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger) {
+void gn_world_book_particles(const gn_dem *dem, gn_half half, gn_energy *ledger) {
     const gn_motion_sums *m = &dem->done.motion;
     if (half == GN_HALF_BEFORE) book_contacts(&dem->done, ledger);
     ledger->background_damping += m->damping[half];
@@ -127,7 +130,7 @@ void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger) {
     ledger->step_change += dem->done.step_change[half];
 }
 
-void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]) {
+void gn_world_measure_particles(const gn_world *world, gn_energy *ledger, double stress[9]) {
     const gn_dem_sums *s = &world->dem.done;
     gn_ranks_whole(world->ctx.ranks);
     const double volume =
@@ -162,7 +165,8 @@ static double carried(const gn_dem *dem, const gn_boundary *boundary, double *co
     return force;
 }
 
-void gn_dem_balance(const gn_dem *dem, const gn_boundary *boundary, gn_balance *balance) {
+void gn_world_balance_particles(const gn_dem *dem, const gn_boundary *boundary,
+                                gn_balance *balance) {
     const double particles = (double)gn_dem_present_count(dem) - (double)dem->prescribed.count;
     const double resultant = dem->done.motion.resultant;
     double count, force = carried(dem, boundary, &count);

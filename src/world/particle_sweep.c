@@ -50,7 +50,7 @@ static void work_on_block(work *k, int list, size_t block) {
     size_t end = (block + 1) * length < count ? (block + 1) * length : count;
     sums[block] = (gn_contact_sums){0};
     if (list == GN_LIST_PAIRS && w->dem.near.on) {
-        gn_near_work(&w->ctx, &w->dem, args, block, &sums[block]);
+        gn_active_pairs_work(&w->ctx, &w->dem, args, block, &sums[block]);
         book(k, phase);
         return;
     }
@@ -137,14 +137,15 @@ static void sweep_own(gn_world *world, const gn_contact_args *contacts,
     }
 }
 
-void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
-                  const gn_motion_args *motion) {
+void gn_world_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
+                    const gn_motion_args *motion) {
     gn_ranks *ranks = world->ctx.ranks;
-    const double begin = gn_now(), before = ranks ? gn_thread_time() : 0.0;
+    const double before = ranks ? gn_thread_time() : 0.0;
     const bool booked = world->ctx.step % GN_BOOKED == 0;
     gn_deal_begin(&world->dem.deal);
-    gn_near_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
+    gn_active_pairs_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
     if (ranks) serve_ranks(world, contacts, booked);
+    const double begin = gn_now();
     sweep_own(world, contacts, motion, booked);
     gn_deal_end(&world->dem.deal, 1, gn_now() - begin);
     if (!ranks) return;
@@ -153,7 +154,7 @@ void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT]
 }
 
 /* Forces on walls were computed together with the loads. */
-void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
+void gn_world_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
     const size_t held = dem->hold.count;
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;

@@ -151,6 +151,7 @@ static gneiss_status list_prescribed(gn_ranks *r, const gn_dem *dem, gneiss_erro
 /* Lists the blocks of particles that have contacts with walls; the sums of the others are zero. */
 static gneiss_status list_walls(gn_ranks *r, gn_boundary *boundary, gneiss_error *error) {
     const int32_t *first = boundary->first;
+    gn_contact_sums *sums = boundary->sums;
     size_t n = 0;
     gn_free(r->wall_block);
     GN_TRY(gn_new(&r->wall_block, r->block[r->count] + 1, "blocks near walls", error));
@@ -158,7 +159,7 @@ static gneiss_status list_walls(gn_ranks *r, gn_boundary *boundary, gneiss_error
     for (int k = 0; k < r->count; k++) {
         for (size_t b = r->block[k]; b < r->block[k + 1]; b++) {
             const size_t p = b * GN_PARTICLE_BLOCK, end = p + GN_PARTICLE_BLOCK;
-            boundary->sums[b] = (gn_contact_sums){0};
+            sums[b] = (gn_contact_sums){0};
             if (first[end < r->particles ? end : r->particles] > first[p])
                 r->wall_block[n++] = (int32_t)b;
         }
@@ -188,13 +189,13 @@ static const char *const known_of_walls[] = {"i", "wall", NULL};
 /* Columns of packed pairs are in place on the rank of their block. */
 static void settle_pairs(gn_world *world) {
     gn_ranks *r = world->ctx.ranks;
-    gn_near *n = &world->dem.near;
+    gn_active_pairs *n = &world->dem.near;
     size_t *bytes = r->range;
     if (!n->on) return;
     for (int k = 0; k <= r->count; k++)
         bytes[k] = r->item_block[GN_LIST_PAIRS][k] * (n->stride / GN_NEAR_GROUP);
     r->transport->gather(n->act, bytes);
-    gn_near_settle(&world->ctx, &world->dem);
+    gn_active_pairs_settle(&world->ctx, &world->dem);
 }
 
 /* Finds what gn_boundary_forces and the sum of reactions found from outdated rows. */
@@ -241,7 +242,7 @@ void gn_world_begin_exchange(gn_world *world) {
 }
 
 /* Pairs of other ranks were not searched: none of them is packed here. */
-static void clear_pairs_of_others(const gn_ranks *r, gn_near *near) {
+static void clear_pairs_of_others(const gn_ranks *r, gn_active_pairs *near) {
     const size_t bytes = near->stride / GN_NEAR_GROUP;
     const size_t *own = r->item_block[GN_LIST_PAIRS] + r->rank;
     if (!near->on || !near->look) return;

@@ -22,7 +22,7 @@ gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error) {
     const double start = gn_now();
     gn_ranks_whole(world->ctx.ranks);
     const bool first = world->dem.verlet.rebuilds == 0;
-    GN_TRY(gn_dem_refresh(world, error));
+    GN_TRY(gn_world_refresh_particles(world, error));
     GN_TRY(gn_boundary_refresh(&world->ctx, &world->dem, &world->boundary, first, error));
     GN_TRY(gn_features_follow_lists(world, error));
     if (world->ctx.ranks) GN_TRY(gn_world_share_lists(world, error));
@@ -40,7 +40,7 @@ gn_convertible gn_world_convertible(gn_world *world) {
 }
 
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error) {
-    GN_TRY(gn_dem_restore(&world->ctx, &world->dem, &world->box, error));
+    GN_TRY(gn_world_restore_particles(&world->ctx, &world->dem, &world->box, error));
     GN_TRY(gn_boundary_restore(&world->ctx, &world->dem, &world->boundary, error));
     if (world->ctx.ranks) GN_TRY(gn_world_share_lists(world, error));
     return gn_features_follow_lists(world, error);
@@ -50,7 +50,8 @@ gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error) {
     bool more = false;
     GN_TRY(gn_world_rebuild(world, error));
     /* A deformable surface may have come close to many particles since the last check. */
-    GN_TRY(gn_boundary_yields_more(&world->ctx, &world->dem, &world->boundary, &more, error));
+    GN_TRY(
+        gn_timestep_surfaces_yield_more(&world->ctx, &world->dem, &world->boundary, &more, error));
     if (more)
         GN_TRY(gn_timestep_check(&world->ctx, &world->dem, &world->boundary, &world->solids,
                                  &world->zones, &world->ledger, false, error));

@@ -75,7 +75,7 @@ gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error)
     world->ctx.effects = gn_scene_effects(&world->ctx.scene);
     gn_features_choose(world);
     gn_membrane_enter(&world->ctx, &world->membrane, world->stages.now, pressure);
-    GN_TRY(gn_dem_enter(world, error));
+    GN_TRY(gn_world_enter_particles(world, error));
     gn_boundary_enter(&world->ctx, &world->boundary);
     GN_TRY(gn_bodies_check_speeds(&world->ctx, &world->boundary, error));
     GN_TRY(gn_elements_enter(&world->ctx, &world->solids, error));

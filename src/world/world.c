@@ -155,19 +155,13 @@ static gneiss_status choose_kernels(gn_step_context *ctx, gneiss_error *error) {
 }
 
 static gneiss_status check_built(const gn_scene *scene, gneiss_error *error) {
-    char names[256] = "";
-    gn_effects missing = gn_scene_not_built(scene);
-    for (int k = 0; k < GN_EFFECT_COUNT; k++)
-        if (missing >> k & 1) {
-            size_t used = strlen(names);
-            snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "",
-                     gn_effect_name((gn_effect_index)k));
-        }
+    char names[GN_EFFECT_NAMES_SIZE];
+    const gn_effects missing = gn_scene_not_built(scene);
     if (!missing) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a scene without %s, which this build leaves out (option 'without' "
                    "of meson), found one that calls for it",
-                   scene->source, names);
+                   scene->source, gn_effect_names(missing, ", ", names));
 }
 
 /* Sets effects, threads, kernels and period from the scene: everything that does not depend on
@@ -241,7 +235,7 @@ static gneiss_status build_particles(gn_world *world, gneiss_error *error) {
         GN_TRY(measure_test(&world->ctx, &world->dem, &world->boundary, &world->solids, error));
     GN_TRY(gn_element_contact_create(&world->ctx, &world->boundary, &world->solids, error));
     GN_TRY(gn_flow_arrive(&world->ctx, &world->dem, &world->boundary, &world->ledger, true, error));
-    GN_TRY(gn_dem_arrange(world, error));
+    GN_TRY(gn_world_arrange_particles(world, error));
     GN_TRY(gn_world_rebuild(world, error));
     GN_TRY(gn_membrane_update_bearers(&world->ctx, &world->dem, &world->membrane, &world->boundary,
                                       &world->solids, error));
@@ -329,8 +323,8 @@ static gneiss_status build(gn_world *world, gneiss_error *error) {
     GN_TRY(gn_stages_check_first(&world->ctx, &world->dem, &world->solids, &world->stages, error));
     GN_TRY(gn_pulse_start(world, error));
     GN_TRY(make_gauge_and_step(world, particles, error));
-    GN_TRY(gn_dem_scale_masses(&world->ctx, &world->dem, &world->boundary, &world->solids,
-                               &world->zones, &world->ledger, error));
+    GN_TRY(gn_timestep_scale_masses(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                                    &world->zones, &world->ledger, error));
     /* The step is now also limited by the resolution of collisions. */
     GN_TRY(gn_check_duration(&world->ctx, error));
     return gn_origin_check(&world->ctx, &world->dem, &world->boundary, &world->solids, error);
