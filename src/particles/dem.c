@@ -241,8 +241,7 @@ gneiss_status gn_dem_deal(const gn_step_context *ctx, gn_dem *dem, gneiss_error 
     gn_deal_list lists[GN_LIST_COUNT];
     for (int l = 0; l < GN_LIST_COUNT; l++)
         lists[l] = (gn_deal_list){&dem->list[l].partials, dem->list[l].contacts.i};
-    if (ctx->ranks)
-        GN_TRY(gn_ranks_plan(ctx->ranks, &dem->particles, lists, GN_LIST_COUNT, error));
+    if (ctx->ranks) GN_TRY(gn_ranks_plan(ctx->ranks, &dem->particles, lists, GN_LIST_COUNT, error));
     return gn_deal_lists(&dem->deal, lists, GN_LIST_COUNT, dem->motion_blocks, error);
 }
 
