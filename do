@@ -350,7 +350,7 @@ command_docs() {
     local start
     need "${packages_docs[@]}"
     prepare
-    build build gneiss "libgneiss.so.$(release_version)"
+    build build gneiss module
     start=$SECONDS
     "$python" "$root/packaging/site/build.py" "$root/build/gneiss" "$root/build/libgneiss.so" "$root/build-docs" ||
         die "docs: the site could not be built, or has warnings"

@@ -8,7 +8,7 @@ import numpy as np
 import yaml
 
 from calibrate import curves, units
-from calibrate.laws import NAMES as LAWS
+from calibrate.laws import NAMES as LAWS, modulus_key
 from calibrate.problem import Problem, code_of
 from calibrate.specimens import particles_of
 
@@ -433,6 +433,9 @@ def _shape(file, node, dimension):
 def _parameters(file, node, scene):
     """{key of the material: (lowest, highest, value of the scene)} of the section `parameters`."""
     found, values = {}, scene["materials"][0]
+    modulus, unit = modulus_key(scene)
+    if modulus not in values:
+        file.fail(node, f"parameters: expected a scene whose material has the {modulus} ({unit}) of its law, found none there")
     for key, where, value in file.entries(node, "parameters"):
         name = f"parameters.{key}"
         if key not in FREE:

@@ -16,6 +16,7 @@ ABAQUS = ((r"C3D4", "tetrahedron", 4), (r"C3D10", "tetrahedron", 10), (r"C3D8", 
           (r"C3D27", "hexahedron", 27), (r"C3D6", "prism", 6), (r"C3D15", "prism", 15), (r"C3D5", "pyramid", 5),
           (r"(CPS|CPE|CPEG|CAX|M3D|S|R3D|STRI|DS)3", "triangle", 3), (r"((CPS|CPE|CPEG|CAX|M3D|S)6|STRI65)", "triangle", 6),
           (r"(CPS|CPE|CPEG|CAX|M3D|S|R3D|DS)4", "quadrangle", 4), (r"(CPS|CPE|CPEG|CAX|M3D|S|DS)8", "quadrangle", 8),
+          (r"(M3D|S)9", "quadrangle", 9),
           (r"(T2D2|T3D2|B21|B31|R2D2)", "line", 2), (r"(T2D3|T3D3|B22|B32)", "line", 3))
 MESHIO = {"vertex": "point", "line": "line", "line3": "line", "triangle": "triangle", "triangle6": "triangle", "triangle7": "triangle",
           "quad": "quadrangle", "quad8": "quadrangle", "quad9": "quadrangle", "tetra": "tetrahedron", "tetra10": "tetrahedron",
@@ -26,6 +27,9 @@ FACES = {"tetrahedron": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
          "hexahedron": ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
          "prism": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
          "triangle": ((0, 1), (1, 2), (2, 0)), "quadrangle": ((0, 1), (1, 2), (2, 3), (3, 0))}
+# Numbers of nodes that elements of a shape may have: gmsh 4.8 writes prisms of 18 nodes as C3D6.
+COUNTS = {"tetrahedron": (4, 10), "hexahedron": (8, 20, 27), "prism": (6, 15, 18), "pyramid": (5, 13, 14), "triangle": (3, 6, 7),
+          "quadrangle": (4, 8, 9), "line": (2, 3)}
 OF_CORNERS = {2: "line", 3: "triangle", 4: "quadrangle"}
 LONGEST_NAME = 63
 
@@ -142,9 +146,9 @@ class Inp:
         for row in rows:
             first = row if first is None else first
             cells += [(row, cell) for cell in self._cells(row)]
-            if len(cells) < count + 1:
+            if len(cells) < count + 1 or (len(cells) > count + 1 and self.source.lines[row].rstrip().endswith(",")):
                 continue
-            if len(cells) > count + 1:
+            if len(cells) - 1 != count and len(cells) - 1 not in COUNTS[shape]:
                 raise self.source.refuse(*((cells[count + 1][0], cells[count + 1][1][0])), f"expected number and {count} nodes, found {len(cells)} values")
             values = [self._whole(at, cell, "the number of an element or node") for at, cell in cells]
             self._element(first, shape, values[0], values[1:corners + 1], values[corners + 1:])

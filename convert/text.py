@@ -86,6 +86,17 @@ def _attributes(words, width):
     return words
 
 
+def _numbers(source, rows, cells, name):
+    """Finite numbers of a column; one by one only if something is wrong."""
+    try:
+        values = np.array([text for _, text in cells], float)
+        if np.all(np.isfinite(values)) and not any("_" in text for _, text in cells):
+            return values
+    except ValueError:
+        pass
+    return np.array([source.number(k, *cell, name) for k, cell in zip(rows, cells)], float)
+
+
 def read(source, options):
     """Particles of rows of text."""
     particles = Particles()
@@ -108,8 +119,7 @@ def read(source, options):
         if name == "material":
             particles.columns[name] = np.array([row[place][1].strip('"') for row in fields], object)
         elif name:
-            particles.columns[name] = factor * np.array(
-                [source.number(k, *row[place], name) for k, row in zip(rows, fields)], float)
+            particles.columns[name] = factor * _numbers(source, rows, [row[place] for row in fields], name)
     places = {name: k for k, (name, _) in enumerate(columns)}
 
     def refuse(row, column, text):

@@ -62,7 +62,7 @@ static inline gn_fem_solid *cook_body(const cook *c) {
     assert_int_equal(gn_fem_nodes_of_group(body, "x_lower", &set, NULL), GNEISS_OK);
     assert_int_equal(gn_fem_prescribe(body, &set, 3, rest, &motion, NULL), GNEISS_OK);
     gn_fem_set_free(&set);
-    assert_int_equal(gn_fem_add_traction(body, "x_upper", traction, NULL), GNEISS_OK);
+    assert_int_equal(set_traction(body, "x_upper", traction, NULL), GNEISS_OK);
     return body;
 }
 

@@ -49,6 +49,16 @@ static inline void body_end(gn_fem_solid *solid) {
     free(solid);
 }
 
+/* Loads the facets of a group with a traction, Pa. */
+static inline gneiss_status set_traction(gn_fem_solid *solid, const char *group,
+                                         const double traction[3], gneiss_error *error) {
+    gn_fem_load load;
+    GN_TRY(gn_fem_load_on_facets(solid, group, NULL, NULL, &load, error));
+    gn_fem_set_loads(solid, &load, (const double(*)[3])traction, 1);
+    gn_fem_load_free(&load);
+    return GNEISS_OK;
+}
+
 static inline void fem_step(gn_fem_solid *solid, double dt, bool measure) {
     gneiss_error error = {0};
     if (gn_fem_step(solid, dt, measure, &error) != GNEISS_OK) fail_msg("%s", error.message);

@@ -231,6 +231,9 @@ def wrong_parameters_and_curves_are_refused_with_their_place(folder):
         text = f"{line}\nscene: base.yaml\ntargets: {{compressive_strength: 45 MPa}}\n" if "parameters" in line else f"title: a\nscene: base.yaml\ntargets: {{{line}}}\n"
         _, done = calibrated(folder, text, "bad", code=2)
         assert re.search(message, done.stderr), f"expected /{message}/ in: {done.stderr}"
+    write_scene(folder, {"specimen": SPECIMEN, "materials": [{"name": "rock", "density": 2600, "friction": 0.5}], "law": {"stiffness": "harmonic"}, "bonds": {}}, "base.yaml")
+    _, done = calibrated(folder, "scene: base.yaml\nparameters: {friction: [0.2, 1]}\ntargets: {compressive_strength: 45 MPa}\n", "bad", code=2)
+    assert re.search(r":2:13: parameters: expected a scene whose material has the contact_modulus \(Pa\) of its law, found none there", done.stderr), done.stderr
     assert not os.path.exists(os.path.join(folder, "bad"))
 
 

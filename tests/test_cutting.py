@@ -115,6 +115,12 @@ def removed_rock_is_what_no_bond_joins_to_the_base_with_its_pores(folder):
     assert len(volume) > 3 and abs(volume.sum() / solid - 1) < 1e-12
     removed = (solid - volume[held].sum()) * body / solid
     assert removed > 0 and abs(history(folder)["removed_volume"][-1] / removed - 1) < 1e-9, (removed, held)
+    # The chisel is 15 mm wide. Nothing has come off when its path of means begins, and the run ends with that path.
+    with results(folder) as file:
+        side = (file["particles/position"][:] - file["particles/displacement"][:])[:, 1]
+    beside = ~np.isin(fragment, held) & (abs(side) > 7.5e-3)
+    found = np.sum(4 / 3 * math.pi * radius[beside] ** 3) * body / solid
+    assert 0 < found < removed and abs(reading(folder, "removed_beside") / found - 1) < 1e-9, (found, reading(folder, "removed_beside"))
 
 
 @fact

@@ -113,7 +113,7 @@ static void a_traction_gives_its_area_times_itself(void **state) {
         gn_fem_solid *solid = distorted_body(d, GN_FEM_DISPLACEMENT);
         const double traction[3] = {3e4, -2e4, d == 3 ? 1e4 : 0.0};
         double area = sizes[d - 2][1] * (d == 3 ? sizes[1][2] : 1.0), sum[3] = {0.0}, moment = 0.0;
-        assert_int_equal(gn_fem_add_traction(solid, "x_upper", traction, NULL), GNEISS_OK);
+        assert_int_equal(set_traction(solid, "x_upper", traction, NULL), GNEISS_OK);
         for (size_t n = 0; n < solid->nodes.soa.count; n++) {
             const double *f = solid->nodes.applied + 4 * n, *x = solid->nodes.start + 4 * n;
             for (int k = 0; k < 3; k++) sum[k] += f[k];
@@ -151,7 +151,7 @@ static void reactions_carry_weight_and_loads(void **state) {
         hold(solid, "y_lower", 2, &below);
         hold(solid, "x_lower", 1, &left);
         if (d == 3) hold(solid, "z_lower", 4, &back);
-        assert_int_equal(gn_fem_add_traction(solid, "y_upper", traction, NULL), GNEISS_OK);
+        assert_int_equal(set_traction(solid, "y_upper", traction, NULL), GNEISS_OK);
         double dt = 0.9 * fem_limits(solid).sharp;
         for (int s = 0; s < 6000; s++) fem_step(solid, dt, s == 0);
         fem_step(solid, dt, true);
@@ -318,7 +318,7 @@ static void a_missing_group_is_named_with_those_there_are(void **state) {
     const double traction[3] = {1.0, 0.0, 0.0};
     assert_int_equal(gn_fem_nodes_of_group(solid, "lid", &set, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "expected a physical group 'lid'"));
-    assert_int_equal(gn_fem_add_traction(solid, "body", traction, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(set_traction(solid, "body", traction, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "expected a physical group 'body' of line elements"));
     const double low[3] = {2.0, 2.0, 2.0}, high[3] = {3.0, 3.0, 3.0};
     assert_int_equal(gn_fem_nodes_in_box(solid, low, high, &set, &error), GNEISS_ERROR_INPUT);

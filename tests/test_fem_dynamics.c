@@ -474,7 +474,7 @@ static uint64_t hash_of_run(int way, int threads, const char *isa) {
     hold_side(solid, "x_lower", 7, &left);
     hold_side(solid, "x_upper", 3, &right);
     gn_fem_set_velocity(solid, right, pull);
-    assert_int_equal(gn_fem_add_traction(solid, "y_upper", traction, NULL), GNEISS_OK);
+    assert_int_equal(set_traction(solid, "y_upper", traction, NULL), GNEISS_OK);
     gn_fem_limit limit = fem_limits(solid);
     for (int s = 0; s < 500; s++) fem_step(solid, 0.8 * limit.sharp, s % 10 == 0);
     uint64_t hash = gn_fem_hash(solid);

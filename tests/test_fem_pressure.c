@@ -174,7 +174,7 @@ static double sinking(gn_fem_form form, int cells) {
     spec.damping_coefficient = 2.0;
     gn_fem_solid *solid = body_of(&spec, mesh);
     const double traction[3] = {0.0, -load, 0.0};
-    assert_int_equal(gn_fem_add_traction(solid, "pressed", traction, NULL), GNEISS_OK);
+    assert_int_equal(set_traction(solid, "pressed", traction, NULL), GNEISS_OK);
     hold_side(solid, "y_lower", 2);
     hold_side(solid, "y_upper", 5);
     hold_side(solid, "x_lower", 1);

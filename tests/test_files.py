@@ -366,7 +366,7 @@ def wrong_meshes_are_refused_by_what_is_wrong(folder):
 
 def scene(folder, content, **changes):
     spill(folder, "particles.txt", content)
-    return write_scene(folder, {**SCENE, **changes})
+    return write_scene(folder, {key: value for key, value in {**SCENE, **changes}.items() if value is not None})
 
 
 @fact
@@ -383,6 +383,50 @@ def columns_set_material_density_velocity_and_group(folder):
     assert np.allclose(held["mass"], [2500 * volume] * 2 + [2000 * volume] * 2, rtol=1e-14)
     assert np.allclose(held["velocity"][:, 0], [0.01, 0.01, 0, 0], atol=1e-6) and abs(held["spin"][0, 2] - 3) < 1e-3
     assert list(held["bonds_at_start"]) == [1, 1, 0, 0]
+
+
+def grains(far=0.0):
+    """27 grains of two materials and densities that move apart and spin, in a box of 4 mm; ids run backwards."""
+    lines = ["id type x y z r density vx vy vz wx group"]
+    for k in range(27):
+        x = [far + 1e-3 * (0.7 + k // 3 ** a % 3) for a in range(3)]
+        lines.append(f"{26 - k} {1 + k % 2} {x[0]!r} {x[1]!r} {x[2]!r} 0.0005 {2000 + 10 * k} {0.1 * (k % 5 - 2)} {0.05 * (k % 3)} -0.1 {k} {k % 4}")
+    return "\n".join(lines) + "\n"
+
+
+BESIDE = {"bonds": {"interaction_range": 0.05}, "gravity": [0, 0, -9.81], "initial": {"random_velocity": 0.01},
+          "materials": [{**one, "tensile_strength": 1e5, "shear_strength": 1e5} for one in SCENE["materials"]],
+          "periodic": {"min": [0, 0, 0], "max": [4e-3, 4e-3, 4e-3]}, "sets": [{"name": "one", "select": {"ids": [3, 26]}, "group": 2, "material": "rock"}],
+          "time": {"end": 2e-4}}
+
+
+@fact
+def columns_work_beside_other_parts_and_a_run_of_them_is_resumed(folder):
+    """Bonds, a periodic box, a set by ids, a random velocity on top of that of the file; ids are those of the file."""
+    path = scene(folder, grains(), **BESIDE)
+    run(path, folder + "/whole", "--threads", 1)
+    run(path, folder + "/cut", "--threads", 2, "--set", "time.end=0.08 ms")
+    os.remove(folder + "/particles.txt")
+    resume(folder + "/cut", "--set", "time.end=0.2 ms")
+    assert state_hash(folder + "/cut") == state_hash(folder + "/whole")
+    with results(folder + "/whole") as file:
+        held = {name: file["particles"][name][:] for name in ("id", "mass")}
+    assert np.array_equal(held["id"], np.arange(27))
+    assert np.allclose(held["mass"], np.pi / 6 * 1e-9 * (2000 + 10 * (26 - np.arange(27))), rtol=1e-14)
+
+
+@fact
+def a_far_origin_and_single_precision_change_velocities_by_rounding_alone(folder):
+    """Grains 1 km away, and in mixed precision, move as those near the origin; without contacts of a box, which would be elsewhere."""
+    ends = []
+    for name, far, precision in (("near", 0.0, "double"), ("far", 1000.0, "double"), ("mixed", 0.0, "mixed")):
+        path = scene(folder, grains(far), **{**BESIDE, "periodic": None})
+        run(path, f"{folder}/{name}", "--threads", 1, "--precision", precision)
+        with results(f"{folder}/{name}") as file:
+            ends.append((file["particles"]["position"][:] - far, file["particles"]["velocity"][:], file["particles"]["mass"][:]))
+    for position, velocity, mass in ends[1:]:
+        assert np.allclose(position, ends[0][0], atol=1e-8) and np.allclose(velocity, ends[0][1], atol=1e-3)
+        assert np.allclose(mass, ends[0][2], rtol=1e-6)
 
 
 @fact

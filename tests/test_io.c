@@ -362,8 +362,8 @@ static const int32_t lines[3][2] = {{0, 1}, {1, 2}, {0, 3}};
 static const double force[3] = {7, 8, 9};
 
 static gn_snapshot particles_at(int64_t step, double time) {
-    static const gn_snapshot_array arrays[] = {{"speed", "m/s", 1, speed},
-                                               {"stress", "Pa", 9, stress[0]}};
+    static const gn_snapshot_array arrays[] = {{"speed", "m/s", 1, speed, false},
+                                               {"stress", "Pa", 9, stress[0], false}};
     return (gn_snapshot){.time = time,
                          .step = step,
                          .point_count = 4,
@@ -411,7 +411,7 @@ static void bonds_are_lines_also_when_none_is_left(void **state) {
     uint8_t types[3];
     double values[3];
     gn_h5 *file;
-    const gn_snapshot_array arrays[] = {{"force", "N", 1, force}};
+    const gn_snapshot_array arrays[] = {{"force", "N", 1, force, false}};
     gn_snapshot s = {.point_count = 4,
                      .points = points[0],
                      .line_count = 3,

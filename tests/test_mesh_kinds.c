@@ -154,8 +154,8 @@ static void older_formats_give_the_same_mesh(void **state) {
     }
 }
 
-/* Two triangles in two partitions; gmsh puts the line between them into a group that it numbers
- * itself, here as the group `left`. */
+/* Two triangles in two partitions; gmsh gives the line between them the number of the group
+ * `rock`, which is that of `left` among lines. */
 static void partitions_are_one_mesh_and_their_interfaces_in_no_group(void **state) {
     fixture *f = *state;
     gn_mesh m;

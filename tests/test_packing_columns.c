@@ -226,7 +226,7 @@ static void damaged_files_are_sound_or_refused(void **state) {
     static const char alphabet[] = "0123456789.,-+eExyzridn[]()\"# \t\r\n_\xef\xbb\xbf";
     uint32_t seed = 7;
     int read = 0, refused = 0;
-    for (int round = 0; round < 3000; round++) {
+    for (int round = 0; round < 1200; round++) {
         char text[sizeof good + 8];
         size_t size = round % 3 ? sizeof good - 1 : next(&seed) % sizeof good;
         memcpy(text, good, size);
@@ -249,7 +249,7 @@ static void damaged_files_are_sound_or_refused(void **state) {
         }
         gn_packing_free(&p);
     }
-    assert_true(read > 500 && refused > 1000);
+    assert_true(read > 200 && refused > 400);
 }
 
 static int setup(void **state) {

@@ -48,6 +48,30 @@ def the_command_reports_by_its_exit_code(folder):
     assert done.stdout.strip() == os.path.join(folder, "report.html")
 
 
+def a_report_without_matplotlib_has_curves_and_a_slice(folder):
+    blocked = os.path.join(folder, "blocked")
+    os.mkdir(blocked)
+    with open(os.path.join(blocked, "sitecustomize.py"), "w") as file:
+        file.write("import sys\n\n\nclass Absent:\n    def find_spec(self, name, path=None, target=None):\n"
+                   "        if name.split('.')[0] == 'matplotlib':\n            raise ModuleNotFoundError(name)\n\n\n"
+                   "sys.meta_path.insert(0, Absent())\n")
+
+    def call():
+        return subprocess.run([sys.executable, os.path.join(TOOLS, "report.py"), folder], capture_output=True, text=True, timeout=120,
+                              env={**os.environ, "PYTHONPATH": blocked})
+
+    done = call()
+    assert done.returncode == 3 and "python3-matplotlib" in done.stderr, done.stderr
+    for kind, curves in (("cylinder", 3), ("no_particles", 0), ("two_rows", 0)):
+        make(kind, os.path.join(folder, "results.h5"))
+        done = call()
+        assert done.returncode == 0 and not done.stderr, done.stderr
+        with open(os.path.join(folder, "report.html")) as file:
+            page = file.read()
+        assert page.count("<polyline") >= curves and "python3-matplotlib" in page and "data:image" not in page, (kind, page.count("<polyline"))
+        assert ("<circle" in page) == (kind != "no_particles"), kind
+
+
 def check_png(path):
     with open(path, "rb") as file:
         data = file.read()
@@ -747,7 +771,7 @@ def main():
         curves_of_an_envelope_are_those_of_its_readings, each_of_several_envelopes_has_its_rows_and_its_reason, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
         gravity_or_z_is_up_unless_a_specimen_stands, a_bed_is_drawn_from_above_and_moving_grains_by_speed, colours_are_those_of_quantiles,
-        links_lead_below_the_page, bodies_are_cut_where_the_slice_is, folds_of_bodies_are_drawn, walls_are_where_they_have_come_to,
+        links_lead_below_the_page, a_report_without_matplotlib_has_curves_and_a_slice, bodies_are_cut_where_the_slice_is, folds_of_bodies_are_drawn, walls_are_where_they_have_come_to,
         the_command_reports_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
     tests += [(f.__name__, f) for f in (

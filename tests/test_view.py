@@ -201,6 +201,87 @@ def what_cannot_be_shown_is_refused_by_its_reason(folder):
     expect(gneiss("view", folder), 2, "expected snapshots, found none")
 
 
+# Two grains fall on a ledge; their bond breaks there.
+LEDGES = {
+    "dimension": 3, "specimen": {"particles": [[0, 0, 3e-3, 1e-3], [0, 0, 5e-3, 1e-3]], "material": "m"},
+    "materials": [{"name": name, "density": 2500, "normal_stiffness": 1e4, "kratio": 2, "bond_tension_limit": 1e-4, "bond_shear_limit": 1e-4} for name in "mn"],
+    "law": {"stiffness": "uniform"}, "bonds": {"interaction_range": 0.01}, "gravity": [0, 0, -9.81],
+    "bodies": [{"name": "still", "box": {"size": [4e-3, 4e-3, 1e-3]}, "origin": [-2e-3, -2e-3, 0], "stiffness": 1e4, "kratio": 2}],
+    "time": {"end": 25e-3}, "output": {"history_rows": 20, "snapshots": 12}}
+
+
+@fact
+def surfaces_that_do_not_move_are_written_once(folder):
+    run(write_scene(folder, LEDGES), os.path.join(folder, "still"), "--threads", "1")
+    moving = {**LEDGES["bodies"][0], "motion": {"vz": [[0, 0], [9e-3, 0], [10e-3, 0.1], [1, 0.1]]}}
+    run(write_scene(folder, {**LEDGES, "bodies": [moving]}, "moving.yaml"), os.path.join(folder, "moving"), "--threads", "1")
+    steps = {name: [series(os.path.join(folder, name), part) for part in ("particles", "bodies")] for name in ("still", "moving")}
+    assert len(steps["still"][1]) == 1 and len(steps["still"][0]) > 4
+    late = [time for _, time in steps["moving"][1]]
+    assert late[0] == 0 and len(late) < len(steps["moving"][0]) and late[1:] == [time for _, time in steps["moving"][0] if time > 9e-3], steps["moving"]
+    page = Page(os.path.join(folder, "moving"))
+    place = page.places("bodies")[0]
+    first = [k for k, time in enumerate(page.meta["times"]) if time <= 9e-3]
+    assert (place[first] == place[0]).all() and (place[-1] > place[0]).any()
+
+
+@fact
+def snapshots_say_when_bonds_broke_and_tell_materials_and_groups_apart(folder):
+    runs = {"one": LEDGES, "two": {**LEDGES, "sets": [{"name": "upper", "select": {"ids": [1]}, "material": "n", "group": 2}]}}
+    for name, scene in runs.items():
+        run(write_scene(folder, scene, name + ".yaml"), os.path.join(folder, name), "--threads", "1")
+    of = {name: snapshot(os.path.join(folder, name), "particles", 0)["PointData"] for name in runs}
+    assert "group" not in of["one"] and list(of["one"]["material"][:]) == [0, 0]
+    assert list(of["two"]["material"][:]) == [0, 1] and list(of["two"]["group"][:]) == [1, 2]
+    with results(os.path.join(folder, "one")) as file:
+        broken = file["bonds/broken_time"][:]
+    assert np.isfinite(broken).all() and broken.min() > 0
+    for name, _ in series(os.path.join(folder, "one"), "bonds"):
+        with h5py.File(os.path.join(folder, "one", name)) as file:
+            now, time = file["VTKHDF/FieldData/TimeValue"][0], file["VTKHDF/CellData/broken_time"][:]
+        assert np.array_equal(time, np.where(broken <= now, broken, np.nan), equal_nan=True), (now, time, broken)
+
+
+class Steps:
+    """A part of run.vtkhdf as the specification of VTKHDF 2 says that it is read."""
+
+    def __init__(self, file, part):
+        self.group = file["VTKHDF"][part]
+        self.steps = self.group["Steps"]
+
+    def at(self, k):
+        """{name: rows} of an instant, of points, cells and their arrays."""
+        step, part = self.steps, self.steps["PartOffsets"][k]
+        points, cells, links = (self.group[name][part] for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"))
+        cell = step["CellOffsets"][k, 0]
+        ranges = {"Points": (step["PointOffsets"][k], points), "Connectivity": (step["ConnectivityIdOffsets"][k, 0], links),
+                  "Types": (cell, cells), "Offsets": (cell + part, cells + 1)}
+        for kind, count in (("PointData", points), ("CellData", cells)):
+            ranges.update({f"{kind}/{name}": (step[f"{kind}Offsets/{name}"][k], count) for name in self.group[kind]})
+        return {name: self.group[name][begin:begin + count] for name, (begin, count) in ranges.items()}
+
+
+@fact
+def one_file_for_paraview_holds_all_snapshots(folder):
+    for number, scene in enumerate((LATTICE, write_scene(folder, RAIN), ELEMENTS)):
+        out = os.path.join(folder, str(number))
+        run(scene, out, "--threads", "1")
+        expect(gneiss("view", out, "--paraview"), 0)
+        with h5py.File(os.path.join(out, "run.vtkhdf")) as file:
+            parts = [name for name in file["VTKHDF"] if name != "Assembly"]
+            assert parts == sorted(name for name in ("bonds", "elements", "particles") if os.path.exists(f"{out}/{name}.hdf.series"))
+            for part in parts:
+                listed, steps = series(out, part), Steps(file, part)
+                assert list(steps.steps["Values"]) == [time for _, time in listed] and steps.steps.attrs["NSteps"] == len(listed)
+                for k, (name, _) in enumerate(listed):
+                    with h5py.File(os.path.join(out, name)) as grid:
+                        for array, rows in steps.at(k).items():
+                            assert np.array_equal(rows, grid["VTKHDF"][array], equal_nan=True), (part, k, array)
+                if scene in (LATTICE, ELEMENTS):  # constant arrays are written once
+                    assert len(steps.group["Types"]) == steps.group["NumberOfCells"][0] and len(steps.group["NumberOfCells"]) == 1
+        compile(open(os.path.join(out, "paraview_state.py"), encoding="utf-8").read(), "paraview_state.py", "exec")
+
+
 @fact
 def a_browser_draws_all_kinds(folder):
     if not BROWSER:

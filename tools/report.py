@@ -10,12 +10,13 @@ import sys
 
 import numpy as np
 
-from report_curves import CURVES
+import report_plain  # before the modules that draw with matplotlib
+from report_curves import CURVES, abscissa
 from report_coupling import plot_together
 from report_elements import plot_elements
 from report_packing import write_packing_report
 from report_page import STYLE, draw, escape, figure, table, write_page
-from report_pictures import Specimen, plot_slice, plot_surface
+from report_pictures import Specimen, cut, plot_slice, plot_surface
 from report_files import Unreadable, printable
 from report_results import Results, quantity
 from report_sweep import write_sweep_report
@@ -147,10 +148,16 @@ def residual_text(results):
 
 # --- figures -------------------------------------------------------------------------------------------
 
+def specimen_of(results):
+    """Returns None without particles."""
+    specimen = Specimen(results) if results.particle_count and results.particle("position") is not None else None
+    return specimen if specimen and specimen.count else None
+
+
 def draw_figures(results, folder):
     """Removes old pictures and draws all possible ones into folder/report; returns {name: caption}."""
-    specimen = Specimen(results) if results.particle_count and results.particle("position") is not None else None
-    there = specimen is not None and specimen.count > 0
+    specimen = specimen_of(results)
+    there = specimen is not None
     jobs = {name: (lambda path, plot=plot: plot(results, path) if results.rows or plot is CURVES["profile"] else None)
             for name, plot in CURVES.items()}
     jobs.update({name: (lambda path, plot=plot, at_end=name in STATES: plot(results, path) if results.rows or at_end else None)
@@ -231,12 +238,17 @@ def bodies_text(results):
 def page(results, captions):
     title = results.attribute("title") or "gneiss run"
     curves = "".join(figure(n, captions) for n in (*TEST_CURVES, *CURVES) if n != "profile" and n not in STATES)
+    if report_plain.MISSING:
+        curves = report_plain.curves(results, *abscissa(results))
     if not curves:
         curves = "<p>The history has no rows: there is no curve to draw.</p>"
     pictures = figure("moments", captions, "wide") + figure("surface", captions, "wide") + figure("slice", captions, "wide")
     broken = "".join(figure(n, captions) for n in STATES)
     pictures += f'<div class="grid">{broken}</div>' if broken else ""
     pictures += figure("together", captions, "wide") + figure("elements", captions, "wide")
+    if report_plain.MISSING:
+        specimen = specimen_of(results)
+        pictures = report_plain.NOTE + (report_plain.slice_of(specimen, cut(specimen)) if specimen else "")
     scene = ""
     if results.scene:
         scene = ("<details><summary>The resolved scene: every key, SI units</summary>"
@@ -272,6 +284,8 @@ def page(results, captions):
 
 def write_report(folder):
     path, packing = (os.path.join(folder, name) for name in ("results.h5", "packing.h5"))
+    if report_plain.MISSING and not os.path.exists(path):
+        raise OSError("packings and sweeps are drawn by matplotlib: sudo apt install python3-matplotlib")
     if os.path.exists(packing) and not os.path.exists(path):
         return write_packing_report(folder)
     if os.path.exists(os.path.join(folder, "sweep.h5")) and not os.path.exists(path):
@@ -279,7 +293,7 @@ def write_report(folder):
     results = Results(path)
     results.check_summary(os.path.join(folder, "summary.json"))
     write_csv(results, folder)
-    return write_page(folder, page(results, draw_figures(results, folder)))
+    return write_page(folder, page(results, {} if report_plain.MISSING else draw_figures(results, folder)))
 
 
 def main(arguments):

@@ -12,6 +12,7 @@ import os
 import re
 import sys
 
+import report_plain  # noqa: F401  (matplotlib may be missing)
 from report_files import Unreadable, printable, write
 from report_page import escape
 from report_results import Results

@@ -85,6 +85,8 @@ bonds = opened("bonds")
 if bonds is not None:
     bonds.UpdatePipeline(TIMES[-1])
     for name, low, high, array in (("intact bonds", 0, 0, "force"), ("softening bonds", 4, 5, "criterion"), ("broken bonds", 1, 2, "state")):
+        if name == "softening bonds" and "tension_damage" not in bonds.CellData.keys():
+            continue
         lines = ExtractSurface(Input=between(bonds, ("CELLS", "state"), low, high, name + ", lines"))
         tube = Tube(registrationName=name, Input=lines)
         tube.Radius = (0.2 if array != "state" else 0.35) * RADIUS
@@ -151,9 +153,9 @@ class Pool:
     def __init__(self, group, name):
         self.group, self.name, self.known, self.rows, self.data = group, name, {}, 0, None
 
-    def offset(self, array):
+    def offset(self, array, shared=True):
         key = hash(array.tobytes())
-        if key in self.known:
+        if shared and key in self.known:
             return self.known[key]
         if self.data is None:
             chunk = max(1, CHUNK // max(1, array[:1].nbytes)), *array.shape[1:]
@@ -166,33 +168,40 @@ class Pool:
         return self.known[key]
 
 
+def counts_of(path):
+    """Numbers of points, cells and ids of the connectivity in a snapshot."""
+    with h5py.File(path, "r") as file:
+        return tuple(len(values(file, "VTKHDF/" + name)) for name in ("Points", "Types", "Connectivity"))
+
+
 def write_part(group, files, index):
     """One part over time: VTKHDF 2.0, UnstructuredGrid with Steps. With a constant number of points and cells there is one entry of
-    their counts, which all instants share; what does not change is written once."""
+    their counts, which all instants share; what does not change is written once. Otherwise types and offsets of cells are written for
+    every instant, because readers find both by the same number."""
+    counts = [counts_of(path) for path in files]
+    same = len(set(counts)) == 1
     group.attrs["Version"] = np.array([2, 1], np.int64)
     group.attrs.create("Type", b"UnstructuredGrid", dtype="S16")
     group.attrs["Index"] = np.int64(index)
     for name in ("PointData", "CellData", "Steps/PointDataOffsets", "Steps/CellDataOffsets"):
-        group.create_group(name)
-    pools, steps, counts, times = {}, {}, [], []
+        group.create_group(name, track_order=True)
+    pools, steps, times = {}, {}, []
 
     def add(place, name, array):
         pool = pools.setdefault(name, Pool(group, name))
-        steps.setdefault(place, []).append(pool.offset(array))
+        steps.setdefault(place, []).append(pool.offset(array, same or name not in ("Types", "Offsets")))
 
     for path in files:
         with h5py.File(path, "r") as file:
             raw = {name: values(file, "VTKHDF/" + name) for name in ("Connectivity", "Offsets", "Types")}
         grid = Grid(path)
         times.append(grid.time)
-        counts.append((len(grid.points), len(raw["Types"]), len(raw["Connectivity"])))
         for place, name, array in (("PointOffsets", "Points", grid.points), ("ConnectivityIdOffsets", "Connectivity", raw["Connectivity"]),
                                    ("CellOffsets", "Types", raw["Types"]), ("", "Offsets", raw["Offsets"])):
             add(place, name, array)
         for kind, found in (("PointData", grid.point), ("CellData", grid.cell)):
             for name, array in found.items():
                 add(f"{kind}Offsets/{name}", f"{kind}/{name}", array)
-    same = len(set(counts)) == 1
     for k, name in enumerate(("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")):
         group[name] = np.array([c[k] for c in (counts[:1] if same else counts)], np.int64)
     count = len(files)
@@ -211,13 +220,13 @@ def write_one_file(folder, target):
     temporary = target + ".part"
     try:
         with h5py.File(temporary, "w") as file:
-            root = file.create_group("VTKHDF")
+            root = file.create_group("VTKHDF", track_order=True)
             root.attrs["Version"] = np.array([2, 1], np.int64)
             root.attrs.create("Type", b"PartitionedDataSetCollection", dtype="S28")
-            assembly = root.create_group("Assembly")
+            assembly = root.create_group("Assembly", track_order=True)  # readers go by the order of creation
             for index, (part, of) in enumerate(sorted(files_of(folder).items())):
-                write_part(root.create_group(part), [of[step] for step in sorted(of)], index)
-                assembly[part] = h5py.SoftLink(f"/VTKHDF/{part}")
+                write_part(root.create_group(part, track_order=True), [of[step] for step in sorted(of)], index)
+                assembly.create_group(part, track_order=True)[part] = h5py.SoftLink(f"/VTKHDF/{part}")
         os.replace(temporary, target)
     except BaseException:
         if os.path.exists(temporary):

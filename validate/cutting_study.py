@@ -52,21 +52,22 @@ def in_block(inch, depth, size, speed, keys):
             "time.end": f"{(size[0] + 2) / speed} ms", "output.energy": "off", "test.spacing": f"{size[1]} mm", **keys}
 
 
-def plane(kind, depth=5, speed=3, length=280, height=160):
-    """Scene of a chisel in the plane: 'particles', 'fixed' or 'adaptive', in a body of length and height in mm."""
+def plane(kind, depth=5, speed=3, length=280, height=160, size=4, width=12):
+    """Scene of a chisel in the plane: 'particles', 'fixed' or 'adaptive', in a body of length and height, with elements of a size and a zone of
+    a width, all in mm."""
     with open(os.path.join(SCENES, "cutting-adaptive.yaml")) as file:
         scene = yaml.safe_load(file)
     body, elements, tool = scene["specimen"], scene["elements"], scene["bodies"][0]
     layer = 54 if kind == "fixed" else height  # mm, with particles
     body["rectangle"] = {"width": f"{length} mm", "height": f"{layer} mm"}
     body["origin"] = ["0 mm", f"{-layer} mm"]
-    held = [{"name": "back", "select": {"end": {"axis": "x", "side": "upper", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}},
+    held = [{"name": "rear", "select": {"end": {"axis": "x", "side": "upper", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}},
             {"name": "base", "select": {"end": {"axis": "y", "side": "lower", "depth": "2 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0}}]
     low = height if kind == "adaptive" else height - 42  # mm, height of the elements
-    elements["rectangle"] = {"size": [f"{length} mm", f"{low} mm"], "cells": [length // 4, low // 4 + (low % 4 > 0)], "origin": ["0 mm", f"{-height} mm"]}
+    elements["rectangle"] = {"size": [f"{length} mm", f"{low} mm"], "cells": [int(length / size), math.ceil(low / size)], "origin": ["0 mm", f"{-height} mm"]}
     if kind == "adaptive":
         body["packing"]["region"] = {"min": ["0 mm", f"{-height + 14.9} mm"], "max": [f"{length - 14.9} mm", "0 mm"]}
-        scene["couple"]["convert"]["width"] = "12 mm"
+        scene["couple"]["convert"]["width"] = f"{width} mm"
     else:
         del body["packing"]["region"]
         scene["sets"] = held if kind == "particles" else held[:1]
@@ -119,9 +120,15 @@ def runs():
     narrow = {"bodies.disc.disc_cutter.tip_width": "12.5 mm"}
     brittle = {key: None for key in OLD}
     found |= {f"calibrated-{depth}": in_block("17", depth, (130, 90, 45), 8, calibrated) for depth in (7.5, 10, 12.5, 15)}
-    found |= {f"wide-{depth}": in_block("small", depth, (150, 130, 70), 16, {**brittle, **narrow}) for depth in (5, 7.5, 10, 15)}
+    wide = {"wide": (16, {}), "second-rock": (16, {"materials.rock.tensile_strength": "21.7 MPa", "materials.rock.shear_strength": "42.8 MPa",
+                                                   "test.compressive_strength": "102.6 MPa", "test.tensile_strength": "11.5 MPa"}),
+            "smooth": (16, {"bodies.disc.friction": 0.1}), "slow": (8, {})}
+    for name, (value, keys) in wide.items():
+        found |= {f"{name}-{depth}-seed-{seed}": in_block("small", depth, (150, 130, 70), value, {**brittle, **narrow, **keys, "run.seed": seed})
+                  for depth in ((5, 7.5, 10, 15) if name == "wide" else (10,)) for seed in ((1, 2) if name == "wide" else (1,))}
     found |= {f"chisel-{depth}-seed-{seed}": {"scene": chisel(depth), "run.seed": seed} for depth in (2.5, 5, 7.5, 10) for seed in (1, 2)}
     found |= {f"plane-{kind}": {"scene": plane(kind), "run.seed": 1} for kind in ("particles", "fixed", "adaptive")}
+    found["plane-fine"] = {"scene": plane("adaptive", size=2.5, width=8), "run.seed": 1}
     found |= {"radius-2.5-seed-1": {**disc("17", 4), "specimen.mean_radius": "2.5 mm", "run.seed": 1}}
     return found
 
@@ -153,7 +160,7 @@ def compute(program, place, only):
 
 def readings(place, start):
     """[n] summaries of the runs whose name begins so."""
-    found = [finished(os.path.join(place, name)) for name in runs() if name.startswith(start)]
+    found = [finished(os.path.join(place, name)) for name in runs() if name == start or name.startswith(start if start.endswith("-") else start + "-")]
     return [s for s in found if s and s["readings"]["normal_force"] is not None]
 
 
@@ -165,8 +172,9 @@ def row(place, label, start):
                for name in ("normal_force", "rolling_force", "cutting_coefficient", "predicted_coefficient", "specific_energy_removed")}
     spread = f" ± {columns['normal_force'].std(ddof=1) / 1e3:.0f}" if len(some) > 1 else ""
     cost = sum(s["seconds"]["cpu"] for s in some)
+    model = columns["predicted_coefficient"].mean()
     return (f"| {label} | {len(some)} | {columns['normal_force'].mean() / 1e3:.0f}{spread} | {columns['rolling_force'].mean() / 1e3:.1f} "
-            f"| {columns['cutting_coefficient'].mean():.3f} | {columns['predicted_coefficient'].mean():.3f} "
+            f"| {columns['cutting_coefficient'].mean():.3f} | {'-' if np.isnan(model) else f'{model:.3f}'} "
             f"| {np.nanmean(columns['specific_energy_removed']) / 3.6e6:.1f} | {cost:.0f} |")
 
 
@@ -194,15 +202,16 @@ def tables(place):
               "moments": "bonds with moments and friction, 149 and 10.3 MPa",
               **{f"calibrated-{p}": f"calibrated to all strengths, block of 130 x 90 x 45 mm, {p} mm" for p in (7.5, 10, 12.5, 15)},
               **{f"wide-{p}": f"disc of 250 mm, block of 150 x 130 x 70 mm, {p} mm" for p in (5, 7.5, 10, 15)},
-              **{f"chisel-{p}-": f"chisel in the plane, {p} mm" for p in (2.5, 5, 7.5, 10)},
-              **{f"plane-{kind}": f"chisel in the plane, 5 mm, {kind}" for kind in ("particles", "fixed", "adaptive")},
+              "second-rock-10": "the same, 10 mm, second rock", "smooth-10": "the same, 10 mm, friction 0.1", "slow-10": "the same, 10 mm, 8 m/s",
+              **{f"chisel-{p}": f"chisel in the plane, {p} mm" for p in (2.5, 5, 7.5, 10)},
+              **{f"plane-{kind}": f"chisel in the plane, 5 mm, {kind}" for kind in ("particles", "fixed", "adaptive", "fine")},
               "facet-1.33": "facets halved", "facet-5.33": "facets doubled", "radius-2.5": "mean radius 2.5 mm"}
     for start, label in labels.items():
         print(row(place, label, start))
     depths = {"mean radius 3.6 mm": {3: "depth-3", 4: "seed", 6: "depth-6", 8: "depth-8"},
               "mean radius 3 mm": {p: f"fine-{p}" for p in (4.5, 6, 9, 12)}, "block of 200 mm": {p: f"long-{p}" for p in (3, 4, 6, 8)},
               "calibrated": {p: f"calibrated-{p}" for p in (7.5, 10, 12.5, 15)}, "wide block": {p: f"wide-{p}" for p in (5, 7.5, 10, 15)},
-              "chisel": {p: f"chisel-{p}-" for p in (2.5, 5, 7.5, 10)}}
+              "chisel": {p: f"chisel-{p}" for p in (2.5, 5, 7.5, 10)}}
     strengths = ("strength-0.5", "strength-0.7", "seed", "strength-1.4")
     for name in ("normal_force", "rolling_force"):
         for title, starts in depths.items():
@@ -215,13 +224,42 @@ def tables(place):
             print(f"{name}: over the strength r2 of a line {straight:.3f}")
 
 
+def picture(place, path):
+    """Forces and coefficient over the depth beside the model of the Colorado School of Mines, and of a chisel beside Evans."""
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    figure, axes = plt.subplots(1, 3, figsize=(10, 3.3), constrained_layout=True)
+    panels = ((axes[0], "wide", (("normal_force", "normal", "#333333"), ("rolling_force", "rolling", "#b3261e")), 1e-3, "mean force [kN]"),
+              (axes[1], "wide", (("cutting_coefficient", "rolling over normal", "#333333"),), 1, "coefficient [1]"),
+              (axes[2], "chisel", (("rolling_force", "mean", "#b3261e"), ("peak_rolling_force", "peak", "#333333")), 1e-3, "force along the cut [kN/m]"))
+    for axis, group, names, factor, label in panels:
+        found = {float(name.split("-")[1]): name for name in runs() if name.startswith(group)}
+        depths = [depth for depth in sorted(found) if readings(place, f"{group}-{depth:g}")]
+        of = [readings(place, f"{group}-{depth:g}") for depth in depths]
+        for name, text, color in names:
+            axis.plot(depths, [factor * np.mean([s["readings"][name] for s in some]) for some in of], "o-", color=color, label=text)
+            guess = {"cutting_coefficient": "predicted_coefficient", "peak_rolling_force": "predicted_peak_evans"}.get(name, "predicted_" + name)
+            model = [some[0]["readings"].get(guess) for some in of]
+            if model and None not in model:
+                axis.plot(depths, factor * np.array(model), "--", color=color, label=f"{text}, closed form")
+        axis.set(xlabel="depth of the cut [mm]", ylabel=label, xlim=(0, None), ylim=(0, None))
+        axis.legend(fontsize=7)
+    axes[0].set_title("disc of 250 mm")
+    axes[2].set_title("chisel in the plane")
+    figure.savefig(path, dpi=110)
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("place")
     parser.add_argument("--only", default="", metavar="NAME", help="runs whose name begins so")
     parser.add_argument("--tables", action="store_true", help="no runs")
+    parser.add_argument("--picture", metavar="FILE", help="write forces over depth as an image")
     asked = parser.parse_args()
     if not asked.tables:
         compute(os.path.abspath(asked.program), asked.place, asked.only)
     tables(asked.place)
+    if asked.picture:
+        picture(asked.place, asked.picture)

@@ -93,7 +93,11 @@ static gneiss_status load_and_hold(gn_fem_solid *body, const definition *d, gnei
     const double p = d->scale * d->load;
     if (d->dimension == 2) {
         GN_TRY(hold(body, "x_lower", 3, error));
-        return gn_fem_add_traction(body, "x_upper", (const double[3]){0.0, p, 0.0}, error);
+        gn_fem_load load;
+        GN_TRY(gn_fem_load_on_facets(body, "x_upper", NULL, NULL, &load, error));
+        gn_fem_set_loads(body, &load, (const double[1][3]){{0.0, p, 0.0}}, 1);
+        gn_fem_load_free(&load);
+        return GNEISS_OK;
     }
     GN_TRY(hold(body, "x_lower", 1, error));
     GN_TRY(hold(body, "y_lower", 2, error));

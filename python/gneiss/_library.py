@@ -20,7 +20,7 @@ TREE = HERE.parent.parent  # where the module lies in the source tree
 
 
 def _declarations() -> str:
-    """Of the installed module a file of its own, in the source tree those of the headers."""
+    """The declarations for cffi: in the installed module a file of its own, in the source tree made from the headers."""
     own = HERE / "declarations.txt"
     if own.exists():
         return own.read_text(encoding="utf-8")
@@ -28,7 +28,7 @@ def _declarations() -> str:
 
 
 def _installed() -> tuple[str, str]:
-    """Folders of the library and of the program as installation noted them, or none."""
+    """Folders of the library and of the program, as recorded by the installation; empty without one."""
     try:
         places: Any = importlib.import_module("gneiss._places")
     except ImportError:

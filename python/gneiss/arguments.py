@@ -1,4 +1,4 @@
-"""Checks of arguments, which say what was expected and what was found."""
+"""Checks of arguments; their errors state what was expected and what was found."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Progress bars: tqdm's, or a line on standard error where tqdm is not installed."""
+"""Progress bars: tqdm's, or a line on standard error if tqdm is not installed."""
 from __future__ import annotations
 
 import contextlib
@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 
 @contextlib.contextmanager
 def bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
-    """Gives a function that shows a share, 0 to 1, and a text."""
+    """Yields a function that shows the completed fraction, 0 to 1, and a text."""
     if not wanted:
         yield lambda share, text: None
         return

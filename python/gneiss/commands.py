@@ -54,7 +54,7 @@ def _file_of(source: Scene | Source, folder: Path | None = None) -> Iterator[str
 
 
 def _share(progress: Mapping[str, Any]) -> tuple[float, str]:
-    """How far a command is by its line of progress, and a text."""
+    """The completed fraction of a command, from its line of progress, and a text."""
     if "time" in progress:
         return progress["time"] / progress["end"], f"step {progress['step']}, t = {progress['time']:.4g} s"
     if "total" in progress:
@@ -63,7 +63,7 @@ def _share(progress: Mapping[str, Any]) -> tuple[float, str]:
 
 
 def _lines(process: Any, show: Any) -> list[dict[str, Any]]:
-    """The JSON lines of a command; those of progress are shown as they come."""
+    """The JSON lines of a command; the progress is shown while it runs."""
     found = []
     for text in process.stdout:
         if not text.startswith("{"):
@@ -75,7 +75,7 @@ def _lines(process: Any, show: Any) -> list[dict[str, Any]]:
 
 
 def _call(command: str, target: Path, *options: str, changes: Changes = None, progress: bool = False, **named: Any) -> dict[str, Any]:
-    """Runs the program. Returns its result (docs/log.md), {} of commands without one. Raises what its errors say."""
+    """Runs the program. Returns its result (docs/log.md), {} of commands without one. Raises its errors as exceptions."""
     line = [program(), command, os.fspath(target), "--log", "json", *options]
     for change in overrides_of(changes):
         line += ["--set", change]
@@ -114,7 +114,7 @@ def run(scene: Scene | Source, out: Path, *, set: Changes = None, folder: Path |
 
 
 def check(scene: Scene | Source, *, set: Changes = None, folder: Path | None = None) -> dict[str, Any]:
-    """What `gneiss check` finds of a scene and its specimen: warnings, particles, bonds, dt, ... (docs/log.md)."""
+    """The findings of `gneiss check` about a scene and its specimen: warnings, particles, bonds, dt, ... (docs/log.md)."""
     with _file_of(scene, folder) as path:
         return _call("check", path, changes=set)
 

@@ -1,4 +1,4 @@
-"""Exceptions, each with the message and the place that gneiss gives."""
+"""Exceptions, with the message of gneiss and the place of the error in the file."""
 from __future__ import annotations
 
 import re
@@ -76,19 +76,19 @@ def _problems(message: str) -> list[Problem]:
 
 
 def error_of(status: int, message: str) -> GneissError:
-    """The exception for a status, which is an exit code of the program too."""
+    """The exception for a status, which is also the exit code of the program."""
     return _BY_STATUS.get(status, GneissError)(message)
 
 
 def error_at(key: str, message: str) -> InputError:
-    """The exception for a value that is refused before it has a place in a text."""
+    """The exception for a value that is refused before a text of the scene exists, and thus has no place."""
     error = InputError(f"{key}: {message}" if key else message)
     error.problems, error.key = [Problem("", 0, 0, key, message)], key
     return error
 
 
 def checked(function: Any, *arguments: Any) -> None:
-    """Calls a function of the library with an error added to its arguments. Raises what it reports."""
+    """Calls a function of the library with an error added to its arguments. Raises the error that it reports."""
     error = ffi.new("gneiss_error *")
     status = function(*arguments, error)
     if status != lib.GNEISS_OK:

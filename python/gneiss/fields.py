@@ -46,14 +46,14 @@ def view_array(view: Any) -> Array:
 
 
 class About(NamedTuple):
-    """What a field, column or quantity is."""
+    """Name, unit and description of a field, column or quantity."""
     name: str
     unit: str
     description: str
 
 
 class _Shown:
-    """What shows the memory of a world: without other attributes, and not to be pickled."""
+    """Base of objects that show the memory of a world: they have no other attributes and cannot be pickled."""
     __slots__ = ()
 
     def __reduce__(self) -> Any:
@@ -178,7 +178,7 @@ class Particles(Record):
 
 
 class History(_Shown, Mapping[str, Array]):
-    """Columns of the history by name: read-only arrays [rows] over the engine's memory, to be asked for again after an advance."""
+    """Columns of the history by name: read-only arrays [rows] over the engine's memory, to be obtained again after an advance."""
     __slots__ = ("_c",)
 
     def __init__(self, world: Any) -> None:

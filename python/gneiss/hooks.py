@@ -1,4 +1,4 @@
-"""Calls between steps, and fields of force."""
+"""Functions that are called between steps, and fields of force."""
 from __future__ import annotations
 
 import weakref
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Hook:
-    """A call or a field of force of a world. `remove` takes it out again."""
+    """A function or a field of force that was added to a world. `remove` removes it."""
 
     def __init__(self, world: World, function: Callable[..., Any]) -> None:
         self._world, self._function = weakref.ref(world), function

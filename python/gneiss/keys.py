@@ -181,7 +181,7 @@ class Contact(TypedDict, total=False):
     contact_modulus: Number  # number, Pa, in [1e-9, 1e18], or combined: E_c, instead of both in series (default combined)
     normal_stiffness: Number  # number, N/m, in [1e-15, 1e21], or combined: k_n, instead of both in series (default combined)
     young: Number  # number, Pa, in [1e-9, 1e18], or combined: E of laws by area and hertz, instead of both in series (default combined)
-    poisson: Number  # number, in (-1, 0.5], or combined: nu of laws by area and hertz, instead of the mean (of each) (default combined)
+    poisson: Number  # number, in (-1, 0.5], or combined: nu of laws by area and hertz, instead of the values of both materials (default combined)
     alpha: Number  # number, in [1e-6, 1e6], or combined: factor in laws by area, instead of the harmonic mean (default combined)
     beta: Number  # number, in [0, 1e6], or combined: factor in laws by area, instead of the harmonic mean (default combined)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or combined: sigma_c of a bond, instead of the smaller (default combined)
@@ -670,19 +670,19 @@ class Membrane(TypedDict, total=False):
 
 
 class Test(TypedDict, total=False):
-    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # which test it is: how stress and strain are formed and what is read; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, from all sides alike, oedometer: between sides that stand, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
-    axis: Literal['none', 'x', 'y', 'z']  # direction of loading, of a cut that of the tool; needed by all but hydrostatic (default none)
+    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
+    axis: Literal['none', 'x', 'y', 'z']  # direction of loading, in a cut of the motion of the tool; needed by all but hydrostatic (default none)
     lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic and cutting
     upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic and cutting
     normal: Literal['none', 'x', 'y', 'z']  # shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of the rock (default none)
     tool: str  # text: cutting: the body that cuts
     depth: Number  # number, m, in [1e-9, 1e9], or none: cutting: depth of the cut, to which energies and predictions refer (default none)
-    spacing: Number  # number, m, in [1e-9, 1e9], or none: cutting: distance of neighbouring cuts (default none)
+    spacing: Number  # number, m, in [1e-9, 1e9], or none: cutting: distance between neighbouring cuts (default none)
     run_in: Number  # number, m, in [0, 1e9], or none: cutting: path of the tool before means are taken; length is the path of the means (default none)
-    blocks: int | str  # whole number, in [1, 10000]: cutting: parts of the path of the means, whose scatter is read (default 5)
-    peak_window: Number  # number, m, in [1e-9, 1e9], or auto: cutting: path over which a peak force is a mean; auto: a quarter of the depth (default auto)
-    compressive_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: uniaxial strength of the rock, for predicted forces alone (default none)
-    tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, for predicted forces alone (default none)
+    blocks: int | str  # whole number, in [1, 10000]: cutting: number of parts of the path of the means, whose scatter is a reading (default 5)
+    peak_window: Number  # number, m, in [1e-9, 1e9], or auto: cutting: path over which a peak force is averaged; auto: a quarter of the depth (default auto)
+    compressive_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: uniaxial strength of the rock, used for predicted forces only (default none)
+    tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, used for predicted forces only (default none)
     pressure_exponent: Number  # number, in [-0.2, 0.2]: cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp to -0.2 of wide tips (default 0)
     length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock (default auto)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area of its section; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
@@ -787,7 +787,7 @@ class Output(TypedDict, total=False):
     events: Literal['auto', 'on', 'off'] | bool  # list of the times and places at which bonds broke, began to soften or to yield, in results.h5; auto: on (default auto)
     contacts: Literal['auto', 'on', 'off'] | bool  # all acting contacts, including unbonded ones and those with walls and bodies, in snapshots and results.h5; auto: off (default auto)
     burst_reach: Number  # number, in [0, 1e6]: breaks belong to one burst if they are at most this many mean diameters of bonded particles apart, and in time at most what a wave takes over that distance (default 5)
-    fields: str | Sequence[str]  # name or list of names: what particles and bonds have in snapshots and results.h5 besides: spin, group, material, skin, total_force, total_moment, damping_force, damping_moment, fragment, fragment_size, area, shear_stress (docs/quantities.md)
+    fields: str | Sequence[str]  # name or list of names: further quantities of particles and bonds in snapshots and results.h5: spin, group, material, skin, total_force, total_moment, damping_force, damping_moment, fragment, fragment_size, area, shear_stress (docs/quantities.md)
 
 
 class Neighbours(TypedDict, total=False):

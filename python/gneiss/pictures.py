@@ -20,7 +20,7 @@ Cut = Union[tuple[str, float], None]
 
 
 class Discs(NamedTuple):
-    """What a picture shows, from back to front: places [n][2] m, radii [n] m, values [n]."""
+    """The circles of a picture, from back to front: places [n][2] m, radii [n] m, values [n]."""
     place: Array
     radius: Array
     value: Array
@@ -122,7 +122,7 @@ def png_of(world: World) -> bytes | None:
 
 
 def html_of(world: World) -> str:
-    """A table of what the world is, with its picture."""
+    """A table of the properties of a world, and its picture."""
     progress, counts = world.progress, world.counts
     rows = {"step": progress.step, "time": f"{progress.time:.6g} of {progress.end:.6g} s", "particles": counts.particles,
             "bonds": f"{counts.bonds}, {counts.broken_tension + counts.broken_shear} broken", "time step": f"{progress.dt:.4g} s",

@@ -127,7 +127,7 @@ class Group(Mapping[str, Any]):
 
 
 class Results:
-    """What a run, `pack` or `sweep` wrote: a folder, or its results.h5, packing.h5 or sweep.h5.
+    """The results of a run, `pack` or `sweep`: a folder, or its results.h5, packing.h5 or sweep.h5.
 
     Groups of the file are attributes: `history`, `readings`, `energy`, `particles`, `bonds`, `events`, `stages`, ...; of a packing
     `particles`, `contacts`, `quality`; of a sweep `parameters`, `runs`, `readings`, `statistics`. Each is a Group. docs/results.md,
@@ -169,7 +169,7 @@ class Results:
 
     @property
     def warnings(self) -> dict[str, str]:
-        """{name: text} of doubts about the results."""
+        """{name: text} of warnings about the results."""
         lines = str(self.attributes.get("warnings", "")).splitlines()
         return dict(line.split(": ", 1) for line in lines if ": " in line)
 

@@ -49,7 +49,7 @@ def written(values: Mapping[str, Any]) -> str:
 
 
 def override_text(key: str, value: Any) -> str:
-    """key=value as `--set` has it."""
+    """An override in the form key=value of `--set`."""
     value = _plain(value, key)
     return f"{key}={value if isinstance(value, str) else json.dumps(value, allow_nan=False)}"
 

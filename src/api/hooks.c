@@ -278,13 +278,10 @@ void gn_api_hooks_free(gn_api_hooks *hooks) {
 static gneiss_status append(gneiss_world *world, gn_api_hook **hook, int64_t *number,
                             gneiss_error *error) {
     gn_api_hooks *h = &world->hooks;
-    gn_api_hook *list = NULL;
     GN_TRY(add_feature(world, error));
-    GN_TRY(gn_new(&list, h->count + 1, "hooks", error));
-    if (h->hook) memcpy(list, h->hook, h->count * sizeof *list);
-    gn_free(h->hook);
-    h->hook = list;
-    *hook = &list[h->count++];
+    if (!gn_widen(&h->hook, h->count, h->count + 1, sizeof *h->hook))
+        return gn_no_memory(error, "hooks");
+    *hook = &h->hook[h->count++];
     (*hook)->number = *number = h->numbers++;
     return GNEISS_OK;
 }

@@ -319,8 +319,8 @@ gneiss_status gneiss_world_energy_at(const gneiss_world *world, size_t index, gn
     return pick_at(all, ENERGIES, index, term, error);
 }
 
-/* If a ledger was not measured in this process, it is that of the last row provided that their
- * residuals are equal. */
+/* A ledger that was not measured in this process belongs to the last row of the history, if both
+ * have the same residual. */
 gneiss_status gneiss_world_energy_instant(const gneiss_world *world, int64_t *step, double *time,
                                           gneiss_error *error) {
     GN_TRY(gn_api_require(world, "world", error));

@@ -219,18 +219,6 @@ static bool is_near(const gn_dem *dem, const gn_boundary *boundary, size_t a, si
     return gn_convex_apart(&c[a], &at_a, &c[b], &at_b) <= skin;
 }
 
-static gneiss_status make_room(gn_body_pairs *p, gneiss_error *error) {
-    if (p->count < p->most) return GNEISS_OK;
-    size_t most = 2 * p->count + 8;
-    gn_body_pair *now = NULL;
-    GN_TRY(gn_new(&now, most, "pairs of bodies", error));
-    if (p->count) memcpy(now, p->pair, p->count * sizeof *now);
-    gn_free(p->pair);
-    p->pair = now;
-    p->most = most;
-    return GNEISS_OK;
-}
-
 static void keep_worst(gn_bodies_worst *worst, double value, const gn_body_pair *p) {
     if (value > worst->value) *worst = (gn_bodies_worst){value, p->first, p->second};
 }
@@ -290,7 +278,7 @@ static gneiss_status list_pairs(const gn_step_context *ctx, const gn_dem *dem,
                 at++;
             if (!gn_bodies_meet(ctx, boundary, a, b) || !is_near(dem, boundary, a, b)) continue;
             bool listed = at < old->count && q[at].first == (double)a && q[at].second == (double)b;
-            GN_TRY(make_room(p, error));
+            GN_TRY(gn_grow(&p->pair, p->count, p->count + 1, &p->most, "pairs of bodies", error));
             p->pair[p->count++] = listed ? q[at] : new_pair(ctx, boundary, first, a, b);
         }
     return GNEISS_OK;

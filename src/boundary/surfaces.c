@@ -72,8 +72,8 @@ gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem
     const char *name = s->body >= 0 ? ctx->scene.bodies[s->body].name : NULL;
     gneiss_status status = ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT;
     return gn_fail(error, status,
-                   "particle %d: centre on the surface of %s%s%s: which side it is on cannot be "
-                   "told%s",
+                   "particle %d: centre on the surface of %s%s%s, so that its side cannot be "
+                   "determined%s",
                    (int)dem->particles.id[boundary->contacts.i[row]],
                    name ? "body '" : "the elements", name ? name : "", name ? "'" : "",
                    ctx->step > 0 ? " (pressed through? stiffer contacts or slower motion)" : "");
@@ -279,8 +279,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         q->row[8 * own + a] = force[a];
         q->touch[own + a * stride] = x[a] + arm[a];
     }
-    /* Along the normal of a single facet, or towards one of many points, the spring has no lever
-     * arm. */
+    /* The spring force has no lever arm if it acts along the normal of a single facet, or towards
+     * one of many points. */
     gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
     for (int a = 0; a < 3; a++) q->row[8 * own + 4 + (size_t)a] += couple[a];
     for (size_t a = 0; a < 3; a++) {

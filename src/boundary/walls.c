@@ -318,7 +318,8 @@ void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *bo
     }
 }
 
-/* The last path ends with the present force, and the coming path begins with it. */
+/* Adds the work of walls. Work is trapezoidal: half of the present force belongs to the last path,
+ * and half to the coming one. */
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                    gn_energy *ledger) {
     for (size_t k = 0; k < ctx->scene.wall_count; k++)

@@ -6,6 +6,7 @@
 #include "run/run.h"
 
 #include <getopt.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -162,77 +163,70 @@ static gneiss_status check_target(const gn_options *options, int argc, char **ar
     return GNEISS_OK;
 }
 
+/* The ways in which options are read: TEXT keeps the value in a member of gn_options, FLAG sets a
+ * member, KEY overrides the key run.<name>, PASSED is handed on, and OWN has code of its own. */
+typedef enum way { TEXT, FLAG, KEY, PASSED, OWN } way;
+
+/* X(NAME, name, argument, way, member); `command` where there is no member. */
+#define OPTIONS(X)                                                                                 \
+    X(OUT, "out", required_argument, OWN, out)                                                     \
+    X(SET, "set", required_argument, OWN, command)                                                 \
+    X(THREADS, "threads", required_argument, KEY, command)                                         \
+    X(SEED, "seed", required_argument, KEY, command)                                               \
+    X(PRECISION, "precision", required_argument, KEY, command)                                     \
+    X(ISA, "isa", required_argument, KEY, command)                                                 \
+    X(FORCE, "force", no_argument, FLAG, force)                                                    \
+    X(ALLOW_GMSH, "allow-gmsh", no_argument, FLAG, allow_gmsh)                                     \
+    X(QUIET, "quiet", no_argument, FLAG, quiet)                                                    \
+    X(LOG, "log", required_argument, OWN, command)                                                 \
+    X(MARKDOWN, "markdown", no_argument, FLAG, markdown)                                           \
+    X(MAN, "man", no_argument, FLAG, manual)                                                       \
+    X(SEEDS, "seeds", required_argument, TEXT, seeds)                                              \
+    X(JOBS, "jobs", required_argument, TEXT, jobs)                                                 \
+    X(DRY_RUN, "dry-run", no_argument, FLAG, dry_run)                                              \
+    X(ARRAY, "array", optional_argument, TEXT, array)                                              \
+    X(COLLECT, "collect", no_argument, FLAG, collect)                                              \
+    X(ERROR, "error", required_argument, OWN, command)                                             \
+    X(READING, "reading", required_argument, OWN, command)                                         \
+    X(PARTICLES, "particles", required_argument, OWN, command)                                     \
+    X(WRITE, "write", required_argument, OWN, command)                                             \
+    X(STRAIN, "strain", required_argument, TEXT, strain)                                           \
+    X(JSON, "json", no_argument, OWN, command)                                                     \
+    X(LENGTH, "length", required_argument, PASSED, command)                                        \
+    X(DENSITY, "density", required_argument, PASSED, command)                                      \
+    X(AS, "as", required_argument, PASSED, command)                                                \
+    X(COLUMNS, "columns", required_argument, PASSED, command)                                      \
+    X(FRAME, "frame", required_argument, PASSED, command)                                          \
+    X(INSTANTS, "instants", required_argument, TEXT, instants)                                     \
+    X(FIELDS, "fields", required_argument, TEXT, fields)                                           \
+    X(PARAVIEW, "paraview", no_argument, FLAG, paraview)                                           \
+    X(HELP, "help", no_argument, OWN, command)                                                     \
+    X(VERSION, "version", no_argument, OWN, command)
+
 enum {
-    OPT_OUT = 256,
-    OPT_SET,
-    OPT_THREADS,
-    OPT_SEED,
-    OPT_PRECISION,
-    OPT_ISA,
-    OPT_FORCE,
-    OPT_ALLOW_GMSH,
-    OPT_QUIET,
-    OPT_LOG,
-    OPT_MARKDOWN,
-    OPT_MAN,
-    OPT_SEEDS,
-    OPT_JOBS,
-    OPT_DRY_RUN,
-    OPT_ARRAY,
-    OPT_COLLECT,
-    OPT_ERROR,
-    OPT_READING,
-    OPT_PARTICLES,
-    OPT_WRITE,
-    OPT_STRAIN,
-    OPT_JSON,
-    OPT_LENGTH,
-    OPT_DENSITY,
-    OPT_AS,
-    OPT_COLUMNS,
-    OPT_FRAME,
-    OPT_INSTANTS,
-    OPT_FIELDS,
-    OPT_PARAVIEW,
-    OPT_HELP,
-    OPT_VERSION
+    OPT_BEFORE = 255, /* short options are characters */
+#define X(NAME, ...) OPT_##NAME,
+    OPTIONS(X)
+#undef X
+        OPT_FIRST = OPT_BEFORE + 1
 };
 
 static const struct option long_options[] = {
-    {"out", required_argument, 0, OPT_OUT},
-    {"set", required_argument, 0, OPT_SET},
-    {"threads", required_argument, 0, OPT_THREADS},
-    {"seed", required_argument, 0, OPT_SEED},
-    {"precision", required_argument, 0, OPT_PRECISION},
-    {"isa", required_argument, 0, OPT_ISA},
-    {"force", no_argument, 0, OPT_FORCE},
-    {"allow-gmsh", no_argument, 0, OPT_ALLOW_GMSH},
-    {"quiet", no_argument, 0, OPT_QUIET},
-    {"log", required_argument, 0, OPT_LOG},
-    {"markdown", no_argument, 0, OPT_MARKDOWN},
-    {"man", no_argument, 0, OPT_MAN},
-    {"seeds", required_argument, 0, OPT_SEEDS},
-    {"jobs", required_argument, 0, OPT_JOBS},
-    {"dry-run", no_argument, 0, OPT_DRY_RUN},
-    {"array", optional_argument, 0, OPT_ARRAY},
-    {"collect", no_argument, 0, OPT_COLLECT},
-    {"error", required_argument, 0, OPT_ERROR},
-    {"reading", required_argument, 0, OPT_READING},
-    {"particles", required_argument, 0, OPT_PARTICLES},
-    {"write", required_argument, 0, OPT_WRITE},
-    {"strain", required_argument, 0, OPT_STRAIN},
-    {"json", no_argument, 0, OPT_JSON},
-    {"length", required_argument, 0, OPT_LENGTH},
-    {"density", required_argument, 0, OPT_DENSITY},
-    {"as", required_argument, 0, OPT_AS},
-    {"columns", required_argument, 0, OPT_COLUMNS},
-    {"frame", required_argument, 0, OPT_FRAME},
-    {"instants", required_argument, 0, OPT_INSTANTS},
-    {"fields", required_argument, 0, OPT_FIELDS},
-    {"paraview", no_argument, 0, OPT_PARAVIEW},
-    {"help", no_argument, 0, OPT_HELP},
-    {"version", no_argument, 0, OPT_VERSION},
-    {0, 0, 0, 0},
+#define X(NAME, name, argument, way, member) {name, argument, 0, OPT_##NAME},
+    OPTIONS(X)
+#undef X
+        {0, 0, 0, 0},
+};
+
+static const struct {
+    way way;
+    size_t offset; /* of the member of gn_options */
+    const char *given, *key;
+} readings[] = {
+#define X(NAME, name, argument, way, member)                                                       \
+    {way, offsetof(gn_options, member), "--" name, "run." name},
+    OPTIONS(X)
+#undef X
 };
 
 /* Reads "5%", "5 %" or "0.05". */
@@ -251,155 +245,107 @@ static gneiss_status read_error(const char *text, double *wanted, gneiss_error *
                    text);
 }
 
-static gneiss_status apply_to_view(gn_options *options, int option, const char *value,
-                                   gneiss_error *error) {
-    switch (option) {
-    case OPT_INSTANTS:
-        options->instants = value;
-        return GNEISS_OK;
-    case OPT_FIELDS:
-        options->fields = value;
-        return GNEISS_OK;
-    case OPT_PARAVIEW:
-        options->paraview = true;
-        return GNEISS_OK;
-    default:
-        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
-    }
-}
-
-static gneiss_status apply_to_plan(gn_options *options, int option, const char *value,
-                                   gneiss_error *error) {
-    switch (option) {
-    case OPT_ERROR:
-        return read_error(value, &options->error, error);
-    case OPT_READING:
-        if (strcmp(value, "strength") != 0 && strcmp(value, "stiffness") != 0)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--reading: expected strength or stiffness, found '%s'", value);
-        options->reading = value;
-        return GNEISS_OK;
-    case OPT_PARTICLES:
-        if (strcmp(value, "any") != 0)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--particles: expected any (a number is given with --set "
-                           "specimen.particles=), found '%s'",
-                           value);
-        options->any_particles = true;
-        return GNEISS_OK;
-    case OPT_WRITE:
-        if (!*value)
-            return gn_fail(error, GNEISS_ERROR_INPUT, "--write: expected a file, found ''");
-        options->write = value;
-        return GNEISS_OK;
-    case OPT_STRAIN:
-        options->strain = value;
-        return GNEISS_OK;
-    case OPT_JSON:
-        options->json = options->one_json = true;
-        return GNEISS_OK;
-    default:
-        return apply_to_view(options, option, value, error);
-    }
-}
-
 /* Keeps an option of `convert` as the text --name=value. */
-static gneiss_status pass_on(gn_options *options, int option, const char *value,
+static gneiss_status pass_on(gn_options *options, const char *given, const char *value,
                              gneiss_error *error) {
-    const char *name = "";
-    for (const struct option *o = long_options; o->name; o++)
-        if (o->val == option) name = o->name;
     if (options->held_count == GN_MAX_OVERRIDES)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "--%s: expected at most %d options", name,
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected at most %d options", given,
                        GN_MAX_OVERRIDES);
-    const size_t size = strlen(name) + strlen(value) + sizeof "--=";
+    const size_t size = strlen(given) + strlen(value) + sizeof "=";
     char *text = malloc(size);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the options");
-    snprintf(text, size, "--%s=%s", name, value);
+    snprintf(text, size, "%s=%s", given, value);
     options->held[options->held_count++] = text;
     options->passed[options->passed_count++] = text;
     return GNEISS_OK;
 }
 
-static gneiss_status apply_to_sweep(gn_options *options, int option, const char *value,
-                                    gneiss_error *error) {
+static gneiss_status read_log(gn_options *options, const char *value, gneiss_error *error) {
+    if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'",
+                       value);
+    options->log = strcmp(value, "json") == 0;
+    options->json = options->log || options->one_json;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_particles(gn_options *options, const char *value, gneiss_error *error) {
+    if (strcmp(value, "any") != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "--particles: expected any (a number is given with --set "
+                       "specimen.particles=), found '%s'",
+                       value);
+    options->any_particles = true;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_reading(gn_options *options, const char *value, gneiss_error *error) {
+    if (strcmp(value, "strength") != 0 && strcmp(value, "stiffness") != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "--reading: expected strength or stiffness, found '%s'", value);
+    options->reading = value;
+    return GNEISS_OK;
+}
+
+static gneiss_status keep_path(const char **path, const char *option, const char *expected,
+                               const char *value, gneiss_error *error) {
+    if (!*value)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a %s, found ''", option, expected);
+    *path = value;
+    return GNEISS_OK;
+}
+
+static gneiss_status apply_own(gn_options *options, int option, const char *value,
+                               gneiss_error *error) {
     switch (option) {
-    case OPT_SEEDS:
-        options->seeds = value;
-        return GNEISS_OK;
-    case OPT_JOBS:
-        options->jobs = value;
-        return GNEISS_OK;
-    case OPT_DRY_RUN:
-        options->dry_run = true;
-        return GNEISS_OK;
-    case OPT_ARRAY:
-        options->array = value ? value : "";
-        return GNEISS_OK;
-    case OPT_COLLECT:
-        options->collect = true;
+    case OPT_OUT:
+        return keep_path(&options->out, "--out", "folder", value, error);
+    case OPT_WRITE:
+        return keep_path(&options->write, "--write", "file", value, error);
+    case OPT_SET:
+        return add_set(options, value, error);
+    case OPT_LOG:
+        return read_log(options, value, error);
+    case OPT_ERROR:
+        return read_error(value, &options->error, error);
+    case OPT_READING:
+        return read_reading(options, value, error);
+    case OPT_PARTICLES:
+        return read_particles(options, value, error);
+    case OPT_JSON:
+        options->json = options->one_json = true;
         return GNEISS_OK;
     default:
-        return apply_to_plan(options, option, value, error);
+        return gn_fail(error, GNEISS_ERROR_INTERNAL, "an option without a reading");
     }
 }
 
 static gneiss_status apply(gn_options *options, int option, const char *value,
                            gneiss_error *error) {
-    switch (option) {
-    case OPT_OUT:
-        if (!*value)
-            return gn_fail(error, GNEISS_ERROR_INPUT, "--out: expected a folder, found ''");
-        options->out = value;
+    const int k = option - OPT_FIRST;
+    void *member = (char *)options + readings[k].offset;
+    switch (readings[k].way) {
+    case TEXT:
+        *(const char **)member = value ? value : "";
         return GNEISS_OK;
-    case OPT_SET:
-        return add_set(options, value, error);
-    case OPT_THREADS:
-        return add_override(options, "--threads", "run.threads", value, error);
-    case OPT_SEED:
-        return add_override(options, "--seed", "run.seed", value, error);
-    case OPT_PRECISION:
-        return add_override(options, "--precision", "run.precision", value, error);
-    case OPT_ISA:
-        return add_override(options, "--isa", "run.isa", value, error);
-    case OPT_FORCE:
-        options->force = true;
+    case FLAG:
+        *(bool *)member = true;
         return GNEISS_OK;
-    case OPT_ALLOW_GMSH:
-        options->allow_gmsh = true;
-        return GNEISS_OK;
-    case OPT_QUIET:
-        options->quiet = true;
-        return GNEISS_OK;
-    case OPT_MAN:
-        options->manual = true;
-        return GNEISS_OK;
-    case OPT_MARKDOWN:
-        options->markdown = true;
-        return GNEISS_OK;
-    case OPT_LOG:
-        if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
-            return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'",
-                           value);
-        options->log = strcmp(value, "json") == 0;
-        options->json = options->log || options->one_json;
-        return GNEISS_OK;
-    case OPT_LENGTH:
-    case OPT_DENSITY:
-    case OPT_AS:
-    case OPT_COLUMNS:
-    case OPT_FRAME:
-        return pass_on(options, option, value, error);
-    default:
-        return apply_to_sweep(options, option, value, error);
+    case KEY:
+        return add_override(options, readings[k].given, readings[k].key, value, error);
+    case PASSED:
+        return pass_on(options, readings[k].given, value, error);
+    case OWN:
+        break;
     }
+    return apply_own(options, option, value, error);
 }
 
 /* Reports the option at which getopt stopped, and the option that was probably intended. */
 static gneiss_status no_option(char **argv, gneiss_error *error) {
     const char *given = argv[optind - 1];
     char name[96], advice[GN_ADVICE_SIZE] = "";
-    if (optopt >= OPT_OUT) /* a long option without a value was given one */
+    if (optopt >= OPT_FIRST) /* a long option without a value was given one */
         return gn_fail(error, GNEISS_ERROR_INPUT, "%.*s: expected no value, found '%.200s'",
                        (int)strcspn(given, "="), given, given + strcspn(given, "=") + 1);
     if (optopt) /* a short option, perhaps one of several */

@@ -109,7 +109,8 @@ static void add_elements(const gn_conversion *conversion, bool touched, gn_held 
     for (size_t e = 0; e < b->elements.soa.count; e++)
         if (conversion->touched[conversion->place[b->elements.id[e]]] == touched)
             conversion->some[count++] = (int32_t)e;
-    /* Half a step of the power is the difference of two energies. */
+    /* The power times half a step is found as half the difference of the energies half a step
+     * before and after. */
     sum->elements += gn_fem_elastic_energy(b, conversion->some, count, 0.0);
     sum->step += 0.5 * (gn_fem_elastic_energy(b, conversion->some, count, -half) -
                         gn_fem_elastic_energy(b, conversion->some, count, half));
@@ -144,8 +145,8 @@ double gn_conversion_held_in_contacts(const gn_conversion *conversion) {
 /* --- parts of the booked energy --- */
 
 /* Energy that a conversion books, by cause. Between the elements that lose weight and the springs
- * that gain it is the energy that both would have in an even strain. Parts are differences of
- * successive states, so that their sum is the booked energy whatever their names.
+ * that gain it is the energy that both would have in an even strain. Parts are differences between
+ * successive states, so that they add up to the booked energy exactly.
  *
  * With dw_p the weight that particle p gains, V_p its part of the specimen's volume, W_e the energy
  * density of its element and w_b(F) the energy of bond b if both ends move with the gradient F of

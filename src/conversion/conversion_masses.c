@@ -16,7 +16,8 @@
 
 /* --- sums --- */
 
-/* Second moments of a point that its rotation requires; in 2D only that about z. */
+/* Number of second moments of positions that enter the moments of inertia; in 2D only that about z.
+ */
 enum { SECOND_MOST = 6, BASIS_MOST = GN_BASIS_MOST };
 static size_t second_count(size_t dimension) {
     return dimension == 3 ? 6 : 1;

@@ -23,10 +23,10 @@ typedef struct gn_conversion {
     uint8_t *kind;  /* [elements before] gn_front_kind */
     int32_t *place; /* [elements of the mesh] index before the conversion; -1: converted earlier */
     double *part;   /* [particles][2] weights before, 0 if it was dormant */
-    double *node_part; /* [nodes][2] parts and distances before (couple/front.h) */
+    double *node_part; /* [nodes][2] weights and distances before (couple/front.h) */
     uint8_t *freed;    /* [particles] 1: it moves independently from this conversion on */
     uint8_t *touched;  /* [elements before] 1: it converts or its weight changes */
-    int32_t *some;     /* [elements before] scratch */
+    int32_t *some;     /* [elements before] temporary list of elements */
     uint8_t *active;   /* [prepared bonds] 1: it acts from now on */
     size_t acting;     /* number of these bonds */
     uint8_t *tied;     /* [particles] 1: it followed nodes at the last tally */

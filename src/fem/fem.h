@@ -191,11 +191,6 @@ void gn_fem_set_velocity(gn_fem_solid *solid, int32_t motion, const double veloc
 /* Computes the force, N, that a prescribed motion required at the start of the last step. */
 void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3]);
 
-/* Adds a traction of fixed direction, Pa, on the facets of a group (lines in 2D), which is lumped
- * to their nodes. */
-gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const double traction[3],
-                                  gneiss_error *error);
-
 /* A load that may vary with time (loads.c): its nodes and their shares. */
 typedef struct gn_fem_load {
     size_t count;

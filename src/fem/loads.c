@@ -228,27 +228,6 @@ static double facet_area(const gn_fem_solid *solid, const int32_t *node) {
     return 0.5 * sqrt(sum);
 }
 
-gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const double traction[3],
-                                  gneiss_error *error) {
-    const int facets = solid->dimension - 1;
-    const gn_mesh_elements *list = gn_fem_elements_of(&solid->mesh, facets);
-    const gn_mesh_group *found = gn_fem_find_group(&solid->mesh, group, facets);
-    size_t loaded = 0, nodes = (size_t)solid->dimension;
-    GN_FREED uint8_t *in = NULL;
-    GN_TRY(gn_new(&in, list->count, "facets", error));
-    if (found) gn_fem_mark_group(list, found->tag, in);
-    for (size_t f = 0; f < list->count; f++) {
-        if (!in[f]) continue;
-        const int32_t *node = list->node + nodes * f;
-        double part = facet_area(solid, node) / (double)nodes;
-        for (size_t k = 0; k < nodes * nodes; k++)
-            solid->nodes.applied[4 * (size_t)node[k / nodes] + k % nodes] +=
-                part * traction[k % nodes];
-        loaded++;
-    }
-    return loaded ? GNEISS_OK : gn_fem_no_group(solid->name, &solid->mesh, group, facets, error);
-}
-
 /* ---- loads that may vary with time ---- */
 
 /* Collects the nodes whose weight is above zero. */

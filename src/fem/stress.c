@@ -287,10 +287,6 @@ void gn_fem_step_scales(const gn_fem_solid *solid, double *scale) {
 
 /* ---- contact facets of a solid ---- */
 
-static gneiss_status no_memory(gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the surface of a solid");
-}
-
 static gneiss_status facets_of_group(const gn_fem_solid *solid, const char *group, int32_t **corner,
                                      size_t *count, gneiss_error *error) {
     gn_mesh mesh = solid->mesh;
@@ -307,7 +303,8 @@ static gneiss_status facets_of_group(const gn_fem_solid *solid, const char *grou
                 memcpy(*corner + nodes * (*count)++, list->node + nodes * f,
                        nodes * sizeof **corner);
     }
-    gneiss_status status = in && *corner ? GNEISS_OK : no_memory(error);
+    gneiss_status status =
+        in && *corner ? GNEISS_OK : gn_no_memory(error, "the surface of a solid");
     gn_free(in);
     if (status == GNEISS_OK && !*count)
         return gn_fem_no_group(solid->name, &solid->mesh, group, solid->dimension - 1, error);

@@ -26,8 +26,8 @@ typedef struct gn_mass_scaling {
 typedef struct gn_step_choice {
     gn_step_limit limit; /* limit of the particles, last full estimate */
     double stable;       /* s: the limit of the particles alone, without damping */
-    double listed; /* s: the limit with all listed contacts closed, where it is at most about a
-                      hundredth above the step; else INFINITY */
+    double listed; /* s: the limit with all listed contacts closed, if it exceeds the step by about
+                      a hundredth or less; else INFINITY */
     double listed_holds; /* s: known to be stable for particles with all listed contacts */
     double whole;        /* s: sharp limit of the coupled system of particles and elements; 0: not
                             searched; negative: outdated, because nodes have lost mass */

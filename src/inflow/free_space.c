@@ -1,7 +1,7 @@
 #include "inflow/free_space.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "boundary/boundary.h"
 #include "frame/frame.h"
 #include "particles/particles.h"
@@ -20,21 +20,9 @@ static gneiss_status no_memory(gneiss_error *error) {
 
 static gneiss_status reserve(gn_room *r, size_t space, gneiss_error *error) {
     if (space <= r->space) return GNEISS_OK;
-    double *sphere = gn_alloc_array(space + 1, 4 * sizeof *sphere);
-    int32_t *next = gn_alloc_array(space + 1, sizeof *next);
-    if (!sphere || !next || space > INT32_MAX) {
-        gn_free(sphere);
-        gn_free(next);
+    if (space > INT32_MAX || !gn_widen(&r->sphere, 4 * r->count, 4 * (space + 1), sizeof(double)) ||
+        !gn_widen(&r->next, r->count, space + 1, sizeof *r->next))
         return no_memory(error);
-    }
-    if (r->count) {
-        memcpy(sphere, r->sphere, r->count * 4 * sizeof *sphere);
-        memcpy(next, r->next, r->count * sizeof *next);
-    }
-    gn_free(r->sphere);
-    gn_free(r->next);
-    r->sphere = sphere;
-    r->next = next;
     r->space = space;
     return GNEISS_OK;
 }

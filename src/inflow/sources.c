@@ -170,15 +170,8 @@ typedef struct arrivals {
 } arrivals;
 
 static gneiss_status keep(arrivals *list, const gn_arrival *a, gneiss_error *error) {
-    if (list->count == list->space) {
-        size_t space = 2 * list->space + 64;
-        gn_arrival *item = NULL;
-        GN_TRY(gn_new(&item, space, "new particles", error));
-        if (list->count) memcpy(item, list->item, list->count * sizeof *item);
-        gn_free(list->item);
-        list->item = item;
-        list->space = space;
-    }
+    GN_TRY(
+        gn_grow(&list->item, list->count, list->count + 1, &list->space, "new particles", error));
     list->item[list->count++] = *a;
     return GNEISS_OK;
 }

@@ -1,7 +1,7 @@
 #include "io/packing.h"
 #include "io/packing_private.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "io/decimal.h"
 #include "io/io.h"
 
@@ -135,28 +135,16 @@ static gneiss_status check_columns(gn_packing_reader *in, const size_t at[5], co
     return GNEISS_OK;
 }
 
-/* Replaces a block by one of `capacity` items that begins with the first `used` items of the old
- * one. */
-static bool widen(void *block, size_t used, size_t capacity, size_t size) {
-    void *old, *more = gn_alloc_array(capacity, size);
-    memcpy(&old, block, sizeof old);
-    if (!more) return false;
-    if (used) memcpy(more, old, used * size);
-    gn_free(old);
-    memcpy(block, &more, sizeof more);
-    return true;
-}
-
 gneiss_status gn_packing_grow(gn_packing_reader *in, gn_packing *packing) {
     if (packing->count < in->capacity) return GNEISS_OK;
     gn_particle_columns *c = &packing->columns;
     const size_t capacity = in->capacity ? 2 * in->capacity : 1024, used = packing->count;
-    bool room = widen(&packing->sphere, used, capacity, 4 * sizeof(double));
-    room = room && (!c->material || widen(&c->material, used, capacity, sizeof(int32_t)));
-    room = room && (!c->group || widen(&c->group, used, capacity, sizeof(int32_t)));
-    room = room && (!c->density || widen(&c->density, used, capacity, sizeof(double)));
-    room = room && (!c->motion || widen(&c->motion, used, capacity, 6 * sizeof(double)));
-    room = room && (!in->id || widen(&in->id, used, capacity, sizeof *in->id));
+    bool room = gn_widen(&packing->sphere, used, capacity, 4 * sizeof(double));
+    room = room && (!c->material || gn_widen(&c->material, used, capacity, sizeof(int32_t)));
+    room = room && (!c->group || gn_widen(&c->group, used, capacity, sizeof(int32_t)));
+    room = room && (!c->density || gn_widen(&c->density, used, capacity, sizeof(double)));
+    room = room && (!c->motion || gn_widen(&c->motion, used, capacity, 6 * sizeof(double)));
+    room = room && (!in->id || gn_widen(&in->id, used, capacity, sizeof *in->id));
     if (!room)
         return gn_fail(in->error, GNEISS_ERROR_MEMORY, "%s: no memory for %zu particles", in->path,
                        capacity);

@@ -75,8 +75,11 @@ static gneiss_status put_arrays(gn_h5 *file, const char *group, const gn_snapsho
         if (length >= (int)sizeof name || strchr(arrays[a].name, '/') || !arrays[a].name[0])
             return gn_fail(error, GNEISS_ERROR_INTERNAL,
                            "expected the name of an array, found '%s'", arrays[a].name);
+        const bool demanded = gn_h5_demand_finite(file, false);
+        gn_h5_demand_finite(file, demanded && !arrays[a].may_be_nan);
         GN_TRY(gn_h5_put(file, name, GN_F64, rows, arrays[a].components, 0, arrays[a].data,
                          arrays[a].unit, NULL, error));
+        gn_h5_demand_finite(file, demanded);
     }
     return GNEISS_OK;
 }

@@ -14,6 +14,7 @@ typedef struct gn_snapshot_array {
     const char *name, *unit;
     size_t components;  /* 1, 3, 4, 6 or 9 */
     const double *data; /* [count][components] */
+    bool may_be_nan;    /* NaN: an item has no value */
 } gn_snapshot_array;
 
 typedef struct gn_snapshot {

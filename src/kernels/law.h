@@ -50,7 +50,7 @@ typedef struct gn_law_held {
     double stored;   /* J */
 } gn_law_held;
 
-/* The moments of a bond, along n of the last instant. */
+/* The moments of a bond, for the normal n of the last evaluation of forces. */
 typedef struct gn_law_moments {
     double couple[3];     /* N m, moment on the first particle; opposite on the other */
     double stored;        /* J */
@@ -117,6 +117,11 @@ static inline double gn_touch_damped(const gn_touch *touch) {
 /* Tells whether a contact closed or opened within the step, if its gap grew by `path`. */
 static inline bool gn_touch_crosses(const gn_touch *touch, double path) {
     return (touch->gap < -touch->rounding) != (touch->gap - path < -touch->rounding);
+}
+
+/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
+static inline double gn_column_value(const double *column, const float *single, size_t at) {
+    return column ? column[at] : single ? (double)single[at] : 0.0;
 }
 
 /* The functions of a law. `overlap`, m: the largest overlap of an unbonded contact up to which the

@@ -35,7 +35,7 @@ static gn_law_moments beam_moments(const gn_contacts *list, size_t c, const doub
     stiffness_of(list, c, &m.bend, &m.twist);
     for (size_t a = is_space(list) ? 0 : 2; a < 3; a++) {
         size_t at = c + a * list->soa.capacity;
-        m.couple[a] = list->moment ? list->moment[at] : (double)list->moment_f[at];
+        m.couple[a] = gn_column_value(list->moment, list->moment_f, at);
     }
     if (is_space(list)) along = gn_dot3(m.couple, n);
     for (int a = 0; a < 3; a++)

@@ -124,8 +124,8 @@ GN_INLINE void beam_trial(const gn_contact_args *args, size_t c, const brief *fr
 }
 
 /* Quadratic coupling: finds the bonds that reach their strength in this step, and among them those
- * with the larger ratio in tension. Strengths and forces are both multiplied by R; `pull`: at the
- * extreme fibre. */
+ * with the larger ratio in tension. Strengths and forces are multiplied by the radius R of the
+ * beam; `pull` is the tension at the extreme fibre. */
 GN_INLINE gn_m break_beams_coupled(gn_v strength, gn_v shear_strength, gn_v pull, gn_v sheared,
                                    gn_m *in_tension) {
     gn_v share = gn_max(pull, gn_set(0.0)) / strength, share2 = share * share;

@@ -122,17 +122,12 @@ gn_law_spring gn_hertz_spring(const gn_contacts *list, size_t c, double overlap)
 
 /* --- forces and energy of a contact --- */
 
-/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
-static double value_of(const double *column, const float *single, size_t at) {
-    return column ? column[at] : single ? (double)single[at] : 0.0;
-}
-
 gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, double stretch) {
     double shear2 = 0.0, overlap = stretch < -GN_OVERLAP_ROUNDING * length ? -stretch : 0.0;
     gn_hertz_press p = gn_hertz_normal(list->kn[c], overlap);
-    gn_law_held h = {.normal = p.normal, .viscous = value_of(list->fd, list->fd_f, c)};
+    gn_law_held h = {.normal = p.normal, .viscous = gn_column_value(list->fd, list->fd_f, c)};
     for (size_t a = 0; a < 3; a++) {
-        h.shear[a] = value_of(list->shear, list->shear_f, c + a * list->soa.capacity);
+        h.shear[a] = gn_column_value(list->shear, list->shear_f, c + a * list->soa.capacity);
         shear2 += h.shear[a] * h.shear[a];
     }
     h.stored = gn_hertz_stored(p.normal, overlap);

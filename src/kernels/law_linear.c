@@ -203,18 +203,13 @@ gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap
 
 /* --- forces and energy of a contact --- */
 
-/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
-static double value_of(const double *column, const float *single, size_t at) {
-    return column ? column[at] : single ? (double)single[at] : 0.0;
-}
-
 gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch) {
     double kt = list->kt ? list->kt[c] : 0.0, shear2 = 0.0;
     bool acts = stretch < -GN_OVERLAP_ROUNDING * length || gn_contact_bonded(list, c);
     gn_law_held h = {.normal = acts ? list->kn[c] * stretch : 0.0,
-                     .viscous = value_of(list->fd, list->fd_f, c)};
+                     .viscous = gn_column_value(list->fd, list->fd_f, c)};
     for (size_t a = 0; a < 3; a++) {
-        h.shear[a] = value_of(list->shear, list->shear_f, c + a * list->soa.capacity);
+        h.shear[a] = gn_column_value(list->shear, list->shear_f, c + a * list->soa.capacity);
         shear2 += h.shear[a] * h.shear[a];
     }
     h.stored = 0.5 * h.normal * stretch + (kt > 0.0 ? 0.5 * shear2 / kt : 0.0);

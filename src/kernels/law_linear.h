@@ -266,8 +266,8 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *args, siz
     return r;
 }
 
-/* Rare: returns the path of unbonded contacts and broken bonds in the step; for an intact bond the
- * first term is enough. In 2D the third component is 0. */
+/* Returns the normal path in the step; unbonded contacts and broken bonds, which are rare here,
+ * need more than the normal speed. In 2D the third component is 0. */
 static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *args, size_t c,
                                                  const stage *vector, gn_m intact) {
     const variant space = {.space = 1, .periodic = 1}; /* correct also without a moving box */

@@ -40,7 +40,7 @@ static gn_law_moments moments_of(const gn_contacts *list, size_t c, double kr, d
     double size2 = 0.0;
     for (size_t a = 0; a < 3; a++) {
         size_t at = c + a * list->soa.capacity;
-        m.couple[a] = list->roll ? list->roll[at] : (double)list->roll_f[at];
+        m.couple[a] = gn_column_value(list->roll, list->roll_f, at);
         size2 += m.couple[a] * m.couple[a];
     }
     if (size2 > 0.0) m.stored = 0.5 * size2 / kr;
@@ -58,7 +58,7 @@ static gn_law_moments linear_moments(const gn_contacts *list, size_t c, const do
 static gn_law_moments hertz_moments(const gn_contacts *list, size_t c, const double n[3]) {
     (void)n;
     double kr = list->kt[c] * list->reduced[c] * list->reduced[c];
-    double closeness = list->closeness ? list->closeness[c] : (double)list->closeness_f[c];
+    double closeness = gn_column_value(list->closeness, list->closeness_f, c);
     return moments_of(list, c, closeness > 0.0 ? kr / closeness : kr, kr * sqrt(list->most[c]));
 }
 

@@ -36,7 +36,7 @@ static double end_of(const gn_law_model *model, double area, double strength, do
 
 typedef struct ends {
     double first;         /* fraction of the energies under the first line */
-    double end, pulled;   /* m, openings: the end of a single line, the elastic limit */
+    double end, pulled;   /* m, opening at the end of a single line, and at the elastic limit */
     double pull, shear;   /* N, strengths */
     double sheared, area; /* m, the elastic limit in shear; m2 */
 } ends;
@@ -154,7 +154,7 @@ static void weigh(gn_contacts *list, size_t c, double part) {
 }
 
 static double permanent(const gn_contacts *list, size_t c) {
-    return list->plastic ? list->plastic[c] : list->plastic_f ? (double)list->plastic_f[c] : 0.0;
+    return gn_column_value(list->plastic, list->plastic_f, c);
 }
 
 static gn_law_held held(const gn_contacts *list, size_t c, double length, double stretch) {

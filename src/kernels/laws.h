@@ -18,10 +18,10 @@
     X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
 enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 
-/* The kinds of lists that have kernels. X(number, name, body, law, effects that define the kind in
- * addition to those of the law, as literals 0 or 1: SHEAR, FRICTION, BONDS), in parts that are
- * compiled separately in parallel. `body` is the kind whose code serves this one as well: friction
- * of broken bonds is a branch that few vectors take. */
+/* The kinds of lists that have kernels. X(number, name, body, law, then SHEAR, FRICTION, BONDS as 0
+ * or 1: effects that define the kind in addition to those of the law). The list is in parts that
+ * are compiled separately, in parallel. `body` is the kind whose code also serves this one, because
+ * friction of broken bonds is a branch that few vectors take. */
 #define GN_CONTACT_KINDS_0(X)                                                                      \
     X(0, smooth, smooth, linear, 0, 0, 0)                                                          \
     X(1, frictional, frictional, linear, 1, 1, 0)                                                  \

@@ -21,7 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Steps between two samples of the contacts of the tool. */
+/* Number of steps between two samples of the contacts of the tool. */
 enum { SAMPLE_EVERY = 10 };
 
 static size_t tool_of(const gn_step_context *ctx) {
@@ -32,20 +32,21 @@ static const gn_body_def *definition(const gn_step_context *ctx) {
     return &ctx->scene.bodies[tool_of(ctx)];
 }
 
-/* m; 0: the tool is no disc cutter. */
+/* Returns the radius of the tool, m; 0: it is no disc cutter. */
 static double radius_of(const gn_step_context *ctx) {
     const gn_body_def *def = definition(ctx);
     return def->has_disc_cutter ? 0.5 * def->scale * def->tool.diameter : 0.0;
 }
 
-/* Arc of a disc cutter in the rock, rad. */
+/* Returns the arc of a disc cutter that is in the rock, rad. */
 static double arc_of(const gn_step_context *ctx) {
     return acos(fmax(-1.0, 1.0 - ctx->scene.test.given.depth / radius_of(ctx)));
 }
 
 /* --- the start --- */
 
-/* Sense of the first velocity along the cut that a scene prescribes; 0: none. */
+/* Returns the sense of the first velocity along the cut that a scene prescribes; 0: there is none.
+ */
 static double direction_in(const gn_scene *scene) {
     const gn_body_def *def = &scene->bodies[gn_scene_find_body(scene, scene->test.tool)];
     const gn_table *along = &def->motion.velocity[scene->test.axis];
@@ -139,6 +140,7 @@ gneiss_status gn_cutting_begin(gn_step_context *ctx, const gn_dem *dem, const gn
         c->solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
     c->loose = c->solid - gn_dem_anchored_volume(ctx, dem);
     GN_TRY(check_inside(ctx, dem, boundary, error));
+    gn_cutting_find_track(ctx, boundary, c);
     return c->direction != 0.0 ? find_path(ctx, boundary, c, error) : GNEISS_OK;
 }
 
@@ -150,7 +152,8 @@ double gn_cutting_path(const gn_step_context *ctx, const gn_boundary *boundary,
     return c->direction * (b->position[ctx->scene.test.axis] - b->start[ctx->scene.test.axis]);
 }
 
-/* Components of a vector in the axes of the tool. The side axis is normal x axis. */
+/* Computes the components of a vector in the axes of the tool. The side axis is the vector product
+ * of normal and motion. */
 static void in_axes(const gn_step_context *ctx, const gn_cutting *c, const double f[3],
                     double out[GN_CUT_AXES]) {
     const int axis = (int)ctx->scene.test.axis, normal = (int)ctx->scene.test.normal,
@@ -219,7 +222,10 @@ void gn_cutting_add(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
     if (c->moves == 0.0) return;
     const double path = gn_cutting_path(ctx, boundary, c), place[2] = {c->begin, c->end};
     for (int k = (int)c->reached; k < 2 && path >= place[k]; k++) {
-        if (ctx->effects & GN_FX_BONDS) c->removed[k] = gn_cutting_removed(ctx, dem, c);
+        if (ctx->effects & GN_FX_BONDS) {
+            c->removed[k] = gn_cutting_removed(ctx, dem, c);
+            c->beside[k] = gn_cutting_beside(ctx, dem, c);
+        }
         c->reached = k + 1;
     }
     if (ctx->step % SAMPLE_EVERY == 0 && path >= c->begin && path <= c->end)
@@ -231,12 +237,19 @@ void gn_cutting_add(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
 double gn_cutting_removed(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     if (!(c->solid > 0.0)) return 0.0;
     const double removed = c->solid - gn_dem_anchored_volume(ctx, dem) - c->loose;
-    /* Rounding of the two sums is no removed rock. */
+    /* A difference by rounding of the two sums does not count as removed rock. */
     return fmax(0.0, removed - 1e-12 * c->solid) * ctx->volume / c->solid;
 }
 
-/* Depth, m, at the start above which 95 % of the broken bonds lie. NaN: there are none, or there is
- * no memory. */
+double gn_cutting_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
+    const int side = 3 - (int)ctx->scene.test.axis - (int)ctx->scene.test.normal;
+    if (ctx->scene.dimension == 2 || !(c->solid > 0.0)) return 0.0;
+    return gn_dem_loose_volume_outside(ctx, dem, side, c->track[0], c->track[1]) * ctx->volume /
+           c->solid;
+}
+
+/* Returns the depth, m, at the start above which 95 % of the broken bonds lie; NaN: there are none,
+ * or there is no memory. */
 static double damage_depth(const gn_step_context *ctx, const gn_dem *dem, const gn_cutting *c) {
     const gn_contacts *bonds = &dem->bonds.contacts;
     const size_t normal = (size_t)ctx->scene.test.normal;
@@ -267,6 +280,9 @@ gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem, const 
     if (!gn_scene_test(&ctx->scene)->tool) return (gn_cut){0};
     const gn_body_def *def = definition(ctx);
     const double scale = def->scale;
+    const bool over = c->reached > 1.0;
+    const double now[2] = {over ? c->removed[1] : gn_cutting_removed(ctx, dem, c),
+                           over ? c->beside[1] : gn_cutting_beside(ctx, dem, c)};
     gn_cut cut = {.depth = t->given.depth,
                   .spacing = t->given.spacing,
                   .begin = c->begin,
@@ -280,8 +296,8 @@ gn_cut gn_cutting_describe(const gn_step_context *ctx, const gn_dem *dem, const 
                   .friction = atan(def->friction),
                   .damage_depth = damage_depth(ctx, dem, c),
                   .contact_area = c->touched / c->samples,
-                  .removed = (c->reached > 1.0 ? c->removed[1] : gn_cutting_removed(ctx, dem, c)) -
-                             c->removed[0]};
+                  .removed = now[0] - c->removed[0],
+                  .removed_beside = now[1] - c->beside[0]};
     switch (gn_body_tool(def)) {
     case GN_TOOL_DISC_CUTTER:
         cut.tool = GN_CUT_DISC;

@@ -1,4 +1,4 @@
-/* Doubts about a cut: its tool, its path and the numbers of the test. */
+/* Problems of a cutting test that are known before it runs: its tool, its path and its numbers. */
 #include "laboratory/cutting.h"
 
 #include "base/vec3.h"
@@ -13,7 +13,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Most stages through which a prescribed motion is followed. */
+/* Largest number of stages through which a prescribed motion is followed. */
 enum { STAGES_FOLLOWED = 64 };
 
 typedef struct cut {
@@ -24,7 +24,7 @@ typedef struct cut {
     const gn_body_def *def;
     size_t tool;
     int axis, normal, side;
-    gn_place_text place; /* of the section `test` */
+    gn_place_text place; /* place of the section `test` */
 } cut;
 
 static cut cut_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -45,7 +45,7 @@ static cut cut_of(const gn_step_context *ctx, const gn_dem *dem, const gn_bounda
 
 /* --- depth --- */
 
-/* Extent of the tool along an axis, m, where it was at its start. */
+/* Finds the extent of the tool along an axis at its start, m. */
 static void extent_at_start(const cut *q, int axis, double *low, double *high) {
     const gn_rigid *body = &q->boundary->bodies[q->tool];
     size_t first = 0;
@@ -92,13 +92,14 @@ bool gn_cutting_depth_differs(const gn_step_context *ctx, const double depth[2],
     return true;
 }
 
-/* Prescribed motion of the tool so far. */
+/* The prescribed motion of the tool up to a time. */
 typedef struct course {
-    double start[STAGES_FOLLOWED]; /* s, of each stage */
-    double came, rise;             /* m, along the cut and out of the rock */
+    double start[STAGES_FOLLOWED]; /* s, starts of the stages */
+    double came, rise;             /* m, path along the cut, and displacement out of the rock */
 } course;
 
-/* Follows the motion that a scene prescribes until the tool has come `path` or the time ends. */
+/* Follows the motion that a scene prescribes until the tool has moved by `path` or the time ends.
+ */
 static void follow_scene(const cut *q, const gn_scene *scene, double from, double to, double path,
                          course *c) {
     enum { PARTS = 4000 };
@@ -111,15 +112,16 @@ static void follow_scene(const cut *q, const gn_scene *scene, double from, doubl
     }
 }
 
-/* Times in a table that a stage gives count from its start. */
+/* Sets the start of a table: times in a table that a stage gives count from the start of the stage.
+ */
 static void start_table(void *context, gn_table *table) {
     const course *c = context;
     for (size_t k = 0; k < table->count && table->stage; k++)
         table->time[k] += c->start[table->stage - 1];
 }
 
-/* Follows the prescribed motion through all stages; false: the duration of a stage before the end
- * of that path is not known. */
+/* Follows the prescribed motion through all stages; returns false if the duration of a stage before
+ * the end of that path is unknown. */
 static bool follow(const cut *q, double path, course *c) {
     const gn_scene *given = &q->ctx->given;
     *c = (course){0};
@@ -177,7 +179,8 @@ static bool is_locked(const cut *q, char *text, size_t size) {
     return true;
 }
 
-/* The axis of a disc cutter is y, turned by its rotation. */
+/* Tells whether the axis of a disc cutter, which is y turned by its rotation, is not across the
+ * cut. */
 static bool is_skew(const cut *q, char *text, size_t size) {
     double m[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     if (!q->def->has_disc_cutter || q->ctx->scene.dimension == 2) return false;
@@ -226,8 +229,8 @@ static bool is_wide(const cut *q, char *text, size_t size) {
 
 /* --- numbers --- */
 
-/* Extent of the part of the tool that is below the surface, or above it by less than `reach`, when
- * the tool is at the depth of the test; where it is at its start otherwise. */
+/* Finds the extent of the part of the tool that is below the surface, or above it by less than
+ * `reach`, when the tool is at the depth of the test but otherwise at its start. */
 static void extent_in_rock(const cut *q, double reach, double low[3], double high[3]) {
     const gn_rigid *body = &q->boundary->bodies[q->tool];
     const double sink =
@@ -251,8 +254,18 @@ static void extent_in_rock(const cut *q, double reach, double low[3], double hig
     }
 }
 
-/* Finds the side of couple.convert.box that the zone around the tool crosses soonest. Sides at the
- * surface of the body count for nothing. Returns the path until then, m; infinite: none. */
+void gn_cutting_find_track(const gn_step_context *ctx, const gn_boundary *boundary, gn_cutting *c) {
+    const cut q = cut_of(ctx, NULL, boundary, c);
+    double low[3], high[3];
+    extent_in_rock(&q, 0.0, low, high);
+    const bool met = low[q.side] <= high[q.side];
+    c->track[0] = met ? low[q.side] : 0.0;
+    c->track[1] = met ? high[q.side] : 0.0;
+}
+
+/* Finds the side of couple.convert.box that the zone around the tool reaches first. Sides at the
+ * surface of the body do not count. Returns the path of the tool up to this, m; infinite: there is
+ * no such side. */
 static double path_in_reserve(const cut *q, int *axis, int *upper) {
     const gn_convert_def *def = &q->ctx->scene.couple.convert;
     const double around = def->near_bodies + def->width;

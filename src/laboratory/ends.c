@@ -55,8 +55,8 @@ static bool only_presses(const gn_step_context *ctx, const char *name, int axis)
     return !def->motion.velocity[axis].count && fabs(def->normal[axis]) < 0.1;
 }
 
-/* Returns the displacement of an end of the test along its axis; if all of its parts only press,
- * all count. */
+/* Returns the displacement of an end of the test along its axis: the mean over the parts that do
+ * not only press, or over all parts if every part only presses. */
 static double loaded_travel(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids,
                             const gn_test_end *end) {

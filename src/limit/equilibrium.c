@@ -39,8 +39,9 @@ typedef struct link {
     int32_t i, j;
 } link;
 
-/* Sums over a chunk of particles: the curvature p.Kp, or r.z and |r|^2. The metric is that of the
- * diagonal, in which unresisted components have no more weight than others. */
+/* Sums over a chunk of particles: the curvature p.Kp, or r.z and |r|^2. Scalar products are
+ * weighted with the diagonal, so that components without resistance have no more weight than
+ * others. */
 typedef struct part {
     double curvature, rz, left;
 } part;

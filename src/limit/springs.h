@@ -23,7 +23,8 @@ typedef struct gn_springs {
     size_t particles, springs;
     int32_t *member; /* [particles] index in the specimen; NULL: all particles in their order */
     double *weight;  /* [particles] d > 0, see gn_block_of; NULL: all equal */
-    /* [particles of the specimen] d of all, for springs to the outside; NULL: all equal */
+    /* [particles of the specimen] d of all particles, for springs that lead to particles outside;
+     * NULL: all equal */
     const double *all_weights;
     /* [particles of the specimen] index among the members, -1: outside; NULL: all are members */
     int32_t *local;

@@ -41,9 +41,9 @@ void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_
  * or all on a plane (line): count 0 and GNEISS_OK, and readings are NaN. */
 gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *counts,
                                  int dimension, gn_strain_gauge *gauge, gneiss_error *error);
-/* Makes a strain gauge in a tenth of the time if a triangulation would be needed, as for lattices:
- * by another surface through the outer particles, which measures a uniform gradient equally
- * exactly. */
+/* Makes a strain gauge without a triangulation, if one would be needed, as for lattices: it uses
+ * another surface through the outer particles, which measures a uniform gradient equally exactly,
+ * in a tenth of the time. */
 gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t *counts,
                                    int dimension, gn_strain_gauge *gauge, gneiss_error *error);
 void gn_strain_gauge_free(gn_strain_gauge *gauge);

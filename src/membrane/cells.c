@@ -1,7 +1,7 @@
 #include "membrane/cells.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
 #include "base/vec3.h"
 #include "frame/frame.h"
@@ -159,16 +159,9 @@ static void see(void *context, int32_t other) {
     gn_cell *cell = v->cell;
     if ((size_t)other == v->particle || v->full) return;
     if (!is_near(cell, v->particle, (size_t)other)) return;
-    if (cell->count == cell->capacity) {
-        const size_t wanted = 2 * cell->capacity + 64;
-        gn_cell_face *more = gn_alloc_array(wanted, sizeof *more);
-        v->full = !more;
-        if (!more) return;
-        if (cell->count) memcpy(more, cell->face, cell->count * sizeof *more);
-        gn_free(cell->face);
-        cell->face = more;
-        cell->capacity = wanted;
-    }
+    v->full = gn_grow(&cell->face, cell->count, cell->count + 1, &cell->capacity, "faces", NULL) !=
+              GNEISS_OK;
+    if (v->full) return;
     cell->face[cell->count++] = (gn_cell_face){.particle = other};
 }
 

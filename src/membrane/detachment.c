@@ -23,9 +23,9 @@
 static const double cell_size = 2.5, around = 1.0, voxel = 0.25;
 
 /* Markers in the size column of q->skin for detached particles: inside the body, without surface,
- * and to be detached now. An inner particle that was loose while others covered it counts as at its
- * place, because the membrane does not reach into closed cavities; its share of the surface passes
- * to particles beneath. */
+ * and to be detached now. A loose particle that others covered until now is marked as inside: the
+ * membrane does not reach into closed cavities. Its share of the surface passes to particles
+ * beneath. */
 static const double inside = -1.0, bare = -2.0, going = -3.0;
 
 enum { NONE = -1, PLANES = 8 };
@@ -102,19 +102,12 @@ static void free_transfer(transfer *h) {
 }
 
 static gneiss_status make_room(transfer *h, size_t capacity, gneiss_error *error) {
-    gn_patch *patch = gn_alloc_array(capacity, sizeof *patch);
-    int32_t *next = gn_alloc_array(capacity, sizeof *next);
-    if (patch && next && h->count) {
-        memcpy(patch, h->patch, h->count * sizeof *patch);
-        memcpy(next, h->next, h->count * sizeof *next);
-    }
-    gn_free(h->patch);
-    gn_free(h->next);
-    h->patch = patch;
-    h->next = next;
+    if (!gn_widen(&h->patch, h->count, capacity, sizeof *h->patch) ||
+        !gn_widen(&h->next, h->count, capacity, sizeof *h->next))
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane of %zu patches",
+                       capacity);
     h->capacity = capacity;
-    if (patch && next) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane of %zu patches", capacity);
+    return GNEISS_OK;
 }
 
 static double length(const double a[3]) {

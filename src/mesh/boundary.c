@@ -40,8 +40,8 @@ static void face_nodes(const boundary *faces, size_t element, int face, int32_t 
         node[k] = faces->inner->node[(size_t)faces->inner->nodes * element + (size_t)local[k]];
 }
 
-/* Computes twice the area or six times the volume, and the power of the longest edge with which it
- * is compared. */
+/* Returns twice the area (3D: six times the volume) of an element; *scale: the square (3D: the
+ * cube) of its longest edge, with which it is compared. */
 static double measure(const boundary *faces, size_t element, double *scale) {
     double edge[3][3], normal[3], longest = 0.0;
     for (int k = 0; k < faces->dimension; k++) {

@@ -1,6 +1,6 @@
 #include "mesh/mesh_private.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 
 #include <string.h>
 
@@ -77,16 +77,7 @@ gn_mesh_key gn_mesh_element_key(const int32_t *node, int count) {
 }
 
 bool gn_mesh_grow(void **block, size_t *capacity, size_t used, size_t need, size_t size) {
-    if (need <= *capacity) return true;
-    size_t more = 2 * *capacity > need ? 2 * *capacity : need;
-    if (more < 64) more = 64;
-    void *wider = gn_alloc_array(more, size);
-    if (!wider) return false;
-    if (used) memcpy(wider, *block, used * size);
-    gn_free(*block);
-    *block = wider;
-    *capacity = more;
-    return true;
+    return gn_grow_array(block, used, need, capacity, size, "parts of a mesh", NULL) == GNEISS_OK;
 }
 
 bool gn_mesh_add_membership(gn_mesh_list *list, size_t element, int32_t group) {

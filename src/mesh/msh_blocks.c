@@ -323,7 +323,8 @@ static gneiss_status read_entity(gn_msh *msh, int dimension, bool partitioned, s
                                 dimension || msh->version == 40 ? 6 : 3));
     const size_t before = *used;
     GN_TRY(take_physical_tags(msh, used, &reversed));
-    /* Interfaces of partitions are in groups that gmsh numbers like those of the geometry. */
+    /* An interface of partitions has the number of its parent's group, which is another group in
+     * its own dimension. */
     if (parent != dimension) *used = before, reversed = false;
     int64_t value = 2 * (int64_t)row + reversed;
     if (!gn_mesh_table_add(&msh->entity, (gn_mesh_key){(uint64_t)dimension, (uint64_t)tag}, value,
@@ -402,7 +403,7 @@ static gneiss_status take_element_nodes(gn_msh *msh, size_t width, const gn_msh_
     gn_mesh_source *in = &msh->in;
     for (int k = 0; k < type->nodes; k++) {
         int64_t tag;
-        int32_t other, *at = k < type->corners ? &node[k] : &other;
+        int32_t other = 0, *at = k < type->corners ? &node[k] : &other;
         size_t start = gn_mesh_field_start(in);
         GN_TRY(take_node(msh, width, at, &tag));
         if (k >= type->corners && !gn_msh_mark_inner(msh, other)) return gn_mesh_no_memory(in);

@@ -25,7 +25,6 @@ typedef struct search {
     const gn_pair_query *query;
     double lower[3], extent[3];
     double radius_max;
-    int levels;
     grid grids[MAX_LEVELS];
     uint8_t *level; /* [particles] */
 } search;

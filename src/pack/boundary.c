@@ -1,6 +1,6 @@
 #include "pack/boundary.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "pack/shape.h"
 
@@ -17,16 +17,9 @@ typedef struct cutter {
 static void add(cutter *output, const double point[3], const double area[3]) {
     gn_boundary_pieces *p = output->pieces;
     if (!output->held) return;
-    if (p->count == p->capacity) {
-        size_t capacity = p->capacity ? 2 * p->capacity : 1024;
-        gn_piece_of_boundary *more = gn_alloc_array(capacity, sizeof *more);
-        output->held = more != NULL;
-        if (!more) return;
-        if (p->count) memcpy(more, p->piece, p->count * sizeof *more);
-        gn_free(p->piece);
-        p->piece = more;
-        p->capacity = capacity;
-    }
+    output->held =
+        gn_grow(&p->piece, p->count, p->count + 1, &p->capacity, "pieces", NULL) == GNEISS_OK;
+    if (!output->held) return;
     gn_piece_of_boundary *piece = &p->piece[p->count++];
     memcpy(piece->point, point, sizeof piece->point);
     memcpy(piece->area, area, sizeof piece->area);

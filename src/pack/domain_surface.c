@@ -515,7 +515,8 @@ int gn_facets_planes(const gn_facets *facets, const double point[3], double reac
         return 1;
     }
     gathering g = {.x = x, .reach = reach, .nearest = depth, .planes = planes};
-    /* A foot exactly at `reach` must not be lost by the rounding of its box's distance. */
+    /* The search reaches a little farther, so that rounding of the distance of a box does not lose
+     * a foot exactly at `reach`. */
     gn_tree_within(facets, x, x, reach + foot_slack * facets->size, visit_gather, &g);
     /* If round-off lost the foot between facets, the nearest point is still known. */
     if (!g.count) planes[g.count++] = nearest_plane(facets, x, &foot, depth);

@@ -310,8 +310,8 @@ static gneiss_status set_volume(gn_facets *facets, const char *name, gneiss_erro
     }
     if (facets->volume > 1e-12 * unit && isfinite(facets->volume)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected a boundary turned outward round some %s, found %g %s", name,
-                   facets->corners == 2 ? "area" : "volume", facets->volume,
+                   "%s: expected a boundary with outward normals that encloses %s, found %g %s",
+                   name, facets->corners == 2 ? "an area" : "a volume", facets->volume,
                    facets->corners == 2 ? "m2" : "m3");
 }
 

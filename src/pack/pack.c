@@ -93,7 +93,7 @@ typedef struct job {
     gn_fit *fit;
     schedule plan;
     gn_pack_stage stage;
-    int planned, started; /* limit of all iterations; iterations before this stage */
+    int planned; /* limit of all iterations */
     size_t trace_capacity;
     double begin;
     bool out_of_time, enough, given_up, no_memory;
@@ -104,15 +104,9 @@ typedef struct job {
 
 static bool push_trace(job *run, const gn_fit_state *state) {
     gn_pack_result *r = run->result;
-    if (r->trace_count == run->trace_capacity) {
-        size_t capacity = run->trace_capacity ? 2 * run->trace_capacity : 256;
-        gn_pack_trace *more = gn_alloc_array(capacity, sizeof *more);
-        if (!more) return false;
-        if (r->trace_count) memcpy(more, r->trace, r->trace_count * sizeof *more);
-        gn_free(r->trace);
-        r->trace = more;
-        run->trace_capacity = capacity;
-    }
+    if (gn_grow(&r->trace, r->trace_count, r->trace_count + 1, &run->trace_capacity, "iterations",
+                NULL) != GNEISS_OK)
+        return false;
     r->trace[r->trace_count++] = (gn_pack_trace){run->stage, *state};
     return true;
 }

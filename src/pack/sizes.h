@@ -33,8 +33,8 @@ double gn_sizes_mean(const gn_sizes *sizes);
  * this, from the requested ones, for the unit of size that fits best; *at: the size at which it
  * occurs, over the largest requested one. */
 double gn_sizes_off(const gn_sizes *sizes, double *radius, size_t count, double *at);
-/* Returns the fraction of the mass that passes at a size, which is given over the largest size, of
- * a sieve curve. */
+/* Returns the mass fraction that passes a sieve of this size by the sieve curve; sizes are divided
+ * by the largest one. */
 double gn_sizes_share(const gn_sizes *sizes, double size);
 
 #endif

@@ -141,7 +141,7 @@ static gneiss_status write_snapshot(const char *directory, const gn_packing *pac
         memcpy(block + 3 * k, packing->sphere + 4 * k, 3 * sizeof *block);
         radius[k] = packing->sphere[4 * k + 3];
     }
-    gn_snapshot_array array = {"radius", "m", 1, radius};
+    gn_snapshot_array array = {"radius", "m", 1, radius, false};
     gn_snapshot snapshot = {.point_count = packing->count,
                             .points = block,
                             .point_array_count = 1,

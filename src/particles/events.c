@@ -14,19 +14,6 @@
 
 enum { MARKS = 3 }; /* most events of a bond in one step */
 
-static gneiss_status grow(gn_events *list, size_t more, gneiss_error *error) {
-    if (list->count + more <= list->capacity) return GNEISS_OK;
-    size_t capacity = list->capacity ? 2 * list->capacity : 64;
-    while (capacity < list->count + more) capacity *= 2;
-    gn_event *rows = NULL;
-    GN_TRY(gn_new(&rows, capacity, "events", error));
-    if (list->count) memcpy(rows, list->rows, list->count * sizeof *rows);
-    gn_free(list->rows);
-    list->rows = rows;
-    list->capacity = capacity;
-    return GNEISS_OK;
-}
-
 /* Returns the position of the contact at the instant of the forces, before the last motion. */
 static void place_of(const gn_step_context *ctx, const gn_dem *dem, size_t c, double place[3]) {
     const gn_particles *q = &dem->particles;
@@ -105,7 +92,8 @@ gneiss_status gn_events_note(const gn_step_context *ctx, gn_dem *dem, gneiss_err
         if (!(s->broken_tension + s->broken_shear + s->began)) continue;
         for (size_t c = k * length; c < end; c++) {
             if (!b->happened[c]) continue;
-            GN_TRY(grow(&dem->events, MARKS, error));
+            GN_TRY(gn_grow(&dem->events.rows, dem->events.count, dem->events.count + MARKS,
+                           &dem->events.capacity, "events", error));
             take_marks(ctx, dem, c);
         }
     }

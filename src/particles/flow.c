@@ -193,15 +193,8 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
                                 gneiss_error *error) {
     gn_flow *f = &dem->flow;
     const gn_particles *q = &dem->particles;
-    if (f->lost_count >= f->lost_room) { /* checkpoints have no room beyond the count */
-        size_t room = 2 * f->lost_count + 16;
-        gn_lost *lost = NULL;
-        GN_TRY(gn_new(&lost, room, "lost particles", error));
-        if (f->lost_count) memcpy(lost, f->lost, f->lost_count * sizeof *lost);
-        gn_free(f->lost);
-        f->lost = lost;
-        f->lost_room = room;
-    }
+    GN_TRY(gn_grow(&f->lost, f->lost_count, f->lost_count + 1, &f->lost_room, "lost particles",
+                   error));
     gn_lost *l = &f->lost[f->lost_count++];
     dem->lost++;
     *l = (gn_lost){.id = q->id[p], .time = ctx->time};

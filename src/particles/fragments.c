@@ -130,25 +130,54 @@ static bool is_anchor(const gn_dem *dem, size_t p) {
     return (slot >= 0 && dem->prescribed.mask[slot] & 7) || (q->blend && q->blend[2 * p] < 1.0);
 }
 
-double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem) {
+/* Volumes of fragments, m3. */
+typedef struct anchorage {
+    double anchored, dormant, largest;
+    bool any; /* there are anchored ones */
+} anchorage;
+
+/* Sums the volumes of fragments; those of anchored ones then are 0 in the scratch of fragments. */
+static anchorage find_anchored(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const gn_pieces *pieces = &dem->pieces;
-    double sum = 0.0, dormant = 0.0, largest = 0.0;
-    bool anchored = false;
-    if (!(ctx->effects & GN_FX_BONDS) || !q->soa.count) return 0.0;
+    anchorage found = {0};
     (void)gn_dem_fragments(ctx, dem);
     for (size_t p = 0; p < q->soa.count; p++) {
-        largest = fmax(largest, pieces->volume[p]);
+        found.largest = fmax(found.largest, pieces->volume[p]);
         if (gn_is_dormant(dem, p))
-            dormant += gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
+            found.dormant += gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         else if (is_anchor(dem, p)) {
             const size_t root = (size_t)gn_set_root(pieces->parent, (int32_t)p);
-            sum += pieces->volume[root];
+            found.anchored += pieces->volume[root];
             pieces->volume[root] = 0.0; /* the volume of a piece is added only once */
-            anchored = true;
+            found.any = true;
         }
     }
-    return dormant + (anchored ? sum : largest);
+    return found;
+}
+
+double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem) {
+    if (!(ctx->effects & GN_FX_BONDS) || !dem->particles.soa.count) return 0.0;
+    const anchorage found = find_anchored(ctx, dem);
+    return found.dormant + (found.any ? found.anchored : found.largest);
+}
+
+double gn_dem_loose_volume_outside(const gn_step_context *ctx, const gn_dem *dem, int axis,
+                                   double low, double high) {
+    const gn_particles *q = &dem->particles;
+    const gn_pieces *pieces = &dem->pieces;
+    double sum = 0.0;
+    if (!(ctx->effects & GN_FX_BONDS) || !q->soa.count) return 0.0;
+    const anchorage found = find_anchored(ctx, dem);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double place = q->start[4 * p + (size_t)axis],
+                     piece = pieces->volume[gn_set_root(pieces->parent, (int32_t)p)];
+        const bool held = piece == 0.0 || (!found.any && piece == found.largest);
+        if (gn_is_dormant(dem, p) || (place >= low && place <= high)) continue;
+        if (held && gn_particle_is_active(q, p)) continue;
+        sum += gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
+    }
+    return sum;
 }
 
 /* --- list of fragments --- */

@@ -22,6 +22,10 @@ gn_fragments gn_dem_fragments(const gn_step_context *ctx, const gn_dem *dem);
  * anchored if one of its particles has a prescribed velocity, shares its material with elements, or
  * is dormant. If none is anchored, returns the volume of the largest fragment. 0: no bonds. */
 double gn_dem_anchored_volume(const gn_step_context *ctx, const gn_dem *dem);
+/* Returns the volume, m3, of the particles that are in no anchored fragment and whose centres were
+ * outside of low <= x <= high along an axis at the start. */
+double gn_dem_loose_volume_outside(const gn_step_context *ctx, const gn_dem *dem, int axis,
+                                   double low, double high);
 
 /* A fragment, one particle or more. */
 typedef struct gn_fragment {

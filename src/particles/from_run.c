@@ -1,7 +1,7 @@
 #include "particles/from_run.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/sort.h"
 #include "io/h5.h"
 #include "scene/place.h"
@@ -22,10 +22,6 @@ typedef struct source {
     int32_t *place; /* [all] index among the remaining particles, -1: removed */
     double *vector; /* [all][3] the vector read last */
 } source;
-
-static gneiss_status no_memory(gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the particles of another run");
-}
 
 /* Reads a data set into the columns from `first` to `first + components` of the rows of `out`
  * [count][width]. */
@@ -51,7 +47,8 @@ static gneiss_status number(source *s, gn_from_run *from, gneiss_error *error) {
     s->removed = gn_alloc(s->all + 1);
     s->place = gn_alloc_array(s->all + 1, sizeof *s->place);
     s->vector = gn_alloc_array(s->all + 1, 3 * sizeof *s->vector);
-    if (!s->removed || !s->place || !s->vector) return no_memory(error);
+    if (!s->removed || !s->place || !s->vector)
+        return gn_no_memory(error, "the particles of another run");
     if (gn_h5_has(s->file, "particles/removed"))
         GN_TRY(gn_h5_get(s->file, "particles/removed", GN_U8, s->all, 1, 0, s->removed, error));
     else
@@ -68,7 +65,7 @@ static gneiss_status number(source *s, gn_from_run *from, gneiss_error *error) {
 
 static gneiss_status take_motion(source *s, gn_from_run *from, gneiss_error *error) {
     from->motion = gn_alloc_array(from->count + 1, 6 * sizeof *from->motion);
-    if (!from->motion) return no_memory(error);
+    if (!from->motion) return gn_no_memory(error, "the particles of another run");
     GN_TRY(take(s, "particles/velocity", 3, from->motion, 6, 0, error));
     for (size_t p = 0; p < from->count; p++)
         for (size_t a = 0; a < 3; a++)
@@ -108,7 +105,7 @@ static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *erro
     from->holds = gn_alloc(s->bonds + 1);
     bool held =
         ends[0] && ends[1] && ends[2] && rest && from->bond && from->rest_length && from->holds;
-    gneiss_status status = held ? GNEISS_OK : no_memory(error);
+    gneiss_status status = held ? GNEISS_OK : gn_no_memory(error, "the particles of another run");
     const char *const names[] = {"bonds/i", "bonds/j", "bonds/state"};
     for (int k = 0; status == GNEISS_OK && k < 3; k++)
         status = gn_h5_get(s->file, names[k], GN_I32, s->bonds, 1, 0, ends[k], error);
@@ -144,7 +141,7 @@ static gneiss_status check_dimension(const gn_scene *scene, const source *s, con
 static gneiss_status check_sizes(const gn_from_run *from, gneiss_error *error) {
     const double apart = 1e4;
     double *radius = gn_alloc_array(from->count + 1, sizeof *radius);
-    if (!radius) return no_memory(error);
+    if (!radius) return gn_no_memory(error, "the particles of another run");
     for (size_t p = 0; p < from->count; p++) radius[p] = from->sphere[4 * p + 3];
     gn_sort_numbers(radius, from->count);
     const double median = from->count ? radius[from->count / 2] : 0.0;
@@ -162,7 +159,7 @@ static gneiss_status check_sizes(const gn_from_run *from, gneiss_error *error) {
 
 static gneiss_status take_spheres(source *s, gn_from_run *from, gneiss_error *error) {
     from->sphere = gn_alloc_array(from->count + 1, 4 * sizeof *from->sphere);
-    if (!from->sphere) return no_memory(error);
+    if (!from->sphere) return gn_no_memory(error, "the particles of another run");
     GN_TRY(take(s, "particles/position", 3, from->sphere, 4, 0, error));
     GN_TRY(take(s, "particles/radius", 1, from->sphere, 4, 3, error));
     for (size_t p = 0; p < from->count; p++) {

@@ -303,9 +303,9 @@ static const char *cannot_start(const gn_step_context *ctx, const gn_dem *dem) {
     return reason;
 }
 
-/* Measures masses with the bound, whatever estimate the scene uses: masses chosen by it hold the
- * step for each particle, so that debris can be scaled as well, and checks during the run need no
- * iterations. */
+/* Computes added masses by the bound, whatever estimate the scene uses: with masses chosen in this
+ * way each particle satisfies the limit by itself, so that debris can be scaled as well, and checks
+ * during the run need no iterations. */
 static gneiss_status measure_masses(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_boundary *boundary, const gn_solids *solids,
                                     const gn_zones *zones, gn_plan *plan, gneiss_error *error) {

@@ -260,20 +260,9 @@ bool gn_kept_is_due(gn_run *run, bool first) {
 
 /* --- written snapshots --- */
 
-static gneiss_status grow(gn_kept *kept, gneiss_error *error) {
-    const size_t capacity = kept->capacity ? 2 * kept->capacity : 64;
-    gn_kept_snapshot *list;
-    GN_TRY(gn_new(&list, capacity, "snapshots", error));
-    if (kept->count) memcpy(list, kept->list, kept->count * sizeof *list);
-    gn_free(kept->list);
-    kept->list = list;
-    kept->capacity = capacity;
-    return GNEISS_OK;
-}
-
 static gneiss_status add(gn_run *run, gn_kept_kind kind, gneiss_error *error) {
     gn_kept *k = &run->kept;
-    if (k->count == k->capacity) GN_TRY(grow(k, error));
+    GN_TRY(gn_grow(&k->list, k->count, k->count + 1, &k->capacity, "snapshots", error));
     const double stress = last_in(run, "stress");
     k->list[k->count++] = (gn_kept_snapshot){(double)run->world.ctx.step,
                                              kind == GN_KEPT_REGULAR ? (double)k->part : 0.0,

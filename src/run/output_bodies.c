@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/new.h"
 #include "io/io.h"
+#include "io/listing.h"
 #include "io/snapshot.h"
 #include "run/part_files.h"
 #include "run/quantities.h"
@@ -183,11 +184,39 @@ static gneiss_status write_snapshot(const view *shown, const char *directory, co
     return gn_snapshot_write(directory, name, &s, error);
 }
 
+/* Tells whether all bodies are at rest where they began. */
+static bool are_at_start(const gn_world *world) {
+    static const double none[3] = {0.0, 0.0, 0.0};
+    for (size_t k = 0; k < world->ctx.scene.body_count; k++) {
+        const gn_rigid *b = &world->boundary.bodies[k];
+        if (memcmp(b->position, b->start, sizeof b->start) != 0 ||
+            memcmp(b->turn, b->turn_start, sizeof b->turn) != 0 ||
+            memcmp(b->velocity, none, sizeof none) != 0 || memcmp(b->spin, none, sizeof none) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* Surfaces that have never moved are written once: the first file of their series shows them. */
+static gneiss_status is_superfluous(const gn_world *world, const char *directory, const char *name,
+                                    bool *superfluous, gneiss_error *error) {
+    GN_FREED int64_t *steps = NULL;
+    size_t count = 0;
+    *superfluous = false;
+    if (!are_at_start(world)) return GNEISS_OK;
+    GN_TRY(gn_step_list(directory, name, ".hdf", &steps, &count, error));
+    *superfluous = count == 1 && steps[0] < world->ctx.step;
+    return GNEISS_OK;
+}
+
 gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
                                  gneiss_error *error) {
     if (!gn_rank_writes()) return GNEISS_OK;
     GN_FREED_BY(free_view) view v = {0};
+    bool superfluous;
     if (!world->ctx.scene.body_count) return GNEISS_OK;
+    GN_TRY(is_superfluous(world, directory, name, &superfluous, error));
+    if (superfluous) return GNEISS_OK;
     GN_TRY(make_view(world, &v, error));
     return write_snapshot(&v, directory, name, error);
 }

@@ -34,7 +34,7 @@ static const gn_output_field of_rim[] = {
     FIELD(angle, "rad", "the same as an angle, positive towards the motion"),
     FIELD(normal, "N", "mean force of the contacts in the bin on the tool, out of the rock"),
     FIELD(rolling, "N", "the same against the motion"),
-    FIELD(side, "N", "the same along normal x axis"),
+    FIELD(side, "N", "the same sideways, along the vector product of normal and motion"),
 };
 const gn_output_table gn_rim_outputs = {"rim", of_rim, sizeof of_rim / sizeof *of_rim};
 

@@ -1,4 +1,4 @@
-/* The tables state what fields require, independent of the build. */
+/* Needed because the tables name all effects, also those that this build leaves out. */
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
@@ -112,7 +112,8 @@ enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
 
 static const gn_output_field of_particles[] = {
     {"id", "1",
-     "index in the specimen file, base 0; particles of sources follow in the order of their "
+     "index in the specimen file (by its ids, if it has them), base 0; particles of sources follow "
+     "in the order of their "
      "insertion",
      BOTH, GN_I32, false, 1, read_id, 0},
     {"position", "m", "centre", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
@@ -145,10 +146,11 @@ static const gn_output_field of_particles[] = {
      "unit quaternion w x y z of the rotation from the start, w >= 0: the smaller angle; with "
      "`output.orientation: on`",
      BOTH, GN_F64, false, 4, read_orientation, GN_FX_ORIENTATION},
-    {"group", "1", "cohesive group, 0: none", GN_ON_REQUEST(group), GN_I32, false, 1, read_group,
-     0},
-    {"material", "1", "index in the scene's materials, base 0", GN_ON_REQUEST(material), GN_I32,
-     false, 1, read_material, 0},
+    {"group", "1", "cohesive group, 0: none; without a request if particles have several",
+     GN_ON_REQUEST(group), GN_I32, false, 1, read_group, 0},
+    {"material", "1",
+     "index in the scene's materials, base 0; without a request if there are several",
+     GN_ON_REQUEST(material), GN_I32, false, 1, read_material, 0},
     {"skin", "1", "1: the membrane presses on it", GN_ON_REQUEST(skin), GN_U8, false, 1, read_skin,
      GN_FX_MEMBRANE},
     {"fragment", "1", "row of its fragment, the largest first; -1: removed or dormant",
@@ -308,8 +310,8 @@ static const gn_output_field of_bonds[] = {
      read_shear_damage, GN_FX_SOFTENING},
     {"permanent_stretch", "m", "stretch of yielding bonds without a normal force", BOTH, GN_F64,
      false, 1, read_permanent, GN_FX_YIELD},
-    {"broken_time", "s", "time of its break or removal; NaN: intact", GN_IN_RESULTS, GN_F64, true,
-     1, read_broken_time, 0},
+    {"broken_time", "s", "time of its break or removal; NaN: intact", BOTH, GN_F64, true, 1,
+     read_broken_time, 0},
     {"force", "N", "force on i", GN_IN_RESULTS, GN_F64, false, 3, read_force, 0},
     {"force", "N", "normal force, tension positive", GN_IN_SNAPSHOT, GN_F64, false, 1,
      read_normal_force, 0},
@@ -339,11 +341,21 @@ _Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&
 const gn_output_table gn_particle_outputs = {"particles", of_particles, COUNT(of_particles)},
                       gn_bond_outputs = {"bonds", of_bonds, COUNT(of_bonds)};
 
+/* Returns the fields that the scene requests, and those that tell its particles apart. */
+static unsigned asked_of_particles(const gn_world *world) {
+    const gn_particles *p = &world->dem.particles;
+    unsigned asked = world->ctx.scene.asked;
+    if (world->ctx.scene.material_count > 1) asked |= GN_ASKED(material);
+    for (size_t k = 1; k < p->soa.count && !(asked & GN_ASKED(group)); k++)
+        if (p->group[k] != p->group[0]) asked |= GN_ASKED(group);
+    return asked;
+}
+
 gn_output_source gn_output_particles(const gn_output_view *view) {
     const gn_world *w = view->world;
     return (gn_output_source){&gn_particle_outputs,       view,      w->ctx.effects,
                               w->dem.particles.soa.count, view->row, NULL,
-                              w->ctx.scene.asked};
+                              asked_of_particles(w)};
 }
 
 gn_output_source gn_output_bonds(const gn_output_view *view) {

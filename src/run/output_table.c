@@ -76,7 +76,8 @@ gneiss_status gn_output_arrays_read(const gn_output_source *source, gn_output_ar
         gneiss_status status = read_field(source, f, data, error);
         if (status != GNEISS_OK) gn_output_arrays_free(arrays);
         GN_TRY(status);
-        arrays->of[arrays->count++] = (gn_snapshot_array){f->name, f->unit, f->components, *data};
+        arrays->of[arrays->count++] =
+            (gn_snapshot_array){f->name, f->unit, f->components, *data, f->may_be_nan};
     }
     return GNEISS_OK;
 }

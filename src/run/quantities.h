@@ -15,7 +15,7 @@ typedef enum gn_shape { GN_SCALAR, GN_VECTOR, GN_TURN, GN_TENSOR } gn_shape;
  * and energies after it. */
 typedef enum gn_instant { GN_BEFORE_STEP, GN_AFTER_STEP } gn_instant;
 
-/* A quantity is recorded where both functions hold. */
+/* A quantity is recorded if both functions return true. */
 typedef struct gn_condition {
     const char *text;                                   /* %s: the kinds of tests */
     bool (*holds)(const gn_world *world, size_t owner); /* NULL: always */

@@ -43,12 +43,12 @@ const gn_quantity gn_cut_quantities[GN_CUT_QUANTITIES] = {
     SCALAR(cut, GN_AFTER_STEP, "rolling_force", "N", read_rolling,
            "force on the tool against its motion"),
     SCALAR(cut, GN_AFTER_STEP, "side_force", "N", read_side,
-           "force on the tool along normal x axis"),
+           "sideways force on the tool, along the vector product of normal and motion"),
     SCALAR(cut, GN_AFTER_STEP, "normal_impulse", "N s", read_normal_impulse,
-           "normal_force summed over all steps: differences over time are mean forces"),
+           "integral of normal_force over time: its growth over a time gives the mean force"),
     SCALAR(cut, GN_AFTER_STEP, "rolling_impulse", "N s", read_rolling_impulse,
-           "the same sum of rolling_force"),
+           "the same integral of rolling_force"),
     SCALAR(cut, GN_AFTER_STEP, "side_impulse", "N s", read_side_impulse,
-           "the same sum of side_force"),
+           "the same integral of side_force"),
     SCALAR(chipped, GN_AFTER_STEP, "removed_volume", "m3", read_removed,
-           "rock, pores included, that intact bonds no longer connect to the anchored part")};
+           "rock, pores included, that intact bonds no longer connect to the held part")};

@@ -102,8 +102,8 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
         if (*damaged == 0) first = reading;
         same = same && strcmp(first.message, reading.message) == 0;
     }
-    /* If all checkpoints fail with the same error, they are not its cause (an override is, for
-     * example). */
+    /* If all checkpoints fail with the same error, its cause is elsewhere, for example in an
+     * override. */
     return count == 1 || same
                ? gn_fail(error, first.status, "%s", first.message)
                : gn_fail(error, first.status,
@@ -127,8 +127,8 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                        "found %.6g s",
                        w->ctx.time, w->ctx.scene.end);
     GN_TRY(gn_check_duration(&w->ctx, error));
-    /* A scene file with another stop condition has no default one; the stored scene has `auto` for
-     * keys that were not given. */
+    /* A scene that gives another stop condition has no default for the fall from the peak; in the
+     * stored scene, `auto` stands for keys that were not given. */
     if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
         (sets(overrides, count, "time.stop.strain") ||
          sets(overrides, count, "time.stop.unbalanced")))

@@ -174,9 +174,9 @@ static bool mean_before(const gn_run *run, size_t end, size_t count, double *mea
     return true;
 }
 
-/* Updates the peak, the largest mean stress of `count` successive samples since the test began.
- * When the test has just been found to have begun, also after a resume, all means since then are
- * computed. Returns the last mean. */
+/* Updates the peak, the largest mean stress of `count` successive samples since the test began. In
+ * the first call that finds that the test has begun, and in the first call of a resumed run, all
+ * means since the beginning are computed. Returns the last mean. */
 static double look_for_peak(gn_run *run, size_t count) {
     const size_t samples = run->samples.count;
     const bool before = run->beginning.begun;

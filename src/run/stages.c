@@ -177,8 +177,8 @@ static gn_stage_cause cause_in_row(gn_run *run) {
            rows = gn_run_sample_count(run, (size_t)s->row, ROWS_MOST);
     if (gn_scene_tested(&w->ctx.scene)) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
-        /* The first row is of the instant of the change and includes the stress that stopping the
-         * moving ends causes. */
+        /* The first row of a stage is at the instant of the change; its stress may be due to moving
+         * ends that were stopped. */
         if (rows == 1)
             s->strain = strain;
         else

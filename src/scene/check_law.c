@@ -374,8 +374,8 @@ static gneiss_status check_rolling(const check *section, const gn_scene *scene) 
                              "off");
     if (scene->bonds != GN_SWITCH_ON) return GNEISS_OK;
     return gn_check_fail(section, "bonds",
-                         "expected no bonds beside rolling_friction or twisting_friction, which "
-                         "broken pairs would lack, found some");
+                         "expected no bonds beside rolling_friction or twisting_friction, because "
+                         "broken bonds would have no such resistance, found some");
 }
 
 gneiss_status gn_check_hertz(const check *section, const gn_scene *scene) {

@@ -315,8 +315,8 @@ static gneiss_status check_can_end(const check *section, const gn_scene *before,
                              (long long)scene->history_rows);
     gn_stage others = *e;
     others.held = 0.0;
-    /* A pressure of 0 that a stage gives is part of a series; otherwise the membrane may begin
-     * later. */
+    /* A stage may give a pressure of 0 as part of a series of pressures; otherwise the membrane may
+     * begin later. */
     const bool pressed = scene->has_membrane && (scene->membrane_stage > 0 ||
                                                  gn_table_is_nonzero(&scene->membrane.pressure));
     if (e->held > 0 && !servo(scene) && !pressed && !gn_stage_has_end(&others))

@@ -359,8 +359,8 @@ static gneiss_status check_confinements(const check *c, gn_scene *s) {
                              "expected a triaxial or biaxial test beside it, found another");
     if (list->kind != GN_NODE_LIST || list->count < LEAST_CONFINEMENTS)
         return gn_check_fail(c, "test.confinement",
-                             "expected a list of at least %d pressures, by which a friction angle "
-                             "can be told (one alone is membrane.pressure), found %zu",
+                             "expected a list of at least %d pressures, which a friction angle "
+                             "needs (a single one is membrane.pressure), found %zu",
                              LEAST_CONFINEMENTS,
                              list->kind == GN_NODE_LIST ? list->count : (size_t)1);
     return check_different(c, list);

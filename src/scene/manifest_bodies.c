@@ -203,7 +203,7 @@ static const gn_key contact_keys[] = {
     VALUE("young", young, "Pa", GN_MODULI,
           "E of laws by area and hertz, instead of both in series"),
     VALUE("poisson", poisson, "1", "(-1, 0.5]",
-          "nu of laws by area and hertz, instead of the mean (of each)"),
+          "nu of laws by area and hertz, instead of the values of both materials"),
     VALUE("alpha", alpha, "1", "[1e-6, 1e6]",
           "factor in laws by area, instead of the harmonic mean"),
     VALUE("beta", beta, "1", "[0, 1e6]", "factor in laws by area, instead of the harmonic mean"),

@@ -33,9 +33,11 @@ TABLE_OF(control);
 
 static const gn_key test_keys[] = {
     CHOICE("kind", gn_scene, test.kind, test_kinds, REQUIRED,
-           "which test it is: how stress and strain are formed and what is read" KINDS_TEXT),
+           "kind of test, which decides the definitions of stress and strain and the "
+           "readings" KINDS_TEXT),
     CHOICE("axis", gn_scene, test.axis, gn_axes_or_none, BY("none"),
-           "direction of loading, of a cut that of the tool; needed by all but hydrostatic"),
+           "direction of loading, in a cut of the motion of the tool; needed by all but "
+           "hydrostatic"),
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
           PRESENT(COUNT, gn_scene, test.lower.count), PLACED(gn_scene, test.lower.where),
           .text = "wall, body, set or motion of elements at the lower end; forces of several add "
@@ -51,17 +53,17 @@ static const gn_key test_keys[] = {
     REAL("depth", gn_scene, test.given.depth, "m", GN_LENGTHS, OR("none", 0),
          "cutting: depth of the cut, to which energies and predictions refer"),
     REAL("spacing", gn_scene, test.given.spacing, "m", GN_LENGTHS, OR("none", 0),
-         "cutting: distance of neighbouring cuts"),
+         "cutting: distance between neighbouring cuts"),
     REAL("run_in", gn_scene, test.given.run_in, "m", "[0, 1e9]", OR("none", 0),
          "cutting: path of the tool before means are taken; length is the path of the means"),
     INTEGER("blocks", gn_scene, test.blocks, "[1, 10000]", BY("5"),
-            "cutting: parts of the path of the means, whose scatter is read"),
+            "cutting: number of parts of the path of the means, whose scatter is a reading"),
     REAL("peak_window", gn_scene, test.given.peak_window, "m", GN_LENGTHS, OR("auto", 0),
-         "cutting: path over which a peak force is a mean; auto: a quarter of the depth"),
+         "cutting: path over which a peak force is averaged; auto: a quarter of the depth"),
     REAL("compressive_strength", gn_scene, test.given.compressive_strength, "Pa", GN_STRENGTHS,
-         OR("none", 0), "cutting: uniaxial strength of the rock, for predicted forces alone"),
+         OR("none", 0), "cutting: uniaxial strength of the rock, used for predicted forces only"),
     REAL("tensile_strength", gn_scene, test.given.tensile_strength, "Pa", GN_STRENGTHS,
-         OR("none", 0), "cutting: Brazilian strength of the rock, for predicted forces alone"),
+         OR("none", 0), "cutting: Brazilian strength of the rock, used for predicted forces only"),
     REAL(
         "pressure_exponent", gn_scene, test.pressure_exponent, "1", "[-0.2, 0.2]", BY("0"),
         "cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp "
@@ -262,7 +264,7 @@ static const gn_key output_keys[] = {
          "particles apart, and in time at most what a wave takes over that distance"),
     ARRAY("fields", NAMES, gn_scene, fields, field_count, PRESENT(COUNT, gn_scene, field_count),
           .text =
-              "what particles and bonds have in snapshots and results.h5 besides: spin, group, "
+              "further quantities of particles and bonds in snapshots and results.h5: spin, group, "
               "material, skin, total_force, total_moment, damping_force, damping_moment, fragment, "
               "fragment_size, area, shear_stress (docs/quantities.md)"),
 };

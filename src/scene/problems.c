@@ -136,7 +136,7 @@ gneiss_status gn_read_keep_problem(const gn_reader *reader, gneiss_status status
     return problem_keep(reader->problems, status, reader->error);
 }
 
-/* --- keys in doubt --- */
+/* --- keys that may have been misread --- */
 
 /* True if a path is `top`, or below it. */
 static bool below(const char *path, const char *top) {

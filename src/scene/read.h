@@ -12,7 +12,6 @@ typedef struct gn_reader {
     const char *name; /* name of the scene in messages */
     /* folder in which relative paths start; NULL: paths are absolute and files need not exist */
     const char *folder;
-    bool staged; /* one of several stages is read, so that another stage may drive the test */
     size_t wanted_stage; /* number of the stage, from 1, see gn_read_stages; 0: the base */
     bool specimen_only;  /* see gn_scene_load_specimen */
     gn_units *units;

@@ -3,7 +3,7 @@
 
 #include "base/effects.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/timer.h"
 #include "couple/zone.h"
@@ -39,10 +39,6 @@ static gneiss_status at(const gn_step_context *ctx, gn_scene_place where,
     if (group && group->line) where = *group;
     return gn_fail(error, status, "%.400s:%d:%d: %s: %.1400s", ctx->scene.source, where.line,
                    where.column, item, text);
-}
-
-static gneiss_status no_memory(gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for finite elements");
 }
 
 /* --- mesh --- */
@@ -136,7 +132,7 @@ static gneiss_status make_body(const gn_step_context *ctx, gn_element_model *q, 
     gn_fem_material *materials = gn_alloc_array(e->material_count + 1, sizeof *materials);
     if (!materials) {
         gn_mesh_free(mesh);
-        return no_memory(error);
+        return gn_no_memory(error, "finite elements");
     }
     for (size_t k = 0; k < e->material_count; k++) {
         const gn_element_material *m = &e->materials[k];
@@ -261,7 +257,8 @@ static gneiss_status make_drives(const gn_step_context *ctx, gn_element_model *q
     q->motion = gn_alloc_array(e->motion_count + 1, sizeof *q->motion);
     q->load = gn_alloc_array(e->load_count + 1, sizeof *q->load);
     q->load_value = gn_alloc_array(e->load_count + 1, sizeof *q->load_value);
-    if (!q->motion_set || !q->motion || !q->load || !q->load_value) return no_memory(error);
+    if (!q->motion_set || !q->motion || !q->load || !q->load_value)
+        return gn_no_memory(error, "finite elements");
     for (size_t k = 0; k < e->motion_count; k++) GN_TRY(make_motion(ctx, q, k, error));
     for (size_t k = 0; k < e->load_count; k++) {
         const gn_element_load *l = &e->loads[k];
@@ -303,7 +300,8 @@ gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
     if (status == GNEISS_OK) status = check_places(ctx, def, &own, error);
     if (status == GNEISS_OK) status = check_groups(ctx, def, &own, error);
     if (status == GNEISS_OK) status = check_joints(ctx, def, &own, &joints, error);
-    if (status == GNEISS_OK && !(q = append(solids))) status = no_memory(error);
+    if (status == GNEISS_OK && !(q = append(solids)))
+        status = gn_no_memory(error, "finite elements");
     if (status != GNEISS_OK) {
         gn_mesh_free(&own);
         return status;
@@ -313,7 +311,7 @@ gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
     q->joints = joints;
     GN_TRY(make_body(ctx, q, &own, error));
     q->weight = gn_alloc_array(q->solid.nodes.soa.count + 1, sizeof *q->weight);
-    if (!q->weight) return no_memory(error);
+    if (!q->weight) return gn_no_memory(error, "finite elements");
     gn_fem_strain_weights(&q->solid, q->weight);
     return make_drives(ctx, q, error);
 }
@@ -389,7 +387,7 @@ gn_element_totals gn_elements_totals(const gn_solids *solids) {
 static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
     const gn_fem_solid *b = &q->solid;
     double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
-    if (!stress) return no_memory(error);
+    if (!stress) return gn_no_memory(error, "finite elements");
     gn_fem_element_stress(b, stress);
     double force = gn_fem_mean_force(b, (const double(*)[6])stress), resultant = 0.0;
     gn_free(stress);

@@ -237,9 +237,9 @@ static gneiss_status tell(const search *run, gneiss_error *error) {
     return run->watch->state(run->watch->context, run->found, error);
 }
 
-/* Refuses mechanisms, which have almost no stiffness, so that displacements are arbitrary. In a
- * held body no particle, and no rotation at the surface of one, is many times as fast as the
- * prescribed motion. */
+/* Refuses mechanisms, which have almost no stiffness, so that displacements are arbitrary. They are
+ * recognised by a speed of a particle, or of its surface by rotation, that is many times as large
+ * as the prescribed speeds. */
 static gneiss_status check_rates(const search *run, double span, gneiss_error *error) {
     const gn_particles *p = &run->w->dem.particles;
     for (size_t k = 0; k < run->trial.count; k++)

@@ -153,8 +153,8 @@ static unsigned held_mask(const gn_dem *dem, size_t p) {
     return slot < 0 ? 0u : dem->prescribed.mask[slot];
 }
 
-/* Computes the loads from the velocities that they caused within a second; viscous damping acts on
- * the velocities of the path. */
+/* Computes the loads from the velocities that they cause in a step of one second, without those of
+ * the path; viscous damping acts on the velocities of the path. */
 static void read_loads(gn_trial *t, const double *path, double rate) {
     gn_world *w = t->world;
     const gn_particles *q = &w->dem.particles;
@@ -201,9 +201,9 @@ static void note_losses(gn_trial *t) {
     t->broken += s->contacts.broken_tension + s->contacts.broken_shear;
 }
 
-/* The path is evaluated first: it loads the tangential springs along its length, and contacts that
- * closed or opened on it acted for a part of it. Then the forces of the end state alone are
- * evaluated. */
+/* Forces are evaluated along the path first: the tangential springs are loaded along its length,
+ * and contacts that closed or opened on it act for a part of it. Then
+ * the forces of the end state alone are evaluated. */
 void gn_trial_go(gn_trial *t, const double *path, double span, bool loads) {
     gn_world *w = t->world;
     const double walls = loads ? 0.0 : span, rate = loads ? 0.0 : 1.0 / span;

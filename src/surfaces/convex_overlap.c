@@ -360,9 +360,9 @@ static bool parts_overlap(const work *task, const double n[3], double at) {
     return below && above;
 }
 
-/* Adds the contribution of a fold. Where two planes of a body are equally near, the depth has a
- * kink; the volume integral, which is that of the divergence of half of its square along its
- * gradient, has a term there. */
+/* Adds the contribution of a fold, where two planes of a body are equally near and the gradient of
+ * the depth jumps. The depth is the divergence of 1/2 depth^2 times its gradient; its integral over
+ * the volume therefore contains an integral over the fold. */
 static void add_fold(work *task, int mine, size_t p, size_t q, sums *total) {
     const side *me = &task->of[mine], *other = &task->of[1 - mine];
     const double *a = me->plane + 4 * p, *b = me->plane + 4 * q;

@@ -124,7 +124,7 @@ static void read_initiation(const gn_curves *curves, gn_readings *readings) {
     if (reason) gn_reading_absent(readings, which, "%s", reason);
     if (all < 100)
         gn_reading_absent(readings, which,
-                          "%.0f bonds are broken at the peak, of 100 the first is 1 %%", all);
+                          "%.0f bonds are broken at the peak, 100 are needed (1 %% is one)", all);
 }
 
 /* Reads the row of the least volume, if rows follow it before the peak. */

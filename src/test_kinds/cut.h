@@ -24,7 +24,8 @@ typedef struct gn_cut {
     double exponent;             /* exponent psi of the pressure along the rim (gn_csm) */
     double damage_depth;         /* m; NaN: no bond is broken */
     double contact_area;         /* m2; NaN: it was not sampled */
-    double removed; /* m3, volume of rock removed along the range of the means; NaN: unknown */
+    double removed;              /* m3, volume of rock removed along the range of the means */
+    double removed_beside; /* m3, part of it whose particles began beside the track of the tool */
 } gn_cut;
 
 /* Computes forces on a disc cutter by the model of the Colorado School of Mines (Rostami 1997, PhD

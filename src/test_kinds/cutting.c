@@ -1,5 +1,5 @@
 /* A tool that moves along the surface of a rock at a depth (linear cutting test). Its force has
- * three parts: normal, out of the rock; rolling, against the motion; side, along normal x axis.
+ * three parts: normal, out of the rock; rolling, against the motion; side, along normal x motion.
  * Means follow from impulses and are therefore exact for any number of rows. The strain of the test
  * is the path over its length. The stress is the rolling force over the section of the cut, which
  * is the energy per volume for a cut of that section. */
@@ -155,10 +155,14 @@ static void read_energies(const gn_curves *curves, const course *c, gn_readings 
         gn_reading_absent(r, GN_READING_specific_energy, "the cut has no width: give test.spacing");
     if (!gn_history_column(curves->history, "removed_volume")) {
         gn_reading_absent(r, GN_READING_removed_volume, "the scene has no bonds");
+        gn_reading_absent(r, GN_READING_removed_beside, "the scene has no bonds");
         gn_reading_absent(r, GN_READING_specific_energy_removed, "the scene has no bonds");
         return;
     }
     r->removed_volume = cut->removed;
+    r->removed_beside = cut->removed_beside;
+    if (curves->tested->dimension == 2)
+        gn_reading_absent(r, GN_READING_removed_beside, "a 2D scene has no side");
     r->specific_energy_removed = work_of(c) / r->removed_volume;
     if (!(r->removed_volume > 0.0))
         gn_reading_absent(r, GN_READING_specific_energy_removed,
@@ -236,16 +240,17 @@ const gn_test_descriptor gn_test_cutting = {
     .strain = 1.0,
     .shape = cut_shape,
     .area_source = "depth times spacing (without one times the width of a chisel, or the depth)",
-    .readings =
-        GN_READS(events) | GN_READS(b_value) | GN_READS(fragments) | GN_READS(largest_fragment) |
-        GN_READS(normal_force) | GN_READS(rolling_force) | GN_READS(side_force) |
-        GN_READS(normal_force_deviation) | GN_READS(rolling_force_deviation) |
-        GN_READS(side_force_deviation) | GN_READS(cutting_coefficient) |
-        GN_READS(peak_normal_force) | GN_READS(peak_rolling_force) | GN_READS(peak_side_force) |
-        GN_READS(specific_energy) | GN_READS(removed_volume) | GN_READS(specific_energy_removed) |
-        GN_READS(contact_area) | GN_READS(damage_depth) | GN_READS(predicted_coefficient) |
-        GN_READS(predicted_normal_force) | GN_READS(predicted_rolling_force) |
-        GN_READS(predicted_peak_evans) | GN_READS(predicted_peak_goktan),
+    .readings = GN_READS(events) | GN_READS(b_value) | GN_READS(fragments) |
+                GN_READS(largest_fragment) | GN_READS(normal_force) | GN_READS(rolling_force) |
+                GN_READS(side_force) | GN_READS(normal_force_deviation) |
+                GN_READS(rolling_force_deviation) | GN_READS(side_force_deviation) |
+                GN_READS(cutting_coefficient) | GN_READS(peak_normal_force) |
+                GN_READS(peak_rolling_force) | GN_READS(peak_side_force) |
+                GN_READS(specific_energy) | GN_READS(removed_volume) | GN_READS(removed_beside) |
+                GN_READS(specific_energy_removed) | GN_READS(contact_area) |
+                GN_READS(damage_depth) | GN_READS(predicted_coefficient) |
+                GN_READS(predicted_normal_force) | GN_READS(predicted_rolling_force) |
+                GN_READS(predicted_peak_evans) | GN_READS(predicted_peak_goktan),
     .read = read_cutting,
     .strain_name = "path over its length",
     .stress_name = "rolling force over the section of the cut",

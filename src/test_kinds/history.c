@@ -1,6 +1,6 @@
 #include "test_kinds/history.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 
 #include <string.h>
 
@@ -36,18 +36,14 @@ gneiss_status gn_history_add_column(gn_history *history, const char *name, const
     strcpy(column.name, name);
     strcpy(column.unit, unit);
     strcpy(column.text, text);
-    gn_column *columns = gn_alloc_array(history->column_count + 1, sizeof *columns);
     if (history->row_capacity > 0) column.value = gn_alloc_array(history->row_capacity, 8);
-    if (!columns || (history->row_capacity > 0 && !column.value)) {
-        gn_free(columns);
+    if ((history->row_capacity > 0 && !column.value) ||
+        !gn_widen(&history->columns, history->column_count, history->column_count + 1,
+                  sizeof column)) {
         gn_free(column.value);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for history column '%s'", name);
     }
-    if (history->column_count)
-        memcpy(columns, history->columns, history->column_count * sizeof *columns);
-    columns[history->column_count++] = column;
-    gn_free(history->columns);
-    history->columns = columns;
+    history->columns[history->column_count++] = column;
     return GNEISS_OK;
 }
 

@@ -104,7 +104,8 @@
     X(normal_force, "N",                                                                           \
       "mean force on the tool out of the rock, over the path of the means (run_in, length)")       \
     X(rolling_force, "N", "mean force on the tool against its motion, over the same path")         \
-    X(side_force, "N", "mean force on the tool along normal x axis, over the same path")           \
+    X(side_force, "N",                                                                             \
+      "mean sideways force on the tool, along the vector product of normal and motion")            \
     X(normal_force_deviation, "N",                                                                 \
       "standard deviation of the means of normal_force over the blocks of that path")              \
     X(rolling_force_deviation, "N",                                                                \
@@ -121,8 +122,10 @@
     X(specific_energy, "J/m3",                                                                     \
       "rolling_force over depth times spacing (without a spacing times the width of the tool)")    \
     X(removed_volume, "m3",                                                                        \
-      "rock that came off along that path: particles that no intact bond joins to the anchored "   \
-      "rest, over 1 - porosity")                                                                   \
+      "volume of rock removed along that path: particles that intact bonds no longer connect to "  \
+      "the held part, over 1 - porosity")                                                          \
+    X(removed_beside, "m3",                                                                        \
+      "part of removed_volume that began beside the track of the tool: chips between passes")      \
     X(specific_energy_removed, "J/m3",                                                             \
       "work of the rolling force along that path over removed_volume")                             \
     X(damage_depth, "m",                                                                           \

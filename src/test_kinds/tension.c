@@ -1,8 +1,8 @@
 /* Direct tension of a prism along an axis. */
 #include "test_kinds/curves.h"
 
-/* The peak drop is so large because the fracture energy is read once a tenth of the load is left;
- * the rest is for broken parts that vibrate. */
+/* The fracture energy requires a load of at most a tenth of the peak. The peak drop is larger than
+ * the corresponding 0.9 because broken parts vibrate. */
 const gn_test_descriptor gn_test_tension = {
     .name = "tension",
     .ends = true,

@@ -18,8 +18,8 @@
     X(BENDING, bending, ", bending: a beam on two supports")                                       \
     X(TRIAXIAL, triaxial, ", triaxial (in 2D biaxial): under a membrane")                          \
     X(BIAXIAL, biaxial, "")                                                                        \
-    X(HYDROSTATIC, hydrostatic, ", hydrostatic: without ends, from all sides alike")               \
-    X(OEDOMETER, oedometer, ", oedometer: between sides that stand")                               \
+    X(HYDROSTATIC, hydrostatic, ", hydrostatic: without ends, under pressure from all sides")      \
+    X(OEDOMETER, oedometer, ", oedometer: between fixed sides")                                    \
     X(SHEAR, shear, ", shear: one half along the other")                                           \
     X(SIMPLE_SHEAR, simple_shear, ", simple_shear: between periodic sides")                        \
     X(CUTTING, cutting, ", cutting: a tool along the surface of a rock")

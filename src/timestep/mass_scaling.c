@@ -180,9 +180,8 @@ static gneiss_status refuse(const gn_step_context *ctx, const gn_solids *solids,
                        "finite elements allow (their masses are not raised), found %.6g s",
                        gn_scene_at(&ctx->scene, at, "time.mass_scaling").text, elements, step);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected a step that the bodies and elements "
-                   "which particles touch leave room for (their masses are not raised), found "
-                   "%.6g s",
+                   "%s: expected a step that bodies and elements touched by particles allow (their "
+                   "masses are not raised), found %.6g s",
                    gn_scene_at(&ctx->scene, at, "time.mass_scaling").text, step);
 }
 

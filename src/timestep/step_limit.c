@@ -184,7 +184,7 @@ static gneiss_status check_advance(const gn_step_context *ctx, const gn_solids *
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %.6g s: expected a time step that changes the time, found %.3g s "
-        "(set by %s): stiffnesses and masses do not go together",
+        "(set by %s): check stiffnesses and masses",
         (long long)ctx->step, ctx->time, ctx->dt,
         name_limiting_part(ctx, solids, zones, text, sizeof text));
 }

@@ -63,12 +63,9 @@ gneiss_status gn_features_follow_lists(gn_world *world, gneiss_error *error) {
 
 gneiss_status gn_feature_add(gn_world *world, gn_feature feature, gneiss_error *error) {
     gn_features *f = &world->features;
-    gn_feature *added = NULL;
-    GN_TRY(gn_new(&added, f->added_count + 1, "a feature", error));
-    if (f->added) memcpy(added, f->added, f->added_count * sizeof *added);
-    added[f->added_count++] = feature;
-    gn_free(f->added);
-    f->added = added;
+    if (!gn_widen(&f->added, f->added_count, f->added_count + 1, sizeof feature))
+        return gn_no_memory(error, "a feature");
+    f->added[f->added_count++] = feature;
     gneiss_status status =
         world->dem.motion_sums ? gn_features_follow_lists(world, error) : GNEISS_OK;
     if (status != GNEISS_OK) f->added_count--;

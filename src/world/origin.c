@@ -227,9 +227,9 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
     double far = largest(reach);
     if (!(rounding(far) > GN_COARSE * length)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected places that are rounded to less than %g of %s (%g m), found "
-                   "%g m, as they lie up to %g m from %s m, which positions are computed relative "
-                   "to (key origin): forces would be lost in it",
+                   "%s: expected places with a rounding below %g of %s (%g m), found a rounding of "
+                   "%g m, because they are up to %g m away from %s m, the origin of the "
+                   "computation (key origin): forces would be lost in it",
                    gn_scene_at(&ctx->scene, where, what).text, GN_COARSE, of, length, rounding(far),
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
@@ -245,14 +245,15 @@ static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, 
         double speed = fabs(velocity[a]);
         if (!(speed > 1e-3 * largest(velocity)) || speed * ctx->dt >= 50.0 * rounding(reach[a]))
             continue;
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: expected a velocity that moves 50 times the rounding of places in "
-                       "a step, found %g m/s along %c: %.3g m in %.3g s, and places rounded to "
-                       "%.3g m, as they lie up to %g m from %s m, which positions are computed "
-                       "relative to (key origin): its motion would be lost",
-                       gn_scene_at(&ctx->scene, where, what).text, speed, "xyz"[a],
-                       speed * ctx -> dt, ctx -> dt, rounding(reach[a]), fabs(reach[a]),
-                       gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: expected a velocity with a path per step of at least 50 times the "
+            "rounding of places, found %g m/s along %c: %.3g m in %.3g s, and a rounding of "
+            "%.3g m, because places are up to %g m away from %s m, the origin of the "
+            "computation (key origin): its motion would be lost",
+            gn_scene_at(&ctx->scene, where, what).text, speed, "xyz"[a], speed * ctx -> dt,
+            ctx -> dt, rounding(reach[a]), fabs(reach[a]),
+            gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
     }
     return GNEISS_OK;
 }

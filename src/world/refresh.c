@@ -68,9 +68,9 @@ static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
                : 8.0 * skin;
 }
 
-/* Returns the largest path of a particle in a step, m, where Hertzian contacts do not limit the
- * step: a pair that is not listed one step before it touches would collide with a step that is far
- * too long. Where contacts limit the step, paths are shorter, and 0 is returned. */
+/* Returns the largest path of a particle in a step, m, if Hertzian contacts do not limit the step:
+ * pairs must then be listed one step before they touch, because the step is far too long for their
+ * collision. If contacts limit the step, paths are shorter, and 0 is returned. */
 static double flown(const gn_step_context *ctx, const gn_dem *dem) {
     if (!(ctx->effects & GN_FX_HERTZ) || ctx->scene.step > 0.0 || ctx->step == 0) return 0.0;
     const double way = ctx->dt * sqrt(dem->done.motion.speed2);

@@ -175,7 +175,7 @@ static gneiss_status check_at_rest(const gn_step_context *ctx, const gn_dem *dem
         if (!moves && !turns) continue;
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.400s:%d:%d: couple: expected particles of zones that start at rest, as "
-                       "the nodes do which lead there, found particle %d with a %s (%s)",
+                       "the nodes that move them do, found particle %d with a %s (%s)",
                        ctx->scene.source, ctx->scene.couple.where.line,
                        ctx->scene.couple.where.column, id, moves ? "velocity" : "spin",
                        moves ? "initial_velocity, initial.random_velocity" : "initial_spin");
@@ -370,7 +370,8 @@ static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_
                : 0.0;
 }
 
-/* A lattice whose first row lies on the plane through `from` has half a row too much there. */
+/* Computes the mass of the particles over the part of the mass that elements leave to them. In a
+ * lattice whose first row lies on the plane through `from` it is too large by half a row. */
 static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, size_t zone, gn_zone_figures *f) {
     const gn_coupled *c = zones->coupled;

@@ -104,9 +104,10 @@ void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coup
     find_kinetic(ctx, solids, q);
 }
 
-/* Since v_i = N_a v_a, a force at the position of i moves it by N_a N_a/m_a. With consistent masses
- * at least those of the nodes alone and the particle's own mass m resist: with y = N_a N_a/m_a of
- * the former, (D + m N N^T)^-1 gives y/(1 + m y). Driven nodes count as free. */
+/* Sets the inverse masses of particles of zones. Since v_i = N_a v_a, a force at the position of
+ * particle i accelerates it by y = N_a N_a/m_a times the force. With consistent masses, the masses
+ * of the nodes alone and the particle's own mass m resist at least: with y of the nodes alone, (D +
+ * m N N^T)^-1 gives y/(1 + m y). Driven nodes count as free. */
 void gn_coupled_inverse_masses(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, const gn_zones *zones, double *inverse) {
     const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;

@@ -113,10 +113,11 @@ static gneiss_status check_free(const gn_step_context *ctx, const gn_dem *dem, c
     if (set < 0) return GNEISS_OK;
     const gn_set_def *s = &ctx->scene.sets[set];
     snprintf(key, sizeof key, "sets[%d].%s", (int)set, pushed >= 0 ? "force" : "motion");
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected particles of zones that no set pushes or moves (the nodes there "
-                   "lead: elements.loads, elements.motions), found particle %d of set '%s'",
-                   gn_scene_at(&ctx->scene, s->where, key).text, tie->id, s->name);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected particles of zones that no set pushes or moves (they follow the nodes: "
+        "use elements.loads, elements.motions), found particle %d of set '%s'",
+        gn_scene_at(&ctx->scene, s->where, key).text, tie->id, s->name);
 }
 
 gneiss_status gn_zones_check_law(const gn_step_context *ctx, gneiss_error *error) {

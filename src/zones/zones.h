@@ -55,8 +55,8 @@ gneiss_status gn_coupled_resume(const gn_step_context *ctx, gn_dem *dem, gn_boun
 /* Refuses contact laws that do not support contacts of a weight below 1. */
 gneiss_status gn_zones_check_law(const gn_step_context *ctx, gneiss_error *error);
 
-/* Part of the zones in a step; coupled must not be NULL. gn_zones_hold holds the blocks of their
- * particles and nodes when lists are made. */
+/* The following functions are the part of the zones in a step; zones->coupled must not be NULL.
+ * gn_zones_hold finds the blocks that contain particles and nodes of zones, when lists are made. */
 gneiss_status gn_zones_hold(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                             gn_zones *zones, gneiss_error *error);
 /* Transfers the forces of particles to nodes; springs add their forces to both. */

@@ -28,9 +28,9 @@ void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
-/* Springs in place of a constraint (zone_penalty.c). The functions create them; set their
- * stiffnesses from gn_zone_state.frequency; register them as holders of particles that touch walls;
- * and do their part of a step. */
+/* Springs in place of a constraint (zone_penalty.c). gn_penalty_create creates them, gn_penalty_set
+ * sets their stiffnesses from gn_zone_state.frequency, and gn_penalty_hold makes them known to the
+ * contacts of their particles with walls. The other functions are their part of a step. */
 gneiss_status gn_penalty_create(gn_coupled *q, gneiss_error *error);
 void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_zones *zones, gn_coupled *q);
