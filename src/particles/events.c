@@ -74,7 +74,7 @@ static gneiss_status add_others(const gn_ranks *ranks, gn_events *list, size_t f
         range[k + 1] = range[k] + count[k] * sizeof *list->rows;
     const size_t before = range[ranks->rank] / sizeof *list->rows,
                  all = range[ranks_count] / sizeof *list->rows;
-    GN_TRY(grow(list, all - own, error));
+    GN_TRY(gn_grow(&list->rows, list->count, first + all, &list->capacity, "events", error));
     if (own) memmove(list->rows + first + before, list->rows + first, own * sizeof *list->rows);
     if (all) ranks->transport->gather(list->rows + first, range);
     list->count = first + all;
