@@ -18,6 +18,7 @@ packages_python=(python3-cffi python3-numpy) # of the Python module; it uses wha
 packages_python_more=(python3-pandas python3-xarray python3-tqdm mypy python3-pip python3-setuptools python3-wheel)
 # A locale with a decimal comma is made from the first.
 packages_test=(locales python3-jsonschema "${packages_calibrate[@]}" "${packages_python[@]}" "${packages_python_more[@]}")
+packages_mpi=(libopenmpi-dev openmpi-bin) # gneiss-mpi and its tests
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_package=(debhelper dh-python lintian mmdebstrap) # only for `package`; the last one for its --try
@@ -32,6 +33,7 @@ usage() {
 usage: ./do COMMAND [...]
 
   run SCENE [gneiss options]   build, run the scene, make its report
+  mpi                          build build-mpi/gneiss, for several processes of MPI (docs/cluster.md)
   test [meson options]         build and run every test; --checked: on the build of `check gcc`
   check [steps]                format layers links words release gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
@@ -49,7 +51,7 @@ usage: ./do COMMAND [...]
   package [--try]              Debian packages of the last commit in build-package, and what lintian says of them; --try: installs
                                them in a bare Debian 12 and runs a scene and its report there
   docs                         the site: build-docs/html/index.html, from docs/, the help of the program and both APIs
-  install WHAT                 the packages of build, calibrate, python, test, check, aarch64, package, docs, bench, validate, effects or peers
+  install WHAT                 the packages of build, mpi, calibrate, python, test, check, aarch64, package, docs, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
@@ -187,9 +189,12 @@ build() {
     say "built in $((SECONDS - start)) s"
 }
 
+# gneiss-mpi is built wherever MPI is installed.
+with_mpi() { if command -v mpicc >/dev/null; then echo -Dmpi=enabled; else echo -Dmpi=disabled; fi; }
+
 prepare() {
     need "${packages_build[@]}"
-    configure build --buildtype=release
+    configure build --buildtype=release "$(with_mpi)"
 }
 
 # --- commands -----------------------------------------------------------------------------------------
@@ -254,8 +259,18 @@ command_test() {
         configure_gcc && run_tests build-check-gcc "${@:2}"
         return
     fi
+    need "${packages_mpi[@]}"
     prepare
     run_tests build "$@"
+}
+
+# build-mpi/gneiss is the program for ranks; all of its objects but one are those of build/gneiss.
+command_mpi() {
+    need "${packages_mpi[@]}"
+    prepare
+    build build gneiss-mpi
+    mkdir -p "$root/build-mpi"
+    ln -sf ../build/gneiss-mpi "$root/build-mpi/gneiss"
 }
 
 command_bench() {
@@ -349,7 +364,7 @@ command_keys() {
 }
 
 command_clean() {
-    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-package "$root"/build-docs "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
+    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-package "$root"/build-docs "$root"/build-mpi "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
         "$root"/build-aarch64-root
 }
 
@@ -381,7 +396,8 @@ check_words() { # comments and pages against the rules of language
 }
 
 configure_gcc() {
-    CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true
+    need "${packages_mpi[@]}"
+    CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true "$(with_mpi)"
 }
 
 check_gcc() {
@@ -547,7 +563,7 @@ main() {
     local command=${1:-help}
     (($#)) && shift
     case $command in
-    run | test | check | bench | validate | accuracy | package | docs | install | keys | clean) "command_$command" "$@" ;;
+    run | mpi | test | check | bench | validate | accuracy | package | docs | install | keys | clean) "command_$command" "$@" ;;
     help | -h | --help) usage ;;
     *)
         usage >&2

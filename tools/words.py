@@ -56,6 +56,7 @@ CLEAN = [
     "src/plan",
     "src/run",
     "src/scene",
+    "src/ranks",
     "src/sched",
     "src/soa",
     "src/solids",

@@ -226,6 +226,7 @@ size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary
 gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary) {
     gn_assembly a = {0};
+    gn_ranks_whole(ctx->ranks);
     gn_active_pairs_settle(ctx, dem);
     a.dimension = (int)ctx->scene.dimension;
     a.particles = &dem->particles;

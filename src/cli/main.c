@@ -23,6 +23,7 @@
 #include "cli/sweep.h"
 #include "conversion/conversion.h"
 #include "io/io.h"
+#include "ranks/program.h"
 #include "run/folder.h"
 #include "run/status.h"
 #include "scene/tree.h"
@@ -161,7 +162,7 @@ static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error
     if (status != GNEISS_OK) return status;
     GN_TRY(gn_print_summary(options, run, error));
     GN_TRY(gn_print_warnings(run, error));
-    if (options->json) {
+    if (options->json && gn_rank_writes()) {
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);
         GN_TRY(gn_read_text_file(path, 1 << 20, &text, error));
@@ -222,7 +223,7 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
             gn_status_write(run, GNEISS_OK, "");
             written = gn_now();
         }
-        if (!*interrupted || run->finished) continue;
+        if (!run->interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
         status = gn_run_checkpoint(run, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
@@ -260,7 +261,7 @@ static gneiss_status check_replacing(const gn_options *options, const gn_scene *
     char folder[GN_PATH_SIZE], text[32];
     GN_TRY(gn_folder_choose(scene, options->out, folder, error));
     double seconds = 0.0;
-    if (options->force) return GNEISS_OK;
+    if (options->force || !gn_rank_writes()) return GNEISS_OK;
     GN_TRY(gn_folder_check(folder, error));
     GN_TRY(gn_folder_finished(folder, &seconds, error));
     if (!(seconds > LONG_RUN)) return GNEISS_OK;
@@ -316,15 +317,20 @@ static gneiss_status command_resume(const gn_options *options, gneiss_error *err
     return status;
 }
 
+/* Tells whether several ranks share one run. */
+static bool shares_run(void) {
+    return gn_transport_now() && gn_transport_now()->count > 1;
+}
+
 /* Several confinements in a scene give several scenes; an error in one of them is reported as `run`
  * reports it. */
-static gneiss_status check_confinements(const gn_options *options, gneiss_error *error) {
-    bool several = false;
+static gneiss_status check_confinements(const gn_options *options, bool *several,
+                                        gneiss_error *error) {
     GN_FREED gn_sweep *sweep = NULL;
     GN_TRY(gn_new(&sweep, 1, "a sweep", error));
     GN_TRY(gn_sweep_of_scene(options->target, options->overrides, options->override_count, NULL,
-                             sweep, &several, error));
-    if (several) gn_sweep_free(sweep);
+                             sweep, several, error));
+    if (*several) gn_sweep_free(sweep);
     return GNEISS_OK;
 }
 
@@ -350,11 +356,12 @@ static gneiss_status look(const gn_options *options, bool plan, int *packings,
     GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
     GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     int warnings = 0;
+    bool several = false;
     char shown[GN_PATH_SIZE];
     GN_TRY(gn_new(&world, 1, "a model", error));
     gn_signals_end_at_once(nothing_lost, NULL);
     GN_TRY(load_scene(options, &scene, error));
-    GN_TRY(check_confinements(options, error));
+    GN_TRY(check_confinements(options, &several, error));
     GN_TRY(gn_pack_ahead(options, scene, error));
     double before = gn_process_time();
     GN_TRY(gn_world_create(scene, world, error));
@@ -371,6 +378,14 @@ static gneiss_status look(const gn_options *options, bool plan, int *packings,
 
 static gneiss_status command_run_once_or_more(const gn_options *options, gneiss_error *error) {
     bool several = false;
+    if (shares_run()) {
+        GN_TRY(check_confinements(options, &several, error));
+        return several ? gn_fail(error, GNEISS_ERROR_INPUT,
+                                 "%.1000s: expected one run for several ranks of MPI, found "
+                                 "several confinements",
+                                 options->target)
+                       : command_run(options, error);
+    }
     GN_TRY(gn_command_several(options, &several, error));
     if (several) return GNEISS_OK;
     if (options->jobs || options->dry_run)
@@ -451,6 +466,18 @@ static gneiss_status command_run_planned(const gn_options *options, gneiss_error
     else
         run.jobs = NULL;
     return command_run_once_or_more(&run, error);
+}
+
+/* Runs of several scenes are processes of their own. */
+static gneiss_status check_ranks(const gn_options *options, gneiss_error *error) {
+    const bool runs = strcmp(options->command, "run") == 0;
+    if (!shares_run() || strcmp(options->command, "resume") == 0) return GNEISS_OK;
+    if (runs && !options->seeds && !options->jobs && !options->dry_run && !(options->error > 0.0))
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected gneiss run of one scene or gneiss resume for several ranks of MPI, "
+                   "found gneiss %s%s",
+                   options->command, runs ? " with --seeds, --jobs, --dry-run or --error" : "");
 }
 
 static gneiss_status command_run_all(const gn_options *options, gneiss_error *error) {
@@ -550,6 +577,7 @@ static gneiss_status command_keys(const gn_options *options, gneiss_error *error
 }
 
 static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
+    GN_TRY(check_ranks(options, error));
     if (strcmp(options->command, "run") == 0) return command_run_all(options, error);
     if (strcmp(options->command, "sweep") == 0) return gn_command_sweep(options, error);
     if (strcmp(options->command, "pack") == 0) return gn_command_pack(options, error);
@@ -631,6 +659,7 @@ static void leave(gn_log *log, gneiss_status status, gneiss_error *error) {
     if (status != GNEISS_OK && error->message[0])
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error->message);
     if (!gn_log_end(log, status) && status == GNEISS_OK) status = GNEISS_ERROR_IO;
+    gn_program_end((int)status, error->message);
     finished = true;
     /* HDF5 may hold files that it could not close for lack of memory; its clean-up would fail on
      * them. */
@@ -640,6 +669,7 @@ static void leave(gn_log *log, gneiss_status status, gneiss_error *error) {
 
 int main(int argc, char **argv) {
     spin_briefly(argv);
+    gn_program_begin(&argc, &argv);
     give_back_large_blocks();
     (void)atexit(report_library_exit);
     omp_set_dynamic(0); /* results do not depend on the number of threads, but the speed does:

@@ -11,6 +11,7 @@
 #include "frame/phases.h"
 #include "frame/step_choice.h"
 #include "kernels/dispatch.h"
+#include "ranks/ranks.h"
 #include "scene/scene.h"
 
 #include <stdbool.h>
@@ -31,6 +32,7 @@ struct gn_step_context {
     gn_effects effects;
     const gn_kernel_set *kernels;
     int threads;
+    gn_ranks *ranks; /* the processes that share the work; NULL: this one is alone */
 
     int64_t step;
     int64_t first_step; /* 0, or the step at which the run began in an equilibrium (src/static) */

@@ -342,6 +342,7 @@ bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem) {
         const gn_domain *region = dem->flow.region[ctx->scene.source_count + k];
         double lower[3], upper[3];
         if (!region || !is_thin(ctx, dem, k)) continue;
+        gn_ranks_whole(ctx->ranks);
         gn_domain_bounds(region, lower, upper);
         for (size_t p = 0; p < dem->particles.soa.count; p++)
             if (is_near(ctx, dem, lower, upper, p) && sink_takes(ctx, dem, k, p)) return true;

@@ -319,6 +319,7 @@ void gn_ends_note_contact(gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
      * other. */
     if ((a->away[0] != 0.0 && lower == 0.0) || (a->away[1] != 0.0 && upper == 0.0)) return;
     a->away[0] = a->away[1] = 0.0;
+    gn_ranks_whole(ctx->ranks);
     a->way = gn_ends_deflection(ctx, dem, boundary, solids);
     if (still) a->way = fmin(a->way, a->gap);
 }
@@ -373,6 +374,7 @@ void gn_control_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
     const gn_control *c = &ctx->scene.test.control;
     gn_machine *m = &ctx->machine;
     if (!ctx->scene.test.has_control || ctx->step % LOOK_INTERVAL != 0) return;
+    gn_ranks_whole(ctx->ranks);
     const double now = reading(ctx, dem, boundary, solids, gauge), most = rate(c) * c->response;
     if (isnan(now)) return; /* too little of the specimen is left for a reading */
     m->wanted = fmin(m->wanted + rate(c) * (ctx->time - m->looked), now + most);

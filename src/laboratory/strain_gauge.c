@@ -142,6 +142,7 @@ gneiss_status gn_gauge_update(const gn_step_context *ctx, gn_dem *dem, gn_gauge 
                               gneiss_error *error) {
     if (!gauge->weights.count || ctx->step % LOOK_INTERVAL != 0 || !gn_dem_has_loosened(dem))
         return GNEISS_OK;
+    gn_ranks_whole(ctx->ranks);
     mark_off(ctx, dem, gauge);
     return renew(ctx, dem, gauge, error);
 }

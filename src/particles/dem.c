@@ -30,7 +30,7 @@
 gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_deal_free(&dem->deal);
     GN_TRY(gn_deal_create(&dem->deal, ctx->threads, error));
-    return gn_dem_deal(dem, error);
+    return gn_dem_deal(ctx, dem, error);
 }
 
 gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
@@ -237,10 +237,11 @@ size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem) {
            d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);
 }
 
-gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
+gneiss_status gn_dem_deal(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_deal_list lists[GN_LIST_COUNT];
     for (int l = 0; l < GN_LIST_COUNT; l++)
         lists[l] = (gn_deal_list){&dem->list[l].partials, dem->list[l].contacts.i};
+    if (ctx->ranks) GN_TRY(gn_ranks_plan(ctx->ranks, &dem->particles, lists, GN_LIST_COUNT, error));
     return gn_deal_lists(&dem->deal, lists, GN_LIST_COUNT, dem->motion_blocks, error);
 }
 

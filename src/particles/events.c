@@ -59,6 +59,28 @@ static int by_ends(const void *a, const void *b) {
     return (x->cause < y->cause) - (x->cause > y->cause);
 }
 
+/* Adds the events of other ranks to those from row `first` on. */
+static gneiss_status add_others(const gn_ranks *ranks, gn_events *list, size_t first,
+                                gneiss_error *error) {
+    const size_t ranks_count = (size_t)ranks->count, own = list->count - first;
+    GN_FREED size_t *count = NULL;
+    GN_FREED size_t *range = NULL;
+    GN_TRY(gn_new(&count, ranks_count, "events of other ranks", error));
+    GN_TRY(gn_new(&range, ranks_count + 1, "events of other ranks", error));
+    for (size_t k = 0; k <= ranks_count; k++) range[k] = k * sizeof *count;
+    count[ranks->rank] = own;
+    ranks->transport->gather(count, range);
+    for (size_t k = 0; k < ranks_count; k++)
+        range[k + 1] = range[k] + count[k] * sizeof *list->rows;
+    const size_t before = range[ranks->rank] / sizeof *list->rows,
+                 all = range[ranks_count] / sizeof *list->rows;
+    GN_TRY(gn_grow(&list->rows, list->count, first + all, &list->capacity, "events", error));
+    if (own) memmove(list->rows + first + before, list->rows + first, own * sizeof *list->rows);
+    if (all) ranks->transport->gather(list->rows + first, range);
+    list->count = first + all;
+    return GNEISS_OK;
+}
+
 gneiss_status gn_events_note(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const gn_contacts *b = &dem->bonds.contacts;
     const gn_contact_sums *all = &dem->done.list[GN_LIST_BONDS];
@@ -75,6 +97,7 @@ gneiss_status gn_events_note(const gn_step_context *ctx, gn_dem *dem, gneiss_err
             take_marks(ctx, dem, c);
         }
     }
+    if (ctx->ranks) GN_TRY(add_others(ctx->ranks, &dem->events, first, error));
     qsort(dem->events.rows + first, dem->events.count - first, sizeof(gn_event), by_ends);
     return GNEISS_OK;
 }

@@ -63,6 +63,7 @@ static void follow_change(const gn_step_context *ctx, gn_dem *dem) {
     double *halves = dem->done.step_change;
     halves[0] = halves[1] = 0.0;
     if (!dem->vel_past) return;
+    gn_ranks_whole(ctx->ranks);
     gn_rows_add_step_change(ctx, dem->vel_past, dem->particles.vel, count, halves);
     gn_rows_add_step_change(ctx, dem->spin_past, dem->particles.spin, count, halves);
     gn_free(dem->vel_past);

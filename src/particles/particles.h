@@ -193,7 +193,7 @@ static inline double gn_free_share(uint8_t mask, const double n[3]) {
 gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_periodic_box *box, const gn_contact_list *list,
                                     bool measure);
-/* Distributes the lists among the threads. */
-gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error);
+/* Distributes the lists among ranks and threads. */
+gneiss_status gn_dem_deal(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
 #endif

@@ -108,7 +108,7 @@ gneiss_status gn_dem_ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneis
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
     gn_dem_sum_masses(dem);
     if (gn_converts(ctx)) GN_TRY(gn_dormant_find_blocks(dem, error));
-    return gn_dem_deal(dem, error);
+    return gn_dem_deal(ctx, dem, error);
 }
 
 void gn_dem_ready_kernels(const gn_step_context *ctx, gn_dem *dem) {

@@ -221,6 +221,11 @@ gneiss_status gn_checkpoint_write(const gn_run *run, const char *path, gneiss_er
 
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
     char *path = NULL;
+    gn_ranks_whole(run->world.ctx.ranks);
+    if (!gn_rank_writes()) {
+        gn_checkpoint_pass_particles(&run->world);
+        return GNEISS_OK;
+    }
     GN_TRY(gn_checkpoint_path(run->directory, run->world.ctx.step, &path, error));
     gneiss_status status = gn_checkpoint_write(run, path, error);
     free(path);

@@ -119,6 +119,12 @@ static gneiss_status put_dormant(const gn_world *world, gn_h5 *file, gneiss_erro
     return gn_checkpoint_put_arrays(file, arrays, DORMANT_ARRAYS, error);
 }
 
+void gn_checkpoint_pass_particles(const gn_world *world) {
+    gn_world *w = (gn_world *)(uintptr_t)world;
+    size_t groups;
+    (void)gn_active_pairs_keep(&w->ctx, &w->dem, &groups);
+}
+
 gneiss_status gn_checkpoint_put_particles(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     gn_world *w =
         (gn_world *)(uintptr_t)world; /* list_arrays returns pointers that are not const */

@@ -44,6 +44,7 @@ gneiss_status gn_history_create_columns(const gn_world *world, gn_history *histo
 /* Writes the quantities of one instant to their columns of a row. */
 static void put_row(const gn_world *world, gn_instant instant, double *row) {
     gn_quantity_place at = {0};
+    gn_ranks_whole(world->ctx.ranks);
     while (gn_quantity_next(world, &at)) {
         const gn_quantity *q = at.quantity;
         gn_shape_component part[GN_SHAPE_MOST];

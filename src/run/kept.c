@@ -152,6 +152,7 @@ void gn_kept_row(gn_run *run, bool sample) {
 static gneiss_status remove_files(const gn_run *run, double step, gneiss_error *error) {
     static const char *const names[] = {"particles", "bonds", "contacts", "bodies"};
     const gn_kept *k = &run->kept;
+    if (!gn_rank_writes()) return GNEISS_OK;
     for (size_t n = 0; n < k->count; n++)
         if (k->list[n].step == step) return GNEISS_OK;
     for (size_t n = 0; n < sizeof names / sizeof *names; n++)

@@ -86,7 +86,7 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *vie
 gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
-    if (!run->world.dem.particles.soa.count) return GNEISS_OK;
+    if (!run->world.dem.particles.soa.count || !gn_rank_writes()) return GNEISS_OK;
     GN_TRY(gn_dem_observe(&run->world.ctx, &run->world.dem, &run->world.box, &seen, error));
     gneiss_status status = gn_output_view_make(&run->world, &seen, &view, error);
     if (status == GNEISS_OK) {
@@ -115,7 +115,7 @@ static gneiss_status write_series(gn_run *run, gneiss_error *error) {
 }
 
 gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
-    GN_TRY(write_series(run, error));
+    if (gn_rank_writes()) GN_TRY(write_series(run, error));
     run->series_length = run->snapshot_times.count;
     return GNEISS_OK;
 }
@@ -338,6 +338,8 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     const gn_world *w = &run->world;
     GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
+    gn_ranks_whole(w->ctx.ranks);
+    if (!gn_rank_writes()) return GNEISS_OK;
     snprintf(path, sizeof path, "%s/results.h5", run->directory);
     GN_TRY(gn_h5_create(path, &file, error));
     gn_h5_demand_finite(file, !w->outcome.bad);

@@ -211,6 +211,7 @@ static gneiss_status is_superfluous(const gn_world *world, const char *directory
 
 gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
                                  gneiss_error *error) {
+    if (!gn_rank_writes()) return GNEISS_OK;
     GN_FREED_BY(free_view) view v = {0};
     bool superfluous;
     if (!world->ctx.scene.body_count) return GNEISS_OK;

@@ -62,6 +62,8 @@ gneiss_status gn_rim_results(const gn_world *world, gn_h5 *file, gneiss_error *e
 /* Loading creates the part; `path` is named in messages. The boundary is loaded after the
  * particles, and surfaces after everything that has them. */
 gneiss_status gn_checkpoint_put_particles(const gn_world *world, gn_h5 *file, gneiss_error *error);
+/* Continues as a run that saved its particles, without a file: another rank writes it. */
+void gn_checkpoint_pass_particles(const gn_world *world);
 gneiss_status gn_checkpoint_get_particles(gn_world *world, const gn_h5 *file, const char *path,
                                           gneiss_error *error);
 gneiss_status gn_checkpoint_put_boundary(const gn_world *world, gn_h5 *file, gneiss_error *error);

@@ -147,7 +147,7 @@ gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
     size_t damaged = 0;
     memset(run, 0, sizeof *run);
     GN_TRY(check_overrides(overrides, override_count, error));
-    GN_TRY(gn_folder_lock(directory, &lock, error));
+    if (gn_rank_writes()) GN_TRY(gn_folder_lock(directory, &lock, error));
     gneiss_status status =
         load_newest(directory, overrides, override_count, run, steps, &damaged, error);
     run->folder_lock = lock;
@@ -156,7 +156,7 @@ gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
         snprintf(run->directory, sizeof run->directory, "%s", directory);
         gn_run_take_up(run);
     }
-    for (size_t k = 0; status == GNEISS_OK && k < damaged; k++)
+    for (size_t k = 0; status == GNEISS_OK && gn_rank_writes() && k < damaged; k++)
         status = gn_checkpoint_set_aside(directory, steps[k], error);
     if (status == GNEISS_OK) status = gn_output_series(run, error);
     if (status != GNEISS_OK) gn_run_free(run);

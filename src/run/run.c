@@ -73,6 +73,7 @@ void gn_run_set_clock(gn_run *run) {
 }
 
 static gneiss_status open_folder(gn_run *run, bool force, gneiss_error *error) {
+    if (!gn_rank_writes()) return GNEISS_OK;
     GN_TRY(gn_make_directory(run->directory, error));
     GN_TRY(gn_folder_lock(run->directory, &run->folder_lock, error));
     if (!force) GN_TRY(gn_folder_check(run->directory, error));
@@ -263,6 +264,7 @@ static bool series_is_due(const gn_run *run) {
 }
 
 static gneiss_status write_files(gn_run *run, gneiss_error *error) {
+    gn_ranks_whole(run->world.ctx.ranks);
     GN_TRY(gn_output_snapshot(run, "", error));
     GN_TRY(gn_output_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
@@ -397,6 +399,19 @@ static bool checkpoint_is_due(const gn_run *run, double now) {
     return run->directory[0] && now >= run->next_checkpoint;
 }
 
+typedef struct decision {
+    bool stops, saves, pauses; /* on a signal; a checkpoint; the time of the call is over */
+} decision;
+
+/* All ranks do the same: a signal to any of them stops all, the clock is that of rank 0. */
+static decision decide(const gn_run *run, decision own) {
+    const bool writes = gn_rank_writes();
+    int64_t value[3] = {own.stops, writes && own.saves, writes && own.pauses};
+    if (!run->world.ctx.ranks) return own;
+    run->world.ctx.ranks->transport->most(value, 3);
+    return (decision){value[0] > 0, value[1] > 0, value[2] > 0};
+}
+
 gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
                              gneiss_error *error) {
     double until = gn_now() + seconds;
@@ -404,11 +419,16 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
         gn_run_out_of_time(run);
     while (!run->finished) {
         GN_TRY(one_step(run, error));
-        if (interrupt && *interrupt) return GNEISS_OK;
+        const bool asked = interrupt && *interrupt;
+        run->interrupted = asked && !run->world.ctx.ranks;
+        if (run->interrupted) return GNEISS_OK;
         if (run->world.ctx.step % CLOCK_INTERVAL) continue;
-        double now = gn_now();
-        if (checkpoint_is_due(run, now)) GN_TRY(gn_run_checkpoint(run, error));
-        if (now >= until) return GNEISS_OK;
+        const double now = gn_now();
+        const decision d =
+            decide(run, (decision){asked, checkpoint_is_due(run, now), now >= until});
+        run->interrupted = d.stops;
+        if (d.saves) GN_TRY(gn_run_checkpoint(run, error));
+        if (d.stops || d.pauses) return GNEISS_OK;
     }
     return GNEISS_OK;
 }
@@ -507,6 +527,7 @@ gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
 }
 
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error) {
+    gn_ranks_whole(run->world.ctx.ranks);
     snprintf(run->stop_reason, sizeof run->stop_reason, "failed: %s", message);
     run->finished = false;
     run->world.outcome.bad = true;

@@ -62,6 +62,7 @@ typedef struct gn_run {
     gn_beginning beginning; /* beginning of the test, by the history so far */
     int64_t bad_since;      /* step since which the ledger has not closed; -1: it closes */
     bool finished;
+    bool interrupted;    /* gn_run_advance stopped on a signal, with ranks on that of any rank */
     double expected_end; /* s, end of the test predicted from its specimen; 0: unknown */
     char stop_reason[256];
     gn_snapshot_times snapshot_times; /* times of snapshots of the output folder */

@@ -75,6 +75,7 @@ static void put_process(gn_json *json) {
 }
 
 void gn_status_write(const gn_run *run, gneiss_status code, const char *message) {
+    if (!gn_rank_writes()) return;
     const gn_progress progress = gn_run_progress(run);
     char path[GN_PATH_SIZE + 32];
     gn_atomic_file file;

@@ -219,6 +219,8 @@ static void summary_cost(const gn_run *run, gn_json *json) {
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_observed seen;
+    gn_ranks_whole(w->ctx.ranks);
+    if (!gn_rank_writes()) return GNEISS_OK;
     GN_TRY(gn_dem_observe(&w->ctx, &w->dem, &w->box, &seen, error));
     size_t contacts = 0;
     for (int l = 0; l < GN_LIST_COUNT; l++) contacts += touching(&seen.list[l]);

@@ -96,6 +96,7 @@ gneiss_status gn_debris_find(gn_step_context *ctx, gn_dem *dem, bool *some, gnei
     if (broken(dem) == ctx->choice.broken_without_debris || ctx->scene.step > 0.0 ||
         !gn_timestep_is_underdamped(ctx, dem))
         return GNEISS_OK;
+    gn_ranks_whole(ctx->ranks);
     uint8_t *left = gn_alloc(n + 1);
     if (!left) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     gn_bonds_left(dem, left);

@@ -298,6 +298,7 @@ gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_bounda
 gneiss_status gn_depth_update_when_due(const gn_step_context *ctx, gn_dem *dem,
                                        gn_boundary *boundary, gneiss_error *error) {
     bool due = (double)ctx->step - dem->depth.looked >= LOOK_INTERVAL;
+    if (due) gn_ranks_whole(ctx->ranks);
     return due && ctx->scene.has_specimen ? gn_depth_update(ctx, dem, boundary, error) : GNEISS_OK;
 }
 

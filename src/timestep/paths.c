@@ -50,6 +50,7 @@ static gneiss_status fail_particle(const gn_step_context *ctx, const gn_dem *dem
     const gn_particles *q = &dem->particles;
     const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
     char at[GN_POINT_SIZE], behind[GN_NAME_SIZE + 256] = "";
+    gn_ranks_whole(ctx->ranks);
     for (size_t k = 0; k < ctx->scene.wall_count && !*behind; k++)
         if (!ctx->scene.walls[k].passive && gn_wall_distance(&boundary->walls[k], x) < 0.0)
             snprintf(behind, sizeof behind,
@@ -87,6 +88,7 @@ static gneiss_status check_motion(const gn_step_context *ctx, const gn_dem *dem,
                              "has a velocity that is not finite", "", error);
     double path = ctx->dt * sqrt(m->speed2);
     if (path <= 0.5 * dem->radius_min) return GNEISS_OK;
+    gn_ranks_whole(ctx->ranks);
     size_t worst = largest(dem->particles.vel, dem->particles.soa.count);
     char remedy[sizeof advice + 2];
     snprintf(remedy, sizeof remedy, "; %s", advice);
@@ -99,6 +101,7 @@ static gneiss_status check_spins(const gn_step_context *ctx, const gn_dem *dem,
                                  gneiss_error *error) {
     const gn_particles *q = &dem->particles;
     if (ctx->dt * sqrt(dem->done.motion.spin2) <= 0.5) return GNEISS_OK;
+    gn_ranks_whole(ctx->ranks);
     size_t worst = largest(q->spin, q->soa.count);
     const double *o = q->spin + 4 * worst, *x = q->pos + 4 * worst;
     return gn_fail(
@@ -280,6 +283,7 @@ static bool is_pressed(const gn_step_context *ctx, const gn_dem *dem, const gn_b
                        size_t wall) {
     const gn_wall_contacts *q = &boundary->contacts;
     const gn_wall *of = &boundary->walls[wall];
+    gn_ranks_whole(ctx->ranks);
     for (size_t c = 0; c < q->soa.count; c++) {
         if ((size_t)q->wall[c] != wall) continue;
         const double *x = dem->particles.pos + 4 * (int64_t)q->i[c],

@@ -343,6 +343,7 @@ gneiss_status gn_timestep_check_lists(gn_step_context *ctx, gn_dem *dem, gn_boun
                                       gn_solids *solids, gn_zones *zones, gn_ledger *ledger,
                                       gneiss_error *error) {
     double start = gn_now();
+    gn_ranks_whole(ctx->ranks);
     bool fine = true;
     gneiss_status status =
         check_lists(ctx, dem, boundary, solids, zones, ledger, false, &fine, error);
@@ -370,6 +371,7 @@ gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *
                                 gn_solids *solids, gn_zones *zones, gn_ledger *ledger, bool full,
                                 gneiss_error *error) {
     double start = gn_now();
+    gn_ranks_whole(ctx->ranks);
     bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
     if (ctx->scene.has_specimen) gn_pressed_update(ctx, dem, boundary);
@@ -400,6 +402,7 @@ gneiss_status gn_timestep_check(gn_step_context *ctx, gn_dem *dem, gn_boundary *
 static gneiss_status check_again(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                  gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     double start = gn_now();
+    gn_ranks_whole(ctx->ranks);
     gneiss_status status = resolve_listed(ctx, dem, boundary, solids, zones, error);
     ctx->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;

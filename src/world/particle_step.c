@@ -58,8 +58,10 @@ void gn_world_particle_forces(gn_world *world, bool measure) {
     if (!d->particles.soa.count) return;
     gn_dem_confine(&world->ctx, &world->dem, &world->dem.bonds.contacts);
     if (world->ctx.dt_past > 0.0 && world->ctx.dt != world->ctx.dt_past &&
-        world->ctx.effects & GN_FX_ENERGY)
+        world->ctx.effects & GN_FX_ENERGY) {
+        gn_ranks_whole(world->ctx.ranks);
         gn_dem_keep_velocities(d);
+    }
     gn_contact_args contacts[GN_LIST_COUNT];
     list_args(world, measure, contacts);
     gn_motion_args motion =
@@ -130,6 +132,7 @@ void gn_world_book_particles(const gn_dem *dem, gn_half half, gn_energy *ledger)
 
 void gn_world_measure_particles(const gn_world *world, gn_energy *ledger, double stress[9]) {
     const gn_dem_sums *s = &world->dem.done;
+    gn_ranks_whole(world->ctx.ranks);
     const double volume =
         gn_space_volume(&world->ctx, &world->dem, &world->membrane, &world->boundary,
                         &world->solids, &world->box, &world->approach);

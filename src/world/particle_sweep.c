@@ -10,6 +10,7 @@
 #include "particles/particles.h"
 #include "sched/deal.h"
 #include "world/particle_step.h"
+#include "world/ranks.h"
 #include "world/world.h"
 
 #include <omp.h>
@@ -19,6 +20,7 @@ typedef struct work {
     gn_world *w;
     const gn_contact_args *contacts; /* [GN_LIST_COUNT] */
     const gn_motion_args *motion;
+    const gn_ranks *ranks; /* NULL: all blocks are own ones */
     bool books;
     double mark;
 } work;
@@ -39,8 +41,7 @@ static void waited(void *context, double seconds) {
     k->mark += seconds;
 }
 
-static void work_on_contacts(void *context, int list, size_t block) {
-    work *k = context;
+static void work_on_block(work *k, int list, size_t block) {
     gn_world *w = k->w;
     const gn_contact_args *args = &k->contacts[list];
     const gn_phase phase = list == GN_LIST_PAIRS ? GN_PHASE_pairs : GN_PHASE_bonds;
@@ -60,9 +61,18 @@ static void work_on_contacts(void *context, int list, size_t block) {
     book(k, phase);
 }
 
-/* Adds the forces of walls to a block of particles whose contacts are done, and moves it. */
-static void move(void *context, size_t block) {
+/* With ranks the dealer counts own blocks only; early ones are done. */
+static void work_on_contacts(void *context, int list, size_t block) {
     work *k = context;
+    const gn_ranks *ranks = k->ranks;
+    if (!ranks)
+        work_on_block(k, list, block);
+    else if (!ranks->is_early[list][block])
+        work_on_block(k, list, ranks->item_block[list][ranks->rank] + block);
+}
+
+/* Adds the forces of walls to a block of particles whose contacts are done, and moves it. */
+static void move_block(work *k, size_t block) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
@@ -73,16 +83,51 @@ static void move(void *context, size_t block) {
     book(k, GN_PHASE_motion);
 }
 
-void gn_world_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
-                    const gn_motion_args *motion) {
-    static const gn_deal_work blocks = {work_on_contacts, move, waited};
-    const double begin = gn_now();
-    const bool booked = world->ctx.step % GN_BOOKED == 0;
-    gn_deal_begin(&world->dem.deal);
-    gn_active_pairs_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
+static void move(void *context, size_t block) {
+    work *k = context;
+    if (!k->ranks || !k->ranks->waits[block]) move_block(k, block);
+}
+
+/* The begin of a sweep with ranks: what other ranks wait for. */
+static void serve_ranks(gn_world *world, const gn_contact_args *contacts, bool booked) {
+    gn_ranks *ranks = world->ctx.ranks;
+    gn_world_begin_exchange(world);
 #pragma omp parallel num_threads(world->dem.deal.team)
     {
-        work k = {world, contacts, motion, .mark = gn_now()};
+        work k = {world, contacts, NULL, ranks, booked && omp_get_thread_num() == 0, gn_now()};
+#pragma omp for schedule(dynamic)
+        for (size_t e = 0; e < ranks->early_count; e++)
+            work_on_block(&k, ranks->early[e].list, ranks->early[e].block);
+    }
+    gn_ranks_send_rows(ranks);
+}
+
+/* The end of a sweep with ranks: own blocks that awaited rows of others move; then all ranks have
+ * the sums of all blocks. Returns s of processor time of this thread without messages. */
+static double join_ranks(gn_world *world, const gn_motion_args *motion, bool booked) {
+    gn_ranks *ranks = world->ctx.ranks;
+    work first = {world, NULL, motion, ranks, booked, gn_now()};
+    gn_world_take_rows(world);
+    book(&first, GN_PHASE_waiting);
+    const double before = gn_thread_time();
+#pragma omp parallel for schedule(dynamic) num_threads(world->dem.deal.team)
+    for (size_t k = 0; k < ranks->late_count; k++) {
+        work own = {world, NULL, motion, ranks, false, 0.0};
+        move_block(&own, (size_t)ranks->late[k]);
+    }
+    const double worked = gn_thread_time() - before;
+    book(&first, GN_PHASE_motion);
+    gn_world_share_step(world);
+    book(&first, GN_PHASE_waiting);
+    return worked;
+}
+
+static void sweep_own(gn_world *world, const gn_contact_args *contacts,
+                      const gn_motion_args *motion, bool booked) {
+    static const gn_deal_work blocks = {work_on_contacts, move, waited};
+#pragma omp parallel num_threads(world->dem.deal.team)
+    {
+        work k = {world, contacts, motion, .ranks = world->ctx.ranks, .mark = gn_now()};
         k.books = booked && omp_get_thread_num() == 0;
         gn_deal_sweep(&world->dem.deal, 0, &blocks, &k);
         if (booked && omp_get_num_threads() > 1) {
@@ -90,7 +135,22 @@ void gn_world_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUN
             book(&k, GN_PHASE_waiting);
         }
     }
+}
+
+void gn_world_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
+                    const gn_motion_args *motion) {
+    gn_ranks *ranks = world->ctx.ranks;
+    const double before = ranks ? gn_thread_time() : 0.0;
+    const bool booked = world->ctx.step % GN_BOOKED == 0;
+    gn_deal_begin(&world->dem.deal);
+    gn_active_pairs_begin(&world->ctx, &world->dem, &contacts[GN_LIST_PAIRS]);
+    if (ranks) serve_ranks(world, contacts, booked);
+    const double begin = gn_now();
+    sweep_own(world, contacts, motion, booked);
     gn_deal_end(&world->dem.deal, 1, gn_now() - begin);
+    if (!ranks) return;
+    ranks->busy += gn_thread_time() - before;
+    ranks->busy += join_ranks(world, motion, booked);
 }
 
 /* Forces on walls were computed together with the loads. */

@@ -13,16 +13,19 @@
 #include "world/features.h"
 #include "world/invariants.h"
 #include "world/particle_step.h"
+#include "world/ranks.h"
 #include "world/world.h"
 
 #include <math.h>
 
 gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error) {
     const double start = gn_now();
+    gn_ranks_whole(world->ctx.ranks);
     const bool first = world->dem.verlet.rebuilds == 0;
     GN_TRY(gn_world_refresh_particles(world, error));
     GN_TRY(gn_boundary_refresh(&world->ctx, &world->dem, &world->boundary, first, error));
     GN_TRY(gn_features_follow_lists(world, error));
+    if (world->ctx.ranks) GN_TRY(gn_world_share_lists(world, error));
     GN_TRY(gn_depth_update(&world->ctx, &world->dem, &world->boundary, error));
     gn_world_assert_lists(&world->ctx, &world->dem, &world->boundary);
     world->ctx.seconds[GN_PHASE_lists] += gn_now() - start;
@@ -39,6 +42,7 @@ gn_convertible gn_world_convertible(gn_world *world) {
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error) {
     GN_TRY(gn_world_restore_particles(&world->ctx, &world->dem, &world->box, error));
     GN_TRY(gn_boundary_restore(&world->ctx, &world->dem, &world->boundary, error));
+    if (world->ctx.ranks) GN_TRY(gn_world_share_lists(world, error));
     return gn_features_follow_lists(world, error);
 }
 
@@ -86,6 +90,7 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error) {
     const double most = farthest(&world->ctx, &world->dem) - ahead;
     if (!due && v->closed + flow <= v->skin && v->drift + other <= most) return GNEISS_OK;
     double start = gn_now();
+    gn_ranks_whole(world->ctx.ranks);
     gn_dem_look_at_travel(&world->ctx, &world->dem, &world->box);
     other = gn_boundary_travel(&world->ctx, &world->boundary, true);
     world->ctx.seconds[GN_PHASE_lists] += gn_now() - start;

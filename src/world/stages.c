@@ -60,6 +60,7 @@ gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error) {
 gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error) {
     gn_scene *next = calloc(1, sizeof *next); /* too large for a stack */
     if (!next) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
+    gn_ranks_whole(world->ctx.ranks);
     const double pressure = gn_membrane_pressure_now(&world->ctx, &world->membrane);
     world->stages.now = stage;
     world->stages.state[stage].time = world->ctx.time;

@@ -32,6 +32,7 @@
 #include "world/features.h"
 #include "world/origin.h"
 #include "world/particle_step.h"
+#include "world/ranks.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -170,6 +171,8 @@ gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_bo
     GN_TRY(check_built(&ctx->scene, error));
     ctx->effects = gn_scene_effects(&ctx->scene);
     GN_TRY(gn_threads_find(ctx->scene.threads, &ctx->threads, error));
+    GN_TRY(gn_ranks_create(&ctx->ranks, error));
+    GN_TRY(gn_world_check_ranks(ctx, error));
     for (int a = 0; a < 3; a++)
         ctx->period[a] = a == ctx->scene.periodic_open
                              ? 0.0
@@ -341,6 +344,7 @@ gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *er
 }
 
 void gn_world_free(gn_world *world) {
+    gn_ranks_free(world->ctx.ranks);
     gn_boundary_free(&world->boundary);
     gn_elements_free(&world->solids);
     gn_dem_free(&world->dem);
