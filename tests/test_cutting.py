@@ -79,7 +79,7 @@ def the_work_of_a_rolling_disc_is_its_rolling_force_times_its_path(folder):
     assert not any(w["name"] == "nothing_measured" for w in s["warnings"]), s["warnings"]
 
 
-@fact
+@plain_fact
 def forces_along_the_rim_add_up_to_the_mean_forces(folder):
     run(example("disc"), folder, *COARSE)
     with results(folder) as file:
@@ -184,7 +184,7 @@ def every_example_cuts_and_closes_its_ledger(folder):
             assert reading(place, "rolling_force") > 0, name
 
 
-@fact
+@plain_fact
 def elements_turn_into_particles_ahead_of_a_tool(folder):
     run(example("adaptive"), folder, *sets(time__end="3.4 ms", output__snapshots=0))
     h = closes(folder)

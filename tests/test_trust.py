@@ -334,7 +334,7 @@ def a_reading_of_a_run_of_a_sweep_that_was_changed_is_computed_again(folder):
                   "data set readings/largest_stress is " + CHANGED)
 
 
-@fact
+@plain_fact
 def particles_of_a_run_of_a_sweep_that_were_changed_or_damaged_are_computed_again(folder):
     def flip(first, second):
         path = os.path.join(second, "results.h5")
@@ -372,12 +372,12 @@ def a_damaged_reading_of_a_run_of_a_sweep_is_no_empty_cell(folder):
         QUICK = few
 
 
-@fact
+@plain_fact
 def results_of_another_run_are_not_those_of_a_run_of_a_sweep(folder):
     compute_again(folder, lambda first, second: shutil.copy(os.path.join(first, "results.h5"), second), "belongs to another run")
 
 
-@fact
+@plain_fact
 def other_results_of_the_same_scene_are_not_those_that_a_run_of_a_sweep_ended_with(folder):
     def spoil(first, second):
         expect(gneiss("run", os.path.join(second, "scene.yaml"), "--out", second, "--force", "--quiet", "--set", "materials.block.friction=0.9"), 0)
