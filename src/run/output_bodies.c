@@ -184,15 +184,21 @@ static gneiss_status write_snapshot(const view *shown, const char *directory, co
     return gn_snapshot_write(directory, name, &s, error);
 }
 
-/* Tells whether all bodies are at rest where they began. */
-static bool are_at_start(const gn_world *world) {
-    static const double none[3] = {0.0, 0.0, 0.0};
-    for (size_t k = 0; k < world->ctx.scene.body_count; k++) {
-        const gn_rigid *b = &world->boundary.bodies[k];
-        if (memcmp(b->position, b->start, sizeof b->start) != 0 ||
-            memcmp(b->turn, b->turn_start, sizeof b->turn) != 0 ||
-            memcmp(b->velocity, none, sizeof none) != 0 || memcmp(b->spin, none, sizeof none) != 0)
+/* Tells whether a body is at rest where it began. */
+static bool is_at_start(const gn_rigid *body) {
+    for (int i = 0; i < 3; i++) {
+        if (body->position[i] != body->start[i] || body->velocity[i] != 0.0 || body->spin[i] != 0.0)
             return false;
+    }
+    for (size_t i = 0; i < sizeof body->turn / sizeof *body->turn; i++) {
+        if (body->turn[i] != body->turn_start[i]) return false;
+    }
+    return true;
+}
+
+static bool are_at_start(const gn_world *world) {
+    for (size_t k = 0; k < world->ctx.scene.body_count; k++) {
+        if (!is_at_start(&world->boundary.bodies[k])) return false;
     }
     return true;
 }
