@@ -1,5 +1,6 @@
 """The command `gneiss convert`: recognises a file by its beginning, reads it, checks it and writes another."""
 import argparse
+import math
 import os
 import re
 import sys
@@ -16,11 +17,28 @@ WRITERS = {".txt": text.written, ".csv": lambda one: text.written(one, ","), ".y
 KEPT = {".yade": ("x", "y", "z", "radius", "type", "matId"), ".geo": ("x", "y", "z", "radius", "id", "group", "type"),
         ".vtp": tuple(name for name in particles.COLUMNS if name != "material"), ".txt": particles.COLUMNS, ".csv": particles.COLUMNS,
         ".data": tuple(name for name in particles.COLUMNS if name != "group"), ".dump": tuple(name for name in particles.COLUMNS if name != "group")}
+DUMP = "dump of LAMMPS or LIGGGHTS"
 READERS = (  # beginning of a text, reader
-    (r"ITEM:", lammps.read_dump, "dump of LAMMPS or LIGGGHTS"),
+    (r"ITEM:", lammps.read_dump, DUMP),
     (r"LSMGeometry", esys.read, "geometry of ESyS-Particle"),
     (r"[^\n]*\n(?:[^\n]*\n){0,20}?\s*\d+\s+atoms\s*(?:#[^\n]*)?\n", lammps.read_data, "data file of LAMMPS or LIGGGHTS"),
 )
+
+# Files without particles: beginning, endings, kind.
+SURFACE, MESH = "a surface", "a mesh"
+OTHERS = ((rb"ply\r?\n", (".ply", ".stl", ".obj"), SURFACE),
+          (rb"\s*\*(\*|[A-Za-z])|\$(MeshFormat|NOD|PhysicalNames|Comments)", (".inp", ".msh", ".bdf", ".nas", ".xdmf", ".med", ".exo"), MESH))
+
+
+def positive(option, expected, given, value):
+    """value(given), a finite number > 0, of an option."""
+    try:
+        found = value(given)
+    except ValueError as error:
+        raise Problem(f"{option}: expected {expected}, found '{given}' ({error})") from None
+    if not (math.isfinite(found) and found > 0):
+        raise Problem(f"{option}: expected {expected}, found '{given}'")
+    return found
 
 
 def options_of(arguments):
@@ -36,10 +54,10 @@ def options_of(arguments):
     parser.add_argument("--force", action="store_true")
     parser.add_argument("--quiet", action="store_true")
     options = parser.parse_args(arguments)
-    try:
-        options.scale = units.factor(options.length, "m")
-    except ValueError as error:
-        raise Problem(f"--length: {error}") from None
+    options.scale = positive("--length", "a unit of length such as mm", options.length, lambda one: units.factor(one, "m"))
+    if options.density is not None:
+        options.density = positive("--density", "a density > 0 such as '2600 kg/m3'", options.density,
+                                   lambda one: float(particles.rounded([units.number(one, "kg/m3")])[0]))
     if options.frame is not None and not re.fullmatch("[1-9][0-9]{0,8}", options.frame):
         raise Problem(f"--frame: expected a whole number from 1 on, found '{options.frame}'")
     options.frame = int(options.frame) if options.frame else None
@@ -57,6 +75,10 @@ def read(path, options):
         return (*run.read(path, options), "run or packing of gneiss")
     with open(path, "rb") as file:
         content = file.read()
+    for beginning, endings, kind in OTHERS:
+        if re.match(beginning, content) or os.path.splitext(path)[1].lower() in endings:
+            own = "; surface of a scene reads it as it is" if kind == SURFACE else ""
+            raise Problem(f"{path}: expected particles, found {kind}: OUT must end with .msh{own}")
     if content[:4] == b"\x89HDF":
         raise Problem(f"{path}: expected the folder of a run, found a file of HDF5: gneiss convert {os.path.dirname(path) or '.'} ...")
     if content.startswith(b"# vtk DataFile"):
@@ -81,10 +103,11 @@ def convert(options):
         convert_mesh(options)
         return
     found, refuse, name = read(options.source, options)
+    if options.frame is not None and name != DUMP:
+        raise Problem(f"--frame: expected a {DUMP} as IN, found {options.source}: {name}")
     particles.check(found, refuse)
-    if options.density and "density" not in found.columns:
-        value = units.number(options.density, "kg/m3")
-        found.columns["density"] = particles.np.full(len(found), value)
+    if options.density is not None and "density" not in found.columns:
+        found.columns["density"] = particles.np.full(len(found), options.density)
     if ending == ".data" and "density" not in found.columns:
         raise Problem(f"{options.target}: expected densities for a data file of atom style sphere, found none: --density 2600 gives one")
     lost = [column for column in found.columns if column not in KEPT[ending]]
@@ -97,6 +120,9 @@ def convert(options):
 
 def convert_mesh(options):
     """Converts a mesh; prints its size and its groups."""
+    for option, given in (("density", options.density), ("as", options.renamed), ("columns", options.columns), ("frame", options.frame)):
+        if given:
+            raise Problem(f"--{option}: expected particles, found a mesh as OUT: {options.target}")
     mesh = meshes.read(options.source)
     content, groups = meshes.written(mesh, options.scale)
     write_whole(options.target, content)

@@ -226,14 +226,23 @@ def _ids(particles):
 
 
 def _types(particles):
+    """Types from 1 on: those given, or names of materials numbered in the order of their first row, which a note then states."""
     c = particles.columns
+    if "material" in c and ("type" in c or "matId" in c):
+        particles.dropped.append("column material: types are those of the column " + ("type" if "type" in c else "matId"))
     if "type" in c:
         return c["type"]
     if "matId" in c:
         return c["matId"] + 1
-    if "material" in c:
-        return np.unique(c["material"].astype(str), return_inverse=True)[1] + 1
-    return np.ones(len(particles), int)
+    if "material" not in c:
+        return np.ones(len(particles), int)
+    names = list(dict.fromkeys(c["material"]))
+    if all(re.fullmatch("[1-9][0-9]{0,8}", name) for name in names):
+        number = {name: int(name) for name in names}
+    else:
+        number = {name: k for k, name in enumerate(names, 1)}
+    particles.notes.append("types: " + ", ".join(f"{number[name]} = {name}" for name in names))
+    return np.array([number[name] for name in c["material"]], int)
 
 
 def written_data(particles):

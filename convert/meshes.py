@@ -274,7 +274,10 @@ def read(path):
         return Inp(Source(path, content)).read()
     if content.startswith((b"$MeshFormat", b"$NOD", b"$PhysicalNames", b"$Comments")):
         raise Problem(f"{path}: expected a mesh of another program, found one of gmsh: gneiss reads .msh itself (of format 1: gmsh -save -format msh41)")
-    return of_meshio(path)
+    mesh = of_meshio(path)
+    if not mesh.elements:
+        raise Problem(f"{path}: expected a mesh with elements, found {len(mesh.nodes)} nodes and no element")
+    return mesh
 
 
 def _groups(mesh):

@@ -1,4 +1,5 @@
 """Particles as columns, in SI."""
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -49,11 +50,27 @@ def from_mass(particles, mass):
     particles.notes.append("density: mass over volume")
 
 
+def rounded(products):
+    """[n] products with a factor of units: the numbers of 15 digits where these are within the rounding of factor and product (2**-51).
+
+    The factor 999.9999999999999 of g/cm3 makes 1899.9999999999998 of 1.9, which becomes 1900."""
+    short = np.array([float(f"{one:.15g}") for one in products])
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(short - products) <= 2.0 ** -51 * np.abs(products), short, products)
+
+
+def converted(values, factor):
+    """[n] values * factor in SI; products with a power of two are exact and remain."""
+    with np.errstate(over="ignore"):  # check refuses inf
+        products = values * factor
+    return products if math.frexp(factor)[0] == 0.5 else rounded(products)
+
+
 def scale_lengths(particles, scale):
     """Multiplies lengths and velocities by metres per unit."""
     for name in LENGTHS:
-        if name in particles.columns and scale != 1.0:
-            particles.columns[name] = particles.columns[name] * scale
+        if name in particles.columns:
+            particles.columns[name] = converted(particles.columns[name], scale)
 
 
 def check(particles, refuse):

@@ -4,7 +4,7 @@ import re
 import numpy as np
 
 from calibrate import units
-from convert.particles import ALIASES, COLUMNS, LENGTHS, PLACES, SPINS, VELOCITIES, WHOLE, Particles
+from convert.particles import ALIASES, COLUMNS, LENGTHS, PLACES, SPINS, VELOCITIES, WHOLE, Particles, converted
 from convert.source import NUMBER
 
 WORD = re.compile(r'(?:"(?P<quoted>[^"]*)"|(?P<plain>[^\s,\[(]+))(?:\s*[\[(](?P<unit>[^\])]*)[\])])?')
@@ -67,6 +67,7 @@ def _header(source, given):
                 words = words if {"x", "y", "radius"} <= set(known) and None not in known else None
             comment = comment or (words and (k, words))
             continue
+        text = source.lines[k] = text.split("#")[0]
         first = source.fields(k)[0][1] if source.fields(k) else ""
         if not NUMBER.fullmatch(first) and (first[0].isalpha() or first[0] in '"_') and first.lower() not in ("nan", "inf", "infinity"):
             return k, words_of(text), k + 1
@@ -119,7 +120,7 @@ def read(source, options):
         if name == "material":
             particles.columns[name] = np.array([row[place][1].strip('"') for row in fields], object)
         elif name:
-            particles.columns[name] = factor * _numbers(source, rows, [row[place] for row in fields], name)
+            particles.columns[name] = converted(_numbers(source, rows, [row[place] for row in fields], name), factor)
     places = {name: k for k, (name, _) in enumerate(columns)}
 
     def refuse(row, column, text):

@@ -1,5 +1,7 @@
 """Particle files with columns, and `gneiss convert`. Speaks TAP. The files of other programs are written here in their formats."""
 import base64
+import contextlib
+import io
 import random
 import types
 import zlib
@@ -198,6 +200,34 @@ def every_format_is_written_and_read_back_exactly(folder):
         again = os.path.join(folder, "again.txt")
         converter.convert(converter.options_of(["--quiet", "--force", "--", path, again]))
         check_four(read(again), names)
+
+
+@plain_fact
+def names_of_materials_become_types_in_the_order_of_the_file(folder):
+    for names, types, said in ((("soft b", "a", "soft b", "c"), [1, 2, 1, 3], "types: 1 = soft b, 2 = a, 3 = c"),
+                               (("7", "2", "2", "7"), [7, 2, 2, 7], "types: 7 = 7, 2 = 2")):
+        source = spill(folder, "in.txt", "x y z r density material\n" + "\n".join(f'{k} 0 0 0.1 2000 "{name}"' for k, name in enumerate(names)))
+        for ending in ("data", "dump"):
+            shown = io.StringIO()
+            with contextlib.redirect_stdout(shown):
+                converter.convert(converter.options_of(["--force", "--", source, f"{folder}/out.{ending}"]))
+            assert f"note               {said}\n" in shown.getvalue(), shown.getvalue()
+            assert list(read(f"{folder}/out.{ending}").columns["type"]) == types
+
+
+@plain_fact
+def numbers_with_units_are_not_longer_than_those_of_the_file(folder):
+    """Products are rounded within the error of their multiplication alone, so that a third keeps all its digits."""
+    c = read(spill(folder, "a.txt", f"x[mm] y[mm] z r density[g/cm3]\n1.1 {1 / 3!r} {0.1 + 0.2!r} 1 1.9\n")).columns
+    assert (c["x"][0], c["density"][0], c["z"][0]) == (0.0011, 1900, 0.1 + 0.2) and c["y"][0] == 1e-3 * (1 / 3), c
+    assert converter.options_of(["--density=1.9 g/cm3", "a", "b"]).density == 1900
+
+
+@plain_fact
+def comments_may_follow_rows_and_headers(folder):
+    for content in ("0 1 2 3 # a\n4 5 6 7\n", "0 1 2 3# a b c\n4 5 6 7 # d\n", "x y z r # four, 4\n0 1 2 3\n4 5 6 7 # r\n"):
+        c = read(spill(folder, "a.txt", content)).columns
+        assert [list(c[name]) for name in ("x", "y", "z", "radius")] == [[0, 4], [1, 5], [2, 6], [3, 7]], c
 
 
 @plain_fact
@@ -499,6 +529,7 @@ def meshes_are_converted_and_what_is_split_is_said(folder):
 @fact
 def calls_that_cannot_be_carried_out_write_nothing(folder):
     source, target = spill(folder, "a.dump", dump("id x y z radius")), os.path.join(folder, "out.txt")
+    table = spill(folder, "rows.txt", "0 0 0 1\n")
     for arguments, code, message in (
             ((source,), 2, "expected two arguments, IN OUT, found 1"),
             ((source, folder + "/out.xyz"), 2, "expected a file that ends with .txt, .csv"),
@@ -507,12 +538,19 @@ def calls_that_cannot_be_carried_out_write_nothing(folder):
             ((source, folder + "/out.data"), 2, "expected densities for a data file"),
             ((source, target, "--frame", 2), 2, r"expected at least 2 frames \(--frame\), found 1"),
             ((source, target, "--frame", "x"), 2, "--frame: expected a whole number from 1 on, found 'x'"),
-            ((source, target, "--length", "kg"), 2, "--length: "),
+            *(((source, target, f"--frame={one}"), 2, f"--frame: expected a whole number from 1 on, found '{one}'") for one in (0, -1, 1.5)),
+            ((table, target, "--frame", 1), 2, "--frame: expected a dump of LAMMPS or LIGGGHTS as IN, found .*rows.txt: text with columns"),
+            *(((source, target, f"--length={one}"), 2, f"--length: expected a unit of length such as mm, found '{one}'") for one in ("kg", "-1 m", "0", "")),
+            *(((source, target, f"--density={one}"), 2, f"--density: expected a density > 0 such as '2600 kg/m3', found '{one}'")
+              for one in (-1, 0, "1e400", "nan", "inf", "abc", "5 m", "")),
+            ((spill(folder, "a.ply", "ply\n"), target), 2, r"a.ply: expected particles, found a surface: OUT must end with .msh; surface of a scene"),
+            ((spill(folder, "b.inp", INP), target), 2, r"b.inp: expected particles, found a mesh: OUT must end with .msh$"),
+            ((folder + "/b.inp", folder + "/b.msh", "--frame", 1), 2, "--frame: expected particles, found a mesh as OUT"),
             ((source, target, "--as", "a=b"), 2, "--as: expected NAME=COLUMN with one of"),
             ((folder, target), 2, "expected a folder with results.h5 or packing.h5")):
         expect(gneiss("convert", *arguments), code, message)
     expect(gneiss("check", source, "--length", "mm"), 2, "gneiss check: --length is for gneiss convert")
-    assert sorted(os.listdir(folder)) == ["a.dump"], os.listdir(folder)
+    assert sorted(os.listdir(folder)) == ["a.dump", "a.ply", "b.inp", "rows.txt"], os.listdir(folder)
     expect(gneiss("convert", source, folder + "/out.data", "--density", "2 g/cm3"), 0)
     assert abs(read(folder + "/out.data").columns["density"][0] - 2000) < 1e-9
 
