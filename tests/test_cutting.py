@@ -245,6 +245,8 @@ def tools_that_cannot_cut_are_refused_with_their_place(folder):
     for (old, new), pattern in cases:
         assert old in BLOCK, old
         expect(gneiss("check", write_scene(folder, BLOCK.replace(old, new))), 2, pattern)
+    expect(gneiss("check", example("pick-plane"), *sets(**{"test.spacing": "20 mm"})), 2,
+           "test.spacing: expected none in a 2D scene, whose cut is 1 m wide, found 0.02 m")
     scene = BLOCK.replace("kind: cutting", "kind: tension").replace("tool: pick", "lower: base, upper: pick, tool: pick")
     expect(gneiss("check", write_scene(folder, scene)), 2, r"test.(depth|normal|tool): expected in tests of the kind")
 

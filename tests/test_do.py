@@ -30,7 +30,8 @@ def make_root(folder, command="true"):
     os.makedirs(build)
     shutil.copy(os.path.join(ROOT, "do"), folder)
     write_scene(build, NINJA.format(command=command), "build.ninja")
-    write_scene(build, " --buildtype=release", ".do-options")
+    mpi = "enabled" if shutil.which("mpicc") else "disabled"
+    write_scene(build, f" --buildtype=release -Dmpi={mpi}", ".do-options")
     return build
 
 

@@ -289,8 +289,8 @@ Colours: green at 0, red from 3 tolerances on.
 - *Envelopes.* Brittle bonds reach steep ones (granites, m_i 26 to 33) if a contact's shear strength is five to eight times its tensile strength, and flat
   ones (dolomite, limestone) if it is one to two times that and contacts that slide have less friction. Chi is found from the strengths under pressure, the
   friction of contacts is lowered where `bond_friction` 0 is too much. Neither moments nor softening are needed.
-- *Sandstone.* Bonds with moments have the angle of 40 degrees, and their Brazilian strength is 14 % above the wanted twelfth of the compressive one. Brittle
-  bonds, with `bond_friction` or without, and bonds that soften have twice the Brazilian strength and 50 to 52 degrees: the ratio asks for a large chi,
+- *Sandstone.* Bonds with moments come nearest: their Brazilian strength is 26 % above the wanted twelfth of the compressive one, and their angle is 47
+  degrees (150 spheres: 14 % and 42 degrees). Brittle bonds, with `bond_friction` or without, and bonds that soften have twice the Brazilian strength and 50 to 52 degrees: the ratio asks for a large chi,
   and a large chi makes their envelope steep.
 - *Tension with it.* The strength in tension that follows ("not fitted") is a sixth to a half of the compressive strength: brittle bonds cannot have the
   envelope and the tensile strength of a granite at once; chi, the only parameter of the ratio, ends at a ratio of about 5 to 6.

@@ -468,6 +468,10 @@ static gneiss_status check_cutting(const check *c, gn_scene *s) {
         return gn_check_fail(c, key, "expected none: a %s test has no ends, but a tool",
                              gn_scene_test(s)->name);
     GN_TRY(check_keys(c, s));
+    if (s->dimension == 2 && t->given.spacing > 0)
+        return gn_check_fail(c, "test.spacing",
+                             "expected none in a 2D scene, whose cut is 1 m wide, found %g m",
+                             t->given.spacing);
     if (t->axis < 0 && !gn_check_is_valid(c, "test.axis")) return GNEISS_OK;
     if (t->axis < 0) return gn_check_fail(c, "test.axis", "required, but not given");
     GN_TRY(check_needed_keys(c, s));
