@@ -184,6 +184,9 @@ def options_choose_instants_and_fields(folder):
     expect(gneiss("view", folder, "--instants", "1"), 2, "--instants: expected a whole number from 2, found '1'")
     expect(gneiss("view", folder, "--instants", "many"), 2, "--instants: expected a whole number from 2, found 'many'")
     expect(gneiss("view", folder, "--fields", "colour"), 2, "--fields: expected names among .*velocity.*, found 'colour'")
+    assert [f["name"] for f in Page(folder, "--fields", "damage, velocity ").meta["fields"]] == ["damage", "velocity"]
+    for empty in ("", " ", "damage,,velocity"):
+        expect(gneiss("view", folder, "--fields", empty), 2, f"--fields: expected names separated by commas, found an empty name in '{empty}'")
 
 
 @fact
@@ -199,6 +202,80 @@ def what_cannot_be_shown_is_refused_by_its_reason(folder):
     for name in glob.glob(os.path.join(folder, "*.hdf")):
         os.remove(name)
     expect(gneiss("view", folder), 2, "expected snapshots, found none")
+
+
+@fact
+def a_page_without_results_has_what_the_snapshots_have(folder):
+    for number, scene in enumerate((LATTICE, ELEMENTS, write_scene(folder, RAIN))):
+        out = os.path.join(folder, f"run{number}")
+        run(scene, out, "--threads", "1")
+        full = Page(out)
+        os.remove(os.path.join(out, "results.h5"))
+        expect(gneiss("view", out), 0, "note: results.h5 is written at the first checkpoint")
+        bare = Page(out)
+        assert bare.meta["title"] == f"run{number}" and "results.h5 is written at the first checkpoint" in bare.text
+        assert not bare.meta["history"]["columns"] and not bare.meta["plots"] and "walls" not in bare.array
+        same = [name for name in full.array if name != "history" and not name.startswith("walls")]
+        assert same and same == list(bare.array) and all(np.array_equal(full.array[name], bare.array[name]) for name in same)
+        assert all(full.meta[name] == bare.meta[name] for name in ("steps", "times", "dimension", "particles", "bonds", "fields", "up", "right", "low", "high"))
+    expect(gneiss("view", out, "--paraview"), 0)
+
+
+@fact
+def snapshots_that_a_run_removes_meanwhile_are_left_out(folder):
+    run(LATTICE, folder, "--threads", "1")
+    name = series(folder)[1][0]
+    script = f"""
+import os, sys
+sys.path.insert(0, {os.path.dirname(report_digest.__file__)!r})
+import view, view_data
+listed, calls = view_data.files_of, []
+def files_of(folder):
+    found = listed(folder)
+    calls.append(0)
+    if len(calls) == 1:
+        os.remove(os.path.join(folder, {name!r}))
+    elif sys.argv[1:] == ["always"]:
+        found["particles"][7] = os.path.join(folder, "gone.hdf")
+    return found
+view_data.files_of = files_of
+sys.exit(view.main([{folder!r}]))
+"""
+    for arguments, code, said in (((), 0, ""), (("always",), 2, "gone.hdf: the run removed this snapshot while it was read; try again")):
+        shutil.copy(os.path.join(folder, name), os.path.join(folder, "kept"))
+        expect(subprocess.run(["/usr/bin/python3", "-c", script, *arguments], capture_output=True, text=True, timeout=60), code, said)
+        os.rename(os.path.join(folder, "kept"), os.path.join(folder, name))
+
+
+def without_rights(*arguments):
+    """A call without the rights of root, for which no file is closed."""
+    try:
+        return gneiss(*arguments, **({"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}))
+    except PermissionError:
+        raise Skip("only root can start the program") from None
+
+
+@fact
+def missing_rights_are_named_without_names_of_temporary_files(folder):
+    os.chmod(folder, 0o755)
+    run(LATTICE, folder, "--threads", "1")
+    for name in ("results.h5", series(folder)[1][0]):
+        path = os.path.join(folder, name)
+        os.chmod(path, 0)
+        expect(without_rights("view", folder), 3, f"file error: .*{name}: cannot be read: Permission denied")
+        os.chmod(path, 0o644)
+    os.chmod(folder, 0o555)
+    for options, name in (((), "view.html"), (("--paraview",), "paraview_state.py")):
+        done = expect(without_rights("view", folder, *options), 3, f"file error: .*/{name}: cannot be written: Permission denied")
+        assert ".report-" not in done.stderr and "matplotlib" not in done.stderr.lower(), done.stderr
+    os.chmod(folder, 0o755)
+
+
+@fact
+def the_page_is_made_without_matplotlib(folder):
+    tools = os.path.dirname(report_digest.__file__)
+    done = subprocess.run(["/usr/bin/python3", "-X", "importtime", os.path.join(tools, "view.py"), folder], capture_output=True, text=True, timeout=60)
+    assert "view_data" in done.stderr and not re.search(r"\| +matplotlib", done.stderr)
 
 
 # Two grains fall on a ledge; their bond breaks there.
@@ -266,7 +343,8 @@ def one_file_for_paraview_holds_all_snapshots(folder):
     for number, scene in enumerate((LATTICE, write_scene(folder, RAIN), ELEMENTS)):
         out = os.path.join(folder, str(number))
         run(scene, out, "--threads", "1")
-        expect(gneiss("view", out, "--paraview"), 0)
+        done = expect(gneiss("view", out, "--paraview"), 0)
+        assert done.stdout.split() == [os.path.join(out, "paraview_state.py"), os.path.join(out, "run.vtkhdf")] and not os.path.exists(os.path.join(out, "view.html"))
         with h5py.File(os.path.join(out, "run.vtkhdf")) as file:
             parts = [name for name in file["VTKHDF"] if name != "Assembly"]
             assert parts == sorted(name for name in ("bonds", "elements", "particles") if os.path.exists(f"{out}/{name}.hdf.series"))

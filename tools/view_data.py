@@ -1,4 +1,5 @@
 """Data of the page that `view.py` writes: a run's snapshots, quantised and packed (docs/view.md)."""
+import contextlib
 import os
 import re
 import zlib
@@ -9,7 +10,7 @@ import numpy as np
 from report_beside import folds, panes, walls_of
 from report_elements import FACES
 from report_files import DAMAGE, Unreadable, values
-from report_results import scale_for
+from report_results import Results, scale_for
 
 FILE = re.compile(r"(particles|bonds|bodies|elements(?:_\d+)?)_(\d{10})\.hdf")
 STEPS = 65535            # of a position, over the size of the box of all positions
@@ -27,23 +28,46 @@ TEXTS = {"velocity": "speed", "pressure": "pressure, compression +", "tension": 
 
 # --- snapshots --------------------------------------------------------------------------------------------
 
+class FileFault(Exception):
+    """A file cannot be read or written for a reason of the system; the text is for the user."""
+
+
+class Vanished(Exception):
+    """A snapshot that was listed is gone: a run thins its snapshots while it goes on."""
+
+
+@contextlib.contextmanager
+def snapshot(path):
+    """Opens a snapshot; every error on the way becomes Vanished, FileFault or Unreadable."""
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except DAMAGE as e:
+        if not os.path.exists(path):
+            raise Vanished(f"{path}: the run removed this snapshot while it was read; try again") from None
+        check_access(path)
+        raise Unreadable(f"{path}: damaged or not a snapshot: {' '.join(str(e).split())}") from None
+
+
+def check_access(path):
+    if os.path.exists(path) and not os.access(path, os.R_OK):
+        raise FileFault(f"{path}: cannot be read: Permission denied")
+
+
 class Grid:
     """One snapshot: points [n][3], connectivity, time, step, and the arrays of points and cells by their names."""
 
     def __init__(self, path):
-        try:
-            with h5py.File(path, "r") as file:
-                self.points = values(file, "VTKHDF/Points").astype(float).reshape(-1, 3)
-                self.time = float(values(file, "VTKHDF/FieldData/TimeValue")[0])
-                self.links = values(file, "VTKHDF/Connectivity").astype(np.int64)
-                self.point, self.cell, self.unit = {}, {}, {}
-                for group, found in (("PointData", self.point), ("CellData", self.cell)):
-                    for name in file["VTKHDF"][group]:
-                        found[name] = values(file, f"VTKHDF/{group}/{name}").astype(float)
-                        unit = file["VTKHDF"][group][name].attrs.get("unit", "1")
-                        self.unit[name] = unit.decode() if isinstance(unit, bytes) else str(unit)
-        except DAMAGE as e:
-            raise Unreadable(f"{path}: damaged or not a snapshot: {' '.join(str(e).split())}") from None
+        with snapshot(path) as file:
+            self.points = values(file, "VTKHDF/Points").astype(float).reshape(-1, 3)
+            self.time = float(values(file, "VTKHDF/FieldData/TimeValue")[0])
+            self.links = values(file, "VTKHDF/Connectivity").astype(np.int64)
+            self.point, self.cell, self.unit = {}, {}, {}
+            for group, found in (("PointData", self.point), ("CellData", self.cell)):
+                for name in file["VTKHDF"][group]:
+                    found[name] = values(file, f"VTKHDF/{group}/{name}").astype(float)
+                    unit = file["VTKHDF"][group][name].attrs.get("unit", "1")
+                    self.unit[name] = unit.decode() if isinstance(unit, bytes) else str(unit)
         lengths = [len(v) == len(self.points) for v in self.point.values()]
         if not all(lengths) or (len(self.links) and not 0 <= self.links.min() <= self.links.max() < len(self.points)):
             raise Unreadable(f"{path}: expected an array entry for every point and cells of these points, found others")
@@ -71,6 +95,33 @@ def at_step(of, step):
     """The file of a part at a step; what does not move is written once, so that an earlier one holds."""
     earlier = [s for s in of if s <= step]
     return of[max(earlier)] if earlier else of[min(of)]
+
+
+class NoResults(Results):
+    """Stands for results.h5 before the first checkpoint: bonds of the last snapshot; no history, scene or walls."""
+
+    def __init__(self, folder, files):
+        last = [Grid(of[max(of)]) for part, of in files.items() if part != "bonds"]
+        flat = all((grid.points[:, 2] == 0).all() for grid in last)
+        with h5py.File("results", "w", driver="core", backing_store=False) as file:
+            file.attrs.update(title=os.path.basename(os.path.abspath(folder)), dimension=2 if flat else 3)
+            both = set(files.get("particles", ())) & set(files.get("bonds", ()))
+            if both:
+                particles, bonds = (Grid(files[part][max(both)]) for part in ("particles", "bonds"))
+                for name in ("id", "radius"):
+                    file[f"particles/{name}"] = particles.point[name]
+                for name in ("state", "broken_time"):
+                    file[f"bonds/{name}"] = bonds.cell[name]
+                file["bonds/i"], file["bonds/j"] = bonds.links.reshape(-1, 2).T
+            self._read(file)
+
+
+def results_of(folder):
+    """Results of a folder; NoResults where there are snapshots and the run has not written results.h5 yet."""
+    path = os.path.join(folder, "results.h5")
+    files = {} if os.path.exists(path) or not os.path.isdir(folder) else files_of(folder)
+    check_access(path)
+    return NoResults(folder, files) if set(files) - {"bonds"} else Results(path)
 
 
 # --- packing ----------------------------------------------------------------------------------------------
@@ -383,7 +434,7 @@ class View:
         for step in self.steps:
             path = at_step(of, step)
             grid = Grid(path)
-            with h5py.File(path.replace("bonds_", "particles_"), "r") as file:
+            with snapshot(os.path.join(os.path.dirname(path), os.path.basename(path).replace("bonds_", "particles_"))) as file:
                 ids = np.searchsorted(self.ids, values(file, "VTKHDF/PointData/id"))
             ends = np.sort(ids[grid.links.reshape(-1, 2)], axis=1)
             row = np.searchsorted(key[order], ends[:, 0] * len(self.ids) + ends[:, 1])
@@ -438,4 +489,4 @@ def plots_of(names, results):
     return [[along, ups[0]] for ups in (first or second[1:], second) if ups]
 
 
-__all__ = ["View"]
+__all__ = ["FileFault", "NoResults", "Vanished", "View", "results_of"]

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 from report_files import values, write
-from view_data import Grid, files_of
+from view_data import Grid, files_of, snapshot
 
 SCRIPT = '''"""Opens a run of gneiss in ParaView 5.11 or later: File > Load State, or `pvpython {name} [PICTURE.png]`. Written by
 `gneiss view --paraview`, which replaces it."""
@@ -170,7 +170,7 @@ class Pool:
 
 def counts_of(path):
     """Numbers of points, cells and ids of the connectivity in a snapshot."""
-    with h5py.File(path, "r") as file:
+    with snapshot(path) as file:
         return tuple(len(values(file, "VTKHDF/" + name)) for name in ("Points", "Types", "Connectivity"))
 
 
@@ -192,7 +192,7 @@ def write_part(group, files, index):
         steps.setdefault(place, []).append(pool.offset(array, same or name not in ("Types", "Offsets")))
 
     for path in files:
-        with h5py.File(path, "r") as file:
+        with snapshot(path) as file:
             raw = {name: values(file, "VTKHDF/" + name) for name in ("Connectivity", "Offsets", "Types")}
         grid = Grid(path)
         times.append(grid.time)
