@@ -20,6 +20,7 @@ TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
 import report  # noqa: E402  (it is in another folder)
 import report_beside  # noqa: E402
+import report_shapes  # noqa: E402
 import report_curves  # noqa: E402
 import report_envelope  # noqa: E402
 import report_packing  # noqa: E402
@@ -685,9 +686,9 @@ def bodies_are_cut_where_the_slice_is(folder):
 
 
 def folds_of_bodies_are_drawn(folder):
-    edges = report_beside.folds(CUBE_FACETS, CUBE[CUBE_FACETS])
+    edges = report_shapes.folds(CUBE_FACETS, CUBE[CUBE_FACETS])
     assert len(edges) == 12 and (np.count_nonzero(CUBE[edges[:, 0]] != CUBE[edges[:, 1]], axis=1) == 1).all(), edges
-    assert len(report_beside.folds(CUBE_FACETS[1:], CUBE[CUBE_FACETS[1:]])) == 13  # a hole has sides
+    assert len(report_shapes.folds(CUBE_FACETS[1:], CUBE[CUBE_FACETS[1:]])) == 13  # a hole has sides
 
 
 def walls_are_where_they_have_come_to(folder):
@@ -752,11 +753,11 @@ def links_lead_below_the_page(folder):
 def panes_of_walls_are_before_the_specimen(folder):
     """Seen along y: the floor at -0.5 and a side at 0; a distant wall, or one with the whole specimen behind it, is
     not drawn."""
-    panes = report_beside.panes(beside().walls, np.zeros(3), np.array([2.0, 6.0, 1.0]))
+    panes = report_shapes.panes(beside().walls, np.zeros(3), np.array([2.0, 6.0, 1.0]))
     assert panes.shape == (2, 4, 3) and np.allclose(panes[0, :, 1], -0.5) and np.allclose(panes[1, :, 2], 0), panes
     for a, size in ((0, 2), (2, 1)):
         assert np.isclose(panes[0, :, a].min(), -0.06 * size) and np.isclose(panes[0, :, a].max(), 1.06 * size), panes
-    assert len(report_beside.panes(beside().walls, np.array([0, -9.0, 20.0]), np.array([2.0, -8.0, 21.0]))) == 0
+    assert len(report_shapes.panes(beside().walls, np.array([0, -9.0, 20.0]), np.array([2.0, -8.0, 21.0]))) == 0
 
 
 def main():

@@ -10,10 +10,10 @@ from matplotlib.colors import Normalize
 from report_curves import GREY, save
 from report_pictures import color_bar, oblique, panels, scale_bar
 from report_results import scale_of
+from report_shapes import FACES
 
 LINES_UP_TO = 4000    # Largest number of facets that are drawn with their edges.
 SHOWN = 0.05          # Least apparent size of the largest displacement, relative to the size of the body.
-FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 
 
 class Mesh:

@@ -7,9 +7,10 @@ import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 
-from report_beside import Beside, panes
+from report_beside import Beside
 from report_curves import BLUE, INK, RED, save
 from report_results import scale_of
+from report_shapes import panes
 
 DAMAGE = LinearSegmentedColormap.from_list(
     "damage", ["#d8d3c8", "#e8c07d", "#dd7d3c", "#b3261e", "#4a0d12"])

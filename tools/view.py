@@ -11,10 +11,6 @@ import json
 import os
 import re
 import sys
-from unittest import mock
-
-for _name in ("", ".collections", ".colors", ".pyplot", ".ticker"):  # modules of the report draw with it, this page does not
-    sys.modules["matplotlib" + _name] = mock.MagicMock()
 
 from report_files import Unreadable, printable, write
 from report_page import escape

@@ -7,10 +7,9 @@ import zlib
 import h5py
 import numpy as np
 
-from report_beside import folds, panes, walls_of
-from report_elements import FACES
 from report_files import DAMAGE, Unreadable, values
 from report_results import Results, scale_for
+from report_shapes import FACES, folds, panes, walls_of
 
 FILE = re.compile(r"(particles|bonds|bodies|elements(?:_\d+)?)_(\d{10})\.hdf")
 STEPS = 65535            # of a position, over the size of the box of all positions
