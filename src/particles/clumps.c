@@ -1,0 +1,381 @@
+#include "particles/clumps.h"
+
+#include "base/new.h"
+#include "base/rotation.h"
+#include "base/vec3.h"
+#include "frame/frame.h"
+#include "particles/particles.h"
+#include "scene/scene.h"
+#include "sched/hold.h"
+#include "soa/field.h"
+#include "soa/particle_state.h"
+#include "soa/records.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Number of clumps whose sums are formed together; groups are added in their order, so that the
+ * result does not depend on the number of threads. */
+enum { GROUP = 64 };
+
+/* --- rows of members --- */
+
+const gn_clump *gn_clump_of(const gn_dem *dem, size_t row) {
+    const int32_t *clump = dem->particles.clump;
+    return clump && clump[row] >= 0 ? &dem->clumps.clump[clump[row]] : NULL;
+}
+
+/* Returns the row of a member, also between the removal of rows and the next lists. */
+static size_t row_of(const gn_dem *dem, size_t member) {
+    return (size_t)dem->index_of_id[(size_t)dem->clumps.member[member].id];
+}
+
+double gn_clump_mass_of(const gn_dem *dem, size_t row) {
+    const gn_clump *clump = gn_clump_of(dem, row);
+    return clump->mass * dem->clumps.member[dem->clumps.member_of_row[row]].part;
+}
+
+size_t gn_clumps_bound(const gn_clumps *clumps) {
+    size_t bound = 0;
+    for (size_t k = 0; k < clumps->count; k++)
+        if (clumps->clump[k].present > 0.0) bound += (size_t)clumps->clump[k].count - 1;
+    return bound;
+}
+
+void gn_clumps_enter(gn_dem *dem) {
+    gn_particles *q = &dem->particles;
+    for (size_t p = 0; q->clump && p < q->soa.count; p++) q->clump[p] = -1;
+    for (size_t k = 0; k < dem->clumps.count; k++) {
+        const gn_clump *c = &dem->clumps.clump[k];
+        for (size_t m = (size_t)c->first; m < (size_t)(c->first + c->count); m++) {
+            const size_t row = (size_t)dem->clumps.member[m].id;
+            q->clump[row] = (int32_t)k;
+            q->material[row] = (int32_t)dem->clumps.member[m].material;
+            q->group[row] = 0;
+        }
+    }
+}
+
+/* Sets velocity and spin of a row to those of its clump at the row's place. */
+static void set_motion(const gn_clump *c, const gn_clump_member *m, gn_particles *q, size_t row) {
+    double arm[3], turning[3];
+    gn_axes_direct(c->axes, m->local, arm);
+    gn_cross3(c->spin, arm, turning);
+    for (size_t a = 0; a < 3; a++) {
+        q->vel[4 * row + a] = c->velocity[a] + turning[a];
+        q->spin[4 * row + a] = c->spin[a];
+    }
+    q->vel[4 * row + 3] = m->inverse_mass;
+    q->spin[4 * row + 3] = m->inverse_inertia;
+}
+
+void gn_clumps_complete(gn_dem *dem) {
+    for (size_t k = 0; k < dem->clumps.count; k++) {
+        const gn_clump *c = &dem->clumps.clump[k];
+        for (size_t m = (size_t)c->first; m < (size_t)(c->first + c->count); m++)
+            set_motion(c, &dem->clumps.member[m], &dem->particles,
+                       (size_t)dem->clumps.member[m].id);
+    }
+}
+
+void gn_clumps_free(gn_clumps *clumps) {
+    void *blocks[] = {clumps->clump, clumps->member, clumps->row, clumps->member_of_row,
+                      clumps->sums};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    *clumps = (gn_clumps){0};
+}
+
+static gneiss_status number_rows(gn_dem *dem, gneiss_error *error) {
+    gn_clumps *all = &dem->clumps;
+    const size_t rows = dem->particles.soa.count;
+    gn_free(all->member_of_row);
+    all->member_of_row = NULL;
+    GN_TRY(gn_new(&all->member_of_row, rows + 1, "members of clumps", error));
+    for (size_t p = 0; p < rows; p++) all->member_of_row[p] = dem->particles.clump[p] = -1;
+    if (!all->row) GN_TRY(gn_new(&all->row, all->member_count, "members of clumps", error));
+    if (!all->sums) GN_TRY(gn_new(&all->sums, all->count / GROUP + 1, "clumps", error));
+    for (size_t k = 0; k < all->count; k++) {
+        const gn_clump *c = &all->clump[k];
+        for (size_t m = (size_t)c->first; m < (size_t)(c->first + c->count); m++) {
+            const int32_t row = all->row[m] = dem->index_of_id[(size_t)all->member[m].id];
+            if (row < 0) continue;
+            all->member_of_row[row] = (int32_t)m;
+            dem->particles.clump[row] = (int32_t)k;
+        }
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_clumps_follow_rows(gn_dem *dem, gneiss_error *error) {
+    gn_clumps *all = &dem->clumps;
+    GN_TRY(number_rows(dem, error));
+    for (size_t k = 0; k < all->count; k++) {
+        const gn_clump *c = &all->clump[k];
+        for (size_t m = (size_t)c->first; m < (size_t)(c->first + c->count); m++)
+            if (c->present > 0.0) GN_TRY(gn_hold_particle(&dem->hold, (size_t)all->row[m], error));
+    }
+    return GNEISS_OK;
+}
+
+/* --- motion of clumps --- */
+
+/* What the motion of all clumps has in common in a step. */
+typedef struct step {
+    const gn_step_context *ctx;
+    gn_dem *dem;
+    double interval; /* s, of the kick */
+    bool space, measure, first, changed;
+} step;
+
+/* Sums up the loads of the members, in their order, and leaves them without load and mass. */
+static void take_loads(const step *s, const gn_clump *c, double force[3], double moment[3],
+                       double stress[9]) {
+    gn_dem *d = s->dem;
+    const int width = gn_row_width(s->space, true);
+    for (size_t m = (size_t)c->first; m < (size_t)(c->first + c->count); m++) {
+        const size_t row = (size_t)d->clumps.row[m];
+        double *load = gn_hold_load(&d->hold, width, row), arm[3], turning[3];
+        const double f[3] = {load[0], load[1], s->space ? load[2] : 0.0};
+        gn_axes_direct(c->axes, d->clumps.member[m].local, arm);
+        gn_cross3(arm, f, turning);
+        for (int a = 0; a < 3; a++) {
+            force[a] += f[a];
+            if (s->space) turning[a] += load[4 + a];
+        }
+        if (!s->space) turning[2] += load[2];
+        for (int a = 0; a < 3; a++) moment[a] += turning[a];
+        for (int k = 0; s->measure && k < 9; k++) stress[k] += arm[k / 3] * f[k % 3];
+        memset(load, 0, (size_t)width * sizeof *load);
+        d->particles.vel[4 * row + 3] = d->particles.spin[4 * row + 3] = 0.0;
+    }
+}
+
+/* Computes non-viscous damping of a load by the velocity (or spin) v; `gain` is the change of v in
+ * a kick, see `kick` of kernels/motion_template.c. */
+static void damp(const step *s, double coefficient, const double load[3], const double v[3],
+                 const double gain[3], double d[3]) {
+    const gn_effects effects = s->ctx->effects;
+    const double lead = s->ctx->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
+    const double speed = sqrt(gn_dot3(v, v)), size = sqrt(gn_dot3(load, load));
+    for (int a = 0; a < 3; a++) {
+        const double along = v[a] + lead * gain[a];
+        d[a] = 0.0;
+        if (effects & GN_FX_NONVISCOUS_VECTOR && speed > 0.0)
+            d[a] = -coefficient * size / speed * v[a];
+        if (effects & GN_FX_NONVISCOUS_COMPONENT && along != 0.0)
+            d[a] = -copysign(coefficient * fabs(load[a]), along);
+    }
+}
+
+/* Kicks a momentum by a load and computes the background damping. `v`, `gain`: as for `damp`. */
+static void kick(const step *s, double coefficient, const double load[3], const double v[3],
+                 const double gain[3], double momentum[3], double d[3]) {
+    if (s->ctx->effects & GN_FX_VISCOUS) {
+        const double half = 0.5 * coefficient * s->interval;
+        for (int a = 0; a < 3; a++) {
+            const double before = momentum[a];
+            momentum[a] = ((1.0 - half) * before + s->interval * load[a]) / (1.0 + half);
+            d[a] = -0.5 * coefficient * (before + momentum[a]);
+        }
+        return;
+    }
+    damp(s, coefficient, load, v, gain, d);
+    for (int a = 0; a < 3; a++) momentum[a] += s->interval * (load[a] + d[a]);
+}
+
+/* Books what a kick changed, of a velocity and its momentum or of a spin and its momentum. */
+static void book(const step *s, const double d[3], const double v[2][3], const double p[2][3],
+                 double *kinetic, gn_clump_sums *sums) {
+    const gn_step_context *ctx = s->ctx;
+    const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
+    double energy = 0.0;
+    sums->motion.damping[0] -= 0.5 * ctx->dt_past * gn_dot3(d, v[0]);
+    sums->motion.damping[1] -= 0.5 * ctx->dt * gn_dot3(d, v[1]);
+    for (int a = 0; a < 3; a++) {
+        const double gain = p[1][a] - p[0][a];
+        energy += 0.5 * (s->first ? 2.0 * v[0][a] - v[1][a] : v[0][a]) * p[1][a];
+        if (!s->changed) continue;
+        sums->step_change[GN_HALF_BEFORE] -= factor * gain * v[0][a];
+        sums->step_change[GN_HALF_AFTER] += factor * gain * v[1][a];
+    }
+    if (s->measure) *kinetic += energy;
+}
+
+static void kick_centre(const step *s, gn_clump *c, double force[3], gn_clump_sums *sums) {
+    const gn_step_context *ctx = s->ctx;
+    double v[2][3], p[2][3], d[3], gain[3], work[2] = {0.0, 0.0};
+    for (int a = 0; a < 3; a++) {
+        force[a] += c->mass * ctx->scene.gravity[a];
+        v[0][a] = c->velocity[a];
+        p[0][a] = p[1][a] = c->mass * c->velocity[a];
+        gain[a] = s->interval / c->mass * force[a];
+    }
+    kick(s, ctx->scene.background_coefficient, force, v[0], gain, p[1], d);
+    for (int a = 0; a < 3; a++) {
+        v[1][a] = c->velocity[a] = p[1][a] / c->mass;
+        for (int h = 0; h < 2; h++) work[h] += c->mass * ctx->scene.gravity[a] * v[h][a];
+    }
+    sums->motion.gravity[0] += 0.5 * ctx->dt_past * work[0];
+    sums->motion.gravity[1] += 0.5 * ctx->dt * work[1];
+    book(s, d, (const double(*)[3])v, (const double(*)[3])p, &sums->motion.kinetic, sums);
+    if (s->measure) sums->motion.resultant += sqrt(gn_dot3(force, force));
+}
+
+static void kick_turning(const step *s, gn_clump *c, double moment[3], gn_clump_sums *sums) {
+    const gn_rotor gained = {c->turn, c->axes, moment, c->inverse_inertia},
+                   rotor = {c->turn, c->axes, c->momentum, c->inverse_inertia};
+    double v[2][3], p[2][3], d[3], gain[3];
+    if (!s->space) moment[0] = moment[1] = 0.0;
+    gn_rotor_spin(&gained, gain);
+    for (int a = 0; a < 3; a++) gain[a] *= s->interval;
+    memcpy(v[0], c->spin, sizeof v[0]);
+    memcpy(p[0], c->momentum, sizeof p[0]);
+    kick(s, gn_scene_spin_damping(&s->ctx->scene), moment, v[0], gain, c->momentum, d);
+    memcpy(p[1], c->momentum, sizeof p[1]);
+    gn_rotor_spin(&rotor, v[1]);
+    memcpy(c->spin, v[1], sizeof v[1]);
+    book(s, d, (const double(*)[3])v, (const double(*)[3])p, &sums->motion.rotational, sums);
+    if (s->measure) sums->motion.spin2 = fmax(sums->motion.spin2, gn_dot3(v[1], v[1]));
+}
+
+static void drift(const step *s, gn_clump *c) {
+    const gn_rotor rotor = {c->turn, c->axes, c->momentum, c->inverse_inertia};
+    const double dt = s->ctx->dt;
+    double before[3];
+    memcpy(before, c->spin, sizeof before);
+    for (int a = 0; a < 3; a++) c->position[a] += dt * c->velocity[a];
+    gn_rotor_advance(&rotor, dt * sqrt(gn_dot3(before, before)), dt, s->space);
+    gn_rotor_spin(&rotor, c->spin);
+    for (int a = 0; a < 3; a++) c->mean_spin[a] = 0.5 * (before[a] + c->spin[a]);
+}
+
+static void move_group(const step *s, size_t group) {
+    gn_clumps *all = &s->dem->clumps;
+    gn_clump_sums *sums = &all->sums[group];
+    const size_t end = (group + 1) * GROUP < all->count ? (group + 1) * GROUP : all->count;
+    *sums = (gn_clump_sums){.motion.bad = -1};
+    for (size_t k = group * GROUP; k < end; k++) {
+        gn_clump *c = &all->clump[k];
+        double force[3] = {0, 0, 0}, moment[3] = {0, 0, 0};
+        if (!(c->present > 0.0)) continue;
+        take_loads(s, c, force, moment, sums->stress);
+        kick_centre(s, c, force, sums);
+        kick_turning(s, c, moment, sums);
+        drift(s, c);
+    }
+}
+
+void gn_clumps_move(const gn_step_context *ctx, gn_dem *dem, bool measure) {
+    gn_clumps *all = &dem->clumps;
+    if (!all->count) return;
+    const step s = {.ctx = ctx,
+                    .dem = dem,
+                    .interval = 0.5 * (ctx->dt_past + ctx->dt),
+                    .space = ctx->effects & GN_FX_SPACE,
+                    .measure = measure,
+                    .first = !(ctx->dt_past > 0.0),
+                    .changed = ctx->dt_past > 0.0 && ctx->dt != ctx->dt_past};
+    const size_t groups = (all->count + GROUP - 1) / GROUP;
+#pragma omp parallel for schedule(static) num_threads(dem->deal.team)
+    for (size_t g = 0; g < groups; g++) move_group(&s, g);
+    all->done = (gn_clump_sums){.motion.bad = -1};
+    for (size_t g = 0; g < groups; g++) {
+        gn_motion_sums_add(&all->done.motion, &all->sums[g].motion);
+        for (int h = 0; h < 2; h++) all->done.step_change[h] += all->sums[g].step_change[h];
+        for (int k = 0; k < 9; k++) all->done.stress[k] += all->sums[g].stress[k];
+    }
+}
+
+/* --- motion of members --- */
+
+static void to_single(gn_particles *q, size_t p) {
+    if (!GN_BUILT(MIXED) || !q->travel_f) return;
+    for (size_t a = 0; a < 3; a++) {
+        q->travel_f[4 * p + a] = (float)(q->pos[4 * p + a] - q->ref[4 * p + a]);
+        q->vel_f[4 * p + a] = (float)q->vel[4 * p + a];
+        q->spin_f[4 * p + a] = (float)q->spin[4 * p + a];
+    }
+    q->vel_f[4 * p + 3] = (float)q->vel[4 * p + 3];
+}
+
+/* Sets position and motion of a member. Its velocity is that of the middle of the interval, which
+ * the arm there, r - dt/2 w x r, gives to second order. */
+static void move_member(const gn_step_context *ctx, gn_dem *dem, size_t p, gn_motion_sums *sums) {
+    gn_particles *q = &dem->particles;
+    const gn_clump_member *m = &dem->clumps.member[dem->clumps.member_of_row[p]];
+    const gn_clump *c = &dem->clumps.clump[q->clump[p]];
+    double arm[3], turning[3], v[3], change[3];
+    gn_axes_direct(c->axes, m->local, arm);
+    gn_cross3(c->mean_spin, arm, turning);
+    double middle[3];
+    for (int a = 0; a < 3; a++) middle[a] = arm[a] - 0.5 * ctx->dt * turning[a];
+    gn_cross3(c->mean_spin, middle, turning);
+    for (size_t a = 0; a < 3; a++) {
+        const double place = c->position[a] + arm[a], off = q->pos[4 * p + a] - place;
+        const double images = off - gn_nearest(off, ctx->period[a]);
+        q->pos[4 * p + a] = place + images;
+        v[a] = c->velocity[a] + turning[a];
+        change[a] = v[a] - q->vel[4 * p + a];
+        q->vel[4 * p + a] = v[a];
+        q->spin[4 * p + a] = c->mean_spin[a];
+        if (dem->vel_past) dem->vel_past[4 * p + a] = v[a];
+        if (dem->spin_past) dem->spin_past[4 * p + a] = c->mean_spin[a];
+    }
+    q->vel[4 * p + 3] = m->inverse_mass;
+    q->spin[4 * p + 3] = m->inverse_inertia;
+    if (GN_BUILT(ORIENTATION) && q->orientation) {
+        const double *t = c->turn_start, back[4] = {t[0], -t[1], -t[2], -t[3]};
+        gn_turn_product(c->turn, back, q->orientation + 4 * p);
+    }
+    to_single(q, p);
+    /* The straight path of the step is longer than that velocity by a part of (w dt)^2/12. */
+    const double w = ctx->dt * sqrt(gn_dot3(c->mean_spin, c->mean_spin));
+    const double speed2 = gn_dot3(v, v) * (1.0 + w * w) * (1.0 + w * w);
+    sums->speed2 = fmax(sums->speed2, speed2);
+    sums->change2 = fmax(sums->change2, gn_dot3(change, change));
+    if (!(speed2 < 1e300) && sums->bad < 0) sums->bad = (int64_t)p;
+}
+
+void gn_clumps_move_members(const gn_step_context *ctx, gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    if (!dem->clumps.count) return;
+#pragma omp parallel for schedule(static) num_threads(dem->deal.team)
+    for (size_t h = 0; h < dem->hold.count; h++) {
+        const size_t block = (size_t)dem->hold.block[h], first = block * GN_PARTICLE_BLOCK;
+        for (size_t p = first; p < first + GN_PARTICLE_BLOCK && p < q->soa.count; p++) {
+            const gn_clump *c = gn_clump_of(dem, p);
+            if (c && c->present > 0.0) move_member(ctx, dem, p, &dem->motion_sums[block]);
+        }
+    }
+}
+
+/* --- removal --- */
+
+void gn_clumps_leave_whole(const gn_dem *dem, int32_t *gone) {
+    const gn_clumps *all = &dem->clumps;
+    for (size_t k = 0; k < all->count; k++) {
+        const gn_clump *c = &all->clump[k];
+        const size_t first = (size_t)c->first, end = (size_t)(c->first + c->count);
+        int32_t fate = 0;
+        for (size_t m = first; c->present > 0.0 && m < end; m++)
+            if (gone[row_of(dem, m)]) fate = gone[row_of(dem, m)];
+        for (size_t m = first; fate && m < end; m++) gone[row_of(dem, m)] = fate;
+    }
+}
+
+double gn_clumps_remove(gn_dem *dem, size_t row) {
+    gn_clump *c = &dem->clumps.clump[dem->particles.clump[row]];
+    if (!(c->present > 0.0)) return 0.0;
+    c->present = 0.0;
+    const double energy =
+        0.5 * c->mass * gn_dot3(c->velocity, c->velocity) + 0.5 * gn_dot3(c->momentum, c->spin);
+    memset(c->velocity, 0, sizeof c->velocity);
+    memset(c->momentum, 0, sizeof c->momentum);
+    memset(c->spin, 0, sizeof c->spin);
+    memset(c->mean_spin, 0, sizeof c->mean_spin);
+    return energy;
+}
+
+uint64_t gn_clumps_hash(const gn_clumps *clumps, uint64_t hash) {
+    return gn_hash_bytes(clumps->clump, clumps->count * sizeof *clumps->clump, hash);
+}
