@@ -50,5 +50,9 @@ void gn_rotor_spin(const gn_rotor *rotor, double spin[3]);
  * Phys. 107, 5840). This keeps the momentum exactly and the energy without drift; it is symplectic,
  * reversible and of second order, in steps with large rotations of fourth order. */
 void gn_rotor_advance(const gn_rotor *rotor, double turn, double dt, bool space);
+/* Does the same for many small bodies: in steps of second order the momentum is rotated in the
+ * frame of the body, by polynomials for the sine and the cosine of such small angles, and the
+ * matrix is computed once. The result differs by rounding. */
+void gn_rotor_advance_quickly(const gn_rotor *rotor, double turn, double dt, bool space);
 
 #endif

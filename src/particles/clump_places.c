@@ -38,8 +38,11 @@ typedef struct maker {
 
 static void set_clump(const gn_clump_shape *shape, const place *at, size_t first, gn_clump *c) {
     double local[3];
-    *c = (gn_clump){
-        .mass = shape->mass, .first = (double)first, .count = (double)shape->count, .present = 1.0};
+    *c = (gn_clump){.mass = shape->mass,
+                    .inverse_mass = 1.0 / shape->mass,
+                    .first = (double)first,
+                    .count = (double)shape->count,
+                    .present = 1.0};
     memcpy(c->position, at->centre, sizeof c->position);
     gn_turn_product(at->turn, shape->turn, c->turn);
     gn_turn_settle(c->turn, c->axes);

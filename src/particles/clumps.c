@@ -124,7 +124,7 @@ typedef struct step {
     const gn_step_context *ctx;
     gn_dem *dem;
     double interval; /* s, of the kick */
-    bool space, measure, first, changed;
+    bool space, measure, first, changed, damped;
 } step;
 
 /* Sums up the loads of the members, in their order, and leaves them without load and mass. */
@@ -167,75 +167,80 @@ static void damp(const step *s, double coefficient, const double load[3], const 
     }
 }
 
-/* Kicks a momentum by a load and computes the background damping. `v`, `gain`: as for `damp`. */
-static void kick(const step *s, double coefficient, const double load[3], const double v[3],
-                 const double gain[3], double momentum[3], double d[3]) {
+/* A kick of a velocity v and its momentum p, or of a spin and its momentum, by a load f with
+ * background damping d; 0: before, 1: after. */
+typedef struct change {
+    double f[3], v[2][3], p[2][3], d[3];
+} change;
+
+/* Computes the momentum after the kick. `gain` is the change of v without damping. */
+static void kick(const step *s, double coefficient, const double gain[3], change *k) {
     if (s->ctx->effects & GN_FX_VISCOUS) {
         const double half = 0.5 * coefficient * s->interval;
         for (int a = 0; a < 3; a++) {
-            const double before = momentum[a];
-            momentum[a] = ((1.0 - half) * before + s->interval * load[a]) / (1.0 + half);
-            d[a] = -0.5 * coefficient * (before + momentum[a]);
+            k->p[1][a] = ((1.0 - half) * k->p[0][a] + s->interval * k->f[a]) / (1.0 + half);
+            k->d[a] = -0.5 * coefficient * (k->p[0][a] + k->p[1][a]);
         }
         return;
     }
-    damp(s, coefficient, load, v, gain, d);
-    for (int a = 0; a < 3; a++) momentum[a] += s->interval * (load[a] + d[a]);
+    if (s->damped) damp(s, coefficient, k->f, k->v[0], gain, k->d);
+    for (int a = 0; a < 3; a++) k->p[1][a] = k->p[0][a] + s->interval * (k->f[a] + k->d[a]);
 }
 
-/* Books what a kick changed, of a velocity and its momentum or of a spin and its momentum. */
-static void book(const step *s, const double d[3], const double v[2][3], const double p[2][3],
-                 double *kinetic, gn_clump_sums *sums) {
+static void book(const step *s, const change *k, double *kinetic, gn_clump_sums *sums) {
     const gn_step_context *ctx = s->ctx;
+    if (s->damped) {
+        sums->motion.damping[0] -= 0.5 * ctx->dt_past * gn_dot3(k->d, k->v[0]);
+        sums->motion.damping[1] -= 0.5 * ctx->dt * gn_dot3(k->d, k->v[1]);
+    }
+    for (int a = 0; s->measure && a < 3; a++)
+        *kinetic += 0.5 * (s->first ? 2.0 * k->v[0][a] - k->v[1][a] : k->v[0][a]) * k->p[1][a];
+    if (!s->changed) return;
     const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
-    double energy = 0.0;
-    sums->motion.damping[0] -= 0.5 * ctx->dt_past * gn_dot3(d, v[0]);
-    sums->motion.damping[1] -= 0.5 * ctx->dt * gn_dot3(d, v[1]);
     for (int a = 0; a < 3; a++) {
-        const double gain = p[1][a] - p[0][a];
-        energy += 0.5 * (s->first ? 2.0 * v[0][a] - v[1][a] : v[0][a]) * p[1][a];
-        if (!s->changed) continue;
-        sums->step_change[GN_HALF_BEFORE] -= factor * gain * v[0][a];
-        sums->step_change[GN_HALF_AFTER] += factor * gain * v[1][a];
+        const double gain = factor * (k->p[1][a] - k->p[0][a]);
+        sums->step_change[GN_HALF_BEFORE] -= gain * k->v[0][a];
+        sums->step_change[GN_HALF_AFTER] += gain * k->v[1][a];
     }
-    if (s->measure) *kinetic += energy;
 }
 
-static void kick_centre(const step *s, gn_clump *c, double force[3], gn_clump_sums *sums) {
+static void kick_centre(const step *s, gn_clump *c, const double force[3], gn_clump_sums *sums) {
     const gn_step_context *ctx = s->ctx;
-    double v[2][3], p[2][3], d[3], gain[3], work[2] = {0.0, 0.0};
+    const double *g = ctx->scene.gravity;
+    double gain[3];
+    change k = {0};
     for (int a = 0; a < 3; a++) {
-        force[a] += c->mass * ctx->scene.gravity[a];
-        v[0][a] = c->velocity[a];
-        p[0][a] = p[1][a] = c->mass * c->velocity[a];
-        gain[a] = s->interval / c->mass * force[a];
+        k.f[a] = force[a] + c->mass * g[a];
+        k.v[0][a] = c->velocity[a];
+        k.p[0][a] = c->mass * c->velocity[a];
+        gain[a] = s->interval * c->inverse_mass * k.f[a];
     }
-    kick(s, ctx->scene.background_coefficient, force, v[0], gain, p[1], d);
-    for (int a = 0; a < 3; a++) {
-        v[1][a] = c->velocity[a] = p[1][a] / c->mass;
-        for (int h = 0; h < 2; h++) work[h] += c->mass * ctx->scene.gravity[a] * v[h][a];
-    }
-    sums->motion.gravity[0] += 0.5 * ctx->dt_past * work[0];
-    sums->motion.gravity[1] += 0.5 * ctx->dt * work[1];
-    book(s, d, (const double(*)[3])v, (const double(*)[3])p, &sums->motion.kinetic, sums);
-    if (s->measure) sums->motion.resultant += sqrt(gn_dot3(force, force));
+    kick(s, ctx->scene.background_coefficient, gain, &k);
+    for (int a = 0; a < 3; a++) k.v[1][a] = c->velocity[a] = c->inverse_mass * k.p[1][a];
+    sums->motion.gravity[0] += 0.5 * ctx->dt_past * c->mass * gn_dot3(g, k.v[0]);
+    sums->motion.gravity[1] += 0.5 * ctx->dt * c->mass * gn_dot3(g, k.v[1]);
+    book(s, &k, &sums->motion.kinetic, sums);
+    if (s->measure) sums->motion.resultant += sqrt(gn_dot3(k.f, k.f));
 }
 
-static void kick_turning(const step *s, gn_clump *c, double moment[3], gn_clump_sums *sums) {
-    const gn_rotor gained = {c->turn, c->axes, moment, c->inverse_inertia},
-                   rotor = {c->turn, c->axes, c->momentum, c->inverse_inertia};
-    double v[2][3], p[2][3], d[3], gain[3];
-    if (!s->space) moment[0] = moment[1] = 0.0;
-    gn_rotor_spin(&gained, gain);
-    for (int a = 0; a < 3; a++) gain[a] *= s->interval;
-    memcpy(v[0], c->spin, sizeof v[0]);
-    memcpy(p[0], c->momentum, sizeof p[0]);
-    kick(s, gn_scene_spin_damping(&s->ctx->scene), moment, v[0], gain, c->momentum, d);
-    memcpy(p[1], c->momentum, sizeof p[1]);
-    gn_rotor_spin(&rotor, v[1]);
-    memcpy(c->spin, v[1], sizeof v[1]);
-    book(s, d, (const double(*)[3])v, (const double(*)[3])p, &sums->motion.rotational, sums);
-    if (s->measure) sums->motion.spin2 = fmax(sums->motion.spin2, gn_dot3(v[1], v[1]));
+static void kick_turning(const step *s, gn_clump *c, const double moment[3], gn_clump_sums *sums) {
+    const gn_rotor rotor = {c->turn, c->axes, c->momentum, c->inverse_inertia};
+    double gain[3] = {0, 0, 0};
+    change k = {0};
+    for (int a = s->space ? 0 : 2; a < 3; a++) k.f[a] = moment[a];
+    memcpy(k.v[0], c->spin, sizeof k.v[0]);
+    memcpy(k.p[0], c->momentum, sizeof k.p[0]);
+    if (s->damped) {
+        const gn_rotor gained = {c->turn, c->axes, k.f, c->inverse_inertia};
+        gn_rotor_spin(&gained, gain);
+        for (int a = 0; a < 3; a++) gain[a] *= s->interval;
+    }
+    kick(s, gn_scene_spin_damping(&s->ctx->scene), gain, &k);
+    memcpy(c->momentum, k.p[1], sizeof k.p[1]);
+    gn_rotor_spin(&rotor, k.v[1]);
+    memcpy(c->spin, k.v[1], sizeof k.v[1]);
+    book(s, &k, &sums->motion.rotational, sums);
+    if (s->measure) sums->motion.spin2 = fmax(sums->motion.spin2, gn_dot3(c->spin, c->spin));
 }
 
 static void drift(const step *s, gn_clump *c) {
@@ -244,7 +249,7 @@ static void drift(const step *s, gn_clump *c) {
     double before[3];
     memcpy(before, c->spin, sizeof before);
     for (int a = 0; a < 3; a++) c->position[a] += dt * c->velocity[a];
-    gn_rotor_advance(&rotor, dt * sqrt(gn_dot3(before, before)), dt, s->space);
+    gn_rotor_advance_quickly(&rotor, dt * sqrt(gn_dot3(before, before)), dt, s->space);
     gn_rotor_spin(&rotor, c->spin);
     for (int a = 0; a < 3; a++) c->mean_spin[a] = 0.5 * (before[a] + c->spin[a]);
 }
@@ -274,6 +279,8 @@ void gn_clumps_move(const gn_step_context *ctx, gn_dem *dem, bool measure) {
                     .space = ctx->effects & GN_FX_SPACE,
                     .measure = measure,
                     .first = !(ctx->dt_past > 0.0),
+                    .damped = ctx->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR |
+                                              GN_FX_NONVISCOUS_COMPONENT),
                     .changed = ctx->dt_past > 0.0 && ctx->dt != ctx->dt_past};
     const size_t groups = (all->count + GROUP - 1) / GROUP;
 #pragma omp parallel for schedule(static) num_threads(dem->deal.team)
@@ -304,18 +311,21 @@ static void move_member(const gn_step_context *ctx, gn_dem *dem, size_t p, gn_mo
     gn_particles *q = &dem->particles;
     const gn_clump_member *m = &dem->clumps.member[dem->clumps.member_of_row[p]];
     const gn_clump *c = &dem->clumps.clump[q->clump[p]];
-    double arm[3], turning[3], v[3], change[3];
+    const bool periodic = ctx->effects & GN_FX_PERIODIC;
+    double arm[3], turning[3], middle[3], place[3], v[3], change2 = 0.0;
     gn_axes_direct(c->axes, m->local, arm);
     gn_cross3(c->mean_spin, arm, turning);
-    double middle[3];
     for (int a = 0; a < 3; a++) middle[a] = arm[a] - 0.5 * ctx->dt * turning[a];
     gn_cross3(c->mean_spin, middle, turning);
     for (size_t a = 0; a < 3; a++) {
-        const double place = c->position[a] + arm[a], off = q->pos[4 * p + a] - place;
-        const double images = off - gn_nearest(off, ctx->period[a]);
-        q->pos[4 * p + a] = place + images;
+        place[a] = c->position[a] + arm[a];
+        if (periodic) { /* the image in which the particle is */
+            const double off = q->pos[4 * p + a] - place[a];
+            place[a] += off - gn_nearest(off, ctx->period[a]);
+        }
         v[a] = c->velocity[a] + turning[a];
-        change[a] = v[a] - q->vel[4 * p + a];
+        change2 += (v[a] - q->vel[4 * p + a]) * (v[a] - q->vel[4 * p + a]);
+        q->pos[4 * p + a] = place[a];
         q->vel[4 * p + a] = v[a];
         q->spin[4 * p + a] = c->mean_spin[a];
         if (dem->vel_past) dem->vel_past[4 * p + a] = v[a];
@@ -329,10 +339,10 @@ static void move_member(const gn_step_context *ctx, gn_dem *dem, size_t p, gn_mo
     }
     to_single(q, p);
     /* The straight path of the step is longer than that velocity by a part of (w dt)^2/12. */
-    const double w = ctx->dt * sqrt(gn_dot3(c->mean_spin, c->mean_spin));
-    const double speed2 = gn_dot3(v, v) * (1.0 + w * w) * (1.0 + w * w);
+    const double w2 = ctx->dt * ctx->dt * gn_dot3(c->mean_spin, c->mean_spin);
+    const double speed2 = gn_dot3(v, v) * (1.0 + w2) * (1.0 + w2);
     sums->speed2 = fmax(sums->speed2, speed2);
-    sums->change2 = fmax(sums->change2, gn_dot3(change, change));
+    sums->change2 = fmax(sums->change2, change2);
     if (!(speed2 < 1e300) && sums->bad < 0) sums->bad = (int64_t)p;
 }
 

@@ -30,7 +30,8 @@ typedef struct gn_clump {
     double velocity[3];            /* m/s, over the last interval */
     double momentum[3];            /* N m s, about the centre of mass */
     double spin[3], mean_spin[3];  /* rad/s: that of the momentum; mean over the last interval */
-    double mass, inertia[3];       /* kg; kg m2 about the axes of the frame */
+    double mass, inverse_mass;     /* kg, 1/kg */
+    double inertia[3];             /* kg m2 about the axes of the frame */
     double inverse_inertia[3];     /* 1/(kg m2); 0: it does not turn about the axis (2D) */
     double first, count;           /* members: index of the first one, number */
     double present;                /* 1; 0: removed */
