@@ -6,12 +6,16 @@
 #include <math.h>
 #include <string.h>
 
-void gn_turn_axes(const double q[4], double axes[9]) {
+static inline void axes_of(const double q[4], double axes[9]) {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
     const double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
                          2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
                          2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
     memcpy(axes, m, sizeof m);
+}
+
+void gn_turn_axes(const double turn[4], double axes[9]) {
+    axes_of(turn, axes);
 }
 
 void gn_turn_product(const double a[4], const double b[4], double out[4]) {
@@ -93,7 +97,8 @@ static void turn_about_axis(const gn_rotor *b, int k, double time) {
 
 /* Largest rotation, rad, of a step of second order, and of each part of a longer step. After ten
  * turns in such steps the error is at most 9e-4 and 1e-5 rad, for boxes from rods to plates. */
-static const double turn_plain = 0.005, turn_part = 0.1;
+const double GN_TURN_PLAIN = 0.005;
+static const double turn_part = 0.1;
 
 static void run_about_axes(const gn_rotor *b, double dt) {
     static const int order[5] = {0, 1, 2, 1, 0};
@@ -112,7 +117,7 @@ static void run_far(const gn_rotor *b, double dt) {
 /* The step is determined by springs and grains, so that a body may rotate far in it. Values that
  * are not finite are detected after the step. */
 void gn_rotor_advance(const gn_rotor *b, double turn, double dt, bool space) {
-    int parts = turn > turn_plain ? (int)fmin(ceil(turn / turn_part), 1000.0) : 0;
+    int parts = turn > GN_TURN_PLAIN ? (int)fmin(ceil(turn / turn_part), 1000.0) : 0;
     if (!space)
         turn_about_axis(b, 2, dt);
     else if (parts == 0)
@@ -120,41 +125,66 @@ void gn_rotor_advance(const gn_rotor *b, double turn, double dt, bool space) {
     for (int k = 0; space && k < parts; k++) run_far(b, dt / parts);
 }
 
+/* --- many bodies --- */
+
 /* Rotates about axis k over a time: the quaternion is multiplied by (c, s e_k), c and s those of
  * half the angle, and the momentum turns back in the frame of the body. The series are exact to
  * rounding up to the angles of steps of second order. */
-static inline void turn_small(int k, double time, const double inverse_inertia[3], double turn[4],
-                              double momentum[3]) {
+static void turn_small(gn_rotors *r, size_t count, int k, double time) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
-    const double h = 0.5 * time * momentum[k] * inverse_inertia[k], h2 = h * h;
-    const double s = h * (1.0 - h2 / 6.0 * (1.0 - h2 / 20.0 * (1.0 - h2 / 42.0))),
-                 c = 1.0 - 0.5 * h2 * (1.0 - h2 / 12.0 * (1.0 - h2 / 30.0));
-    const double w = turn[0], x = turn[1 + k], y = turn[1 + i], z = turn[1 + j];
-    turn[0] = c * w - s * x;
-    turn[1 + k] = c * x + s * w;
-    turn[1 + i] = c * y + s * z;
-    turn[1 + j] = c * z - s * y;
-    const double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
-    const double a = momentum[i], b = momentum[j];
-    momentum[i] = cosine * a + sine * b;
-    momentum[j] = cosine * b - sine * a;
+    double *restrict w = r->turn[0], *restrict x = r->turn[1 + k], *restrict y = r->turn[1 + i],
+                     *restrict z = r->turn[1 + j];
+    double *restrict a = r->momentum[i], *restrict b = r->momentum[j];
+    const double *restrict along = r->momentum[k], *restrict inverse = r->inverse_inertia[k];
+    for (size_t n = 0; n < count; n++) {
+        const double h = 0.5 * time * along[n] * inverse[n], h2 = h * h;
+        const double s = h * (1.0 - h2 * (1.0 / 6.0) * (1.0 - h2 * 0.05 * (1.0 - h2 / 42.0))),
+                     c = 1.0 - 0.5 * h2 * (1.0 - h2 * (1.0 / 12.0) * (1.0 - h2 * (1.0 / 30.0)));
+        const double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
+        const double q[4] = {w[n], x[n], y[n], z[n]}, first = a[n], second = b[n];
+        w[n] = c * q[0] - s * q[1];
+        x[n] = c * q[1] + s * q[0];
+        y[n] = c * q[2] + s * q[3];
+        z[n] = c * q[3] - s * q[2];
+        a[n] = cosine * first + sine * second;
+        b[n] = cosine * second - sine * first;
+    }
 }
 
-void gn_rotor_advance_quickly(const gn_rotor *b, double turn, double dt, bool space) {
-    double m[3], q[4];
-    if (!space || !(turn <= turn_plain)) {
-        gn_rotor_advance(b, turn, dt, space);
-        return;
+static void to_body(gn_rotors *r, size_t count) {
+    for (size_t n = 0; n < count; n++) {
+        const double m[3] = {r->momentum[0][n], r->momentum[1][n], r->momentum[2][n]};
+        for (int a = 0; a < 3; a++)
+            r->momentum[a][n] =
+                r->axes[a][n] * m[0] + r->axes[3 + a][n] * m[1] + r->axes[6 + a][n] * m[2];
     }
-    gn_axes_local(b->axes, b->momentum, m);
-    memcpy(q, b->turn, sizeof q);
-    turn_small(0, 0.5 * dt, b->inverse_inertia, q, m);
-    turn_small(1, 0.5 * dt, b->inverse_inertia, q, m);
-    turn_small(2, dt, b->inverse_inertia, q, m);
-    turn_small(1, 0.5 * dt, b->inverse_inertia, q, m);
-    turn_small(0, 0.5 * dt, b->inverse_inertia, q, m);
-    /* A Newton step of the inverse root suffices, because the length differs from 1 by rounding. */
-    const double scale = 1.5 - 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int k = 0; k < 4; k++) b->turn[k] = scale * q[k];
-    gn_turn_axes(b->turn, b->axes);
+}
+
+/* Normalises the quaternions: a Newton step of the inverse root suffices, because the lengths
+ * differ from 1 by rounding. Then computes the matrices. */
+static void settle(gn_rotors *r, size_t count) {
+    for (size_t n = 0; n < count; n++) {
+        double q[4], size2 = 0.0, m[9];
+        for (int k = 0; k < 4; k++) q[k] = r->turn[k][n];
+        for (int k = 0; k < 4; k++) size2 += q[k] * q[k];
+        for (int k = 0; k < 4; k++) q[k] *= 1.5 - 0.5 * size2;
+        for (int k = 0; k < 4; k++) r->turn[k][n] = q[k];
+        axes_of(q, m);
+        for (int k = 0; k < 9; k++) r->axes[k][n] = m[k];
+    }
+}
+
+void gn_rotors_advance(gn_rotors *r, size_t count, double dt) {
+    static const int order[5] = {0, 1, 2, 1, 0};
+    static const double part[5] = {0.5, 0.5, 1.0, 0.5, 0.5};
+    to_body(r, count);
+    for (int k = 0; k < 5; k++) turn_small(r, count, order[k], part[k] * dt);
+    settle(r, count);
+    for (size_t n = 0; n < count; n++) {
+        double l[3];
+        for (int a = 0; a < 3; a++) l[a] = r->inverse_inertia[a][n] * r->momentum[a][n];
+        for (int a = 0; a < 3; a++)
+            r->spin[a][n] = r->axes[3 * a][n] * l[0] + r->axes[3 * a + 1][n] * l[1] +
+                            r->axes[3 * a + 2][n] * l[2];
+    }
 }

@@ -5,6 +5,7 @@
 #define GN_BASE_ROTATION_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /* Computes the rotation matrix of a unit quaternion. */
 void gn_turn_axes(const double turn[4], double axes[9]);
@@ -50,9 +51,20 @@ void gn_rotor_spin(const gn_rotor *rotor, double spin[3]);
  * Phys. 107, 5840). This keeps the momentum exactly and the energy without drift; it is symplectic,
  * reversible and of second order, in steps with large rotations of fourth order. */
 void gn_rotor_advance(const gn_rotor *rotor, double turn, double dt, bool space);
-/* Does the same for many small bodies: in steps of second order the momentum is rotated in the
- * frame of the body, by polynomials for the sine and the cosine of such small angles, and the
- * matrix is computed once. The result differs by rounding. */
-void gn_rotor_advance_quickly(const gn_rotor *rotor, double turn, double dt, bool space);
+/* The largest rotation of a step of second order, rad. */
+extern const double GN_TURN_PLAIN;
+
+/* Up to GN_ROTORS bodies side by side, as columns. */
+enum { GN_ROTORS = 64 };
+typedef struct gn_rotors {
+    double turn[4][GN_ROTORS], axes[9][GN_ROTORS], momentum[3][GN_ROTORS];
+    double inverse_inertia[3][GN_ROTORS], spin[3][GN_ROTORS];
+} gn_rotors;
+
+/* Does the same as gn_rotor_advance in space for `count` bodies that turn by at most GN_TURN_PLAIN,
+ * and computes their spins at the end. The momentum turns back in the frame of the body, sines and
+ * cosines are series, and the matrix is computed once; the result differs by rounding. Values of
+ * momentum are those in space. */
+void gn_rotors_advance(gn_rotors *rotors, size_t count, double dt);
 
 #endif

@@ -16,7 +16,7 @@
 
 /* Number of clumps whose sums are formed together; groups are added in their order, so that the
  * result does not depend on the number of threads. */
-enum { GROUP = 64 };
+enum { GROUP = GN_ROTORS };
 
 /* --- rows of members --- */
 
@@ -243,31 +243,66 @@ static void kick_turning(const step *s, gn_clump *c, const double moment[3], gn_
     if (s->measure) sums->motion.spin2 = fmax(sums->motion.spin2, gn_dot3(c->spin, c->spin));
 }
 
-static void drift(const step *s, gn_clump *c) {
+/* Rotates a clump that turns far in the step, or in the plane. */
+static void turn_alone(const step *s, gn_clump *c, double turn) {
     const gn_rotor rotor = {c->turn, c->axes, c->momentum, c->inverse_inertia};
-    const double dt = s->ctx->dt;
-    double before[3];
-    memcpy(before, c->spin, sizeof before);
-    for (int a = 0; a < 3; a++) c->position[a] += dt * c->velocity[a];
-    gn_rotor_advance_quickly(&rotor, dt * sqrt(gn_dot3(before, before)), dt, s->space);
+    gn_rotor_advance(&rotor, turn, s->ctx->dt, s->space);
     gn_rotor_spin(&rotor, c->spin);
-    for (int a = 0; a < 3; a++) c->mean_spin[a] = 0.5 * (before[a] + c->spin[a]);
+}
+
+static void copy_rotor(gn_rotors *r, size_t n, const gn_clump *c) {
+    for (int a = 0; a < 4; a++) r->turn[a][n] = c->turn[a];
+    for (int a = 0; a < 9; a++) r->axes[a][n] = c->axes[a];
+    for (int a = 0; a < 3; a++) {
+        r->momentum[a][n] = c->momentum[a];
+        r->inverse_inertia[a][n] = c->inverse_inertia[a];
+    }
+}
+
+static void take_rotor(const gn_rotors *r, size_t n, gn_clump *c) {
+    for (int a = 0; a < 4; a++) c->turn[a] = r->turn[a][n];
+    for (int a = 0; a < 9; a++) c->axes[a] = r->axes[a][n];
+    for (int a = 0; a < 3; a++) c->spin[a] = r->spin[a][n];
+}
+
+/* Moves the clumps of a group over the step; those that turn little are rotated together. */
+static void drift(const step *s, gn_clump *clump, size_t count) {
+    const double dt = s->ctx->dt;
+    size_t place[GROUP], few = 0;
+    gn_rotors rotors;
+    for (size_t k = 0; k < count; k++) {
+        gn_clump *c = &clump[k];
+        if (!(c->present > 0.0)) continue;
+        const double turn = dt * sqrt(gn_dot3(c->spin, c->spin));
+        memcpy(c->mean_spin, c->spin, sizeof c->mean_spin);
+        for (int a = 0; a < 3; a++) c->position[a] += dt * c->velocity[a];
+        if (s->space && turn <= GN_TURN_PLAIN)
+            copy_rotor(&rotors, few, c), place[few++] = k;
+        else
+            turn_alone(s, c, turn);
+    }
+    gn_rotors_advance(&rotors, few, dt);
+    for (size_t n = 0; n < few; n++) take_rotor(&rotors, n, &clump[place[n]]);
+    for (size_t k = 0; k < count; k++)
+        for (int a = 0; a < 3; a++)
+            clump[k].mean_spin[a] = 0.5 * (clump[k].mean_spin[a] + clump[k].spin[a]);
 }
 
 static void move_group(const step *s, size_t group) {
     gn_clumps *all = &s->dem->clumps;
     gn_clump_sums *sums = &all->sums[group];
-    const size_t end = (group + 1) * GROUP < all->count ? (group + 1) * GROUP : all->count;
+    const size_t begin = group * GROUP, rest = all->count - begin,
+                 count = rest < GROUP ? rest : GROUP;
     *sums = (gn_clump_sums){.motion.bad = -1};
-    for (size_t k = group * GROUP; k < end; k++) {
+    for (size_t k = begin; k < begin + count; k++) {
         gn_clump *c = &all->clump[k];
         double force[3] = {0, 0, 0}, moment[3] = {0, 0, 0};
         if (!(c->present > 0.0)) continue;
         take_loads(s, c, force, moment, sums->stress);
         kick_centre(s, c, force, sums);
         kick_turning(s, c, moment, sums);
-        drift(s, c);
     }
+    drift(s, all->clump + begin, count);
 }
 
 void gn_clumps_move(const gn_step_context *ctx, gn_dem *dem, bool measure) {
