@@ -138,7 +138,8 @@ static void turn_small(gn_rotors *r, size_t count, int k, double time) {
     const double *restrict along = r->momentum[k], *restrict inverse = r->inverse_inertia[k];
     for (size_t n = 0; n < count; n++) {
         const double h = 0.5 * time * along[n] * inverse[n], h2 = h * h;
-        const double s = h * (1.0 - h2 * (1.0 / 6.0) * (1.0 - h2 * 0.05 * (1.0 - h2 / 42.0))),
+        const double s = h *
+                         (1.0 - h2 * (1.0 / 6.0) * (1.0 - h2 * 0.05 * (1.0 - h2 * (1.0 / 42.0)))),
                      c = 1.0 - 0.5 * h2 * (1.0 - h2 * (1.0 / 12.0) * (1.0 - h2 * (1.0 / 30.0)));
         const double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
         const double q[4] = {w[n], x[n], y[n], z[n]}, first = a[n], second = b[n];

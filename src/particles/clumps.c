@@ -145,7 +145,8 @@ static void take_loads(const step *s, const gn_clump *c, double force[3], double
         if (!s->space) turning[2] += load[2];
         for (int a = 0; a < 3; a++) moment[a] += turning[a];
         for (int k = 0; s->measure && k < 9; k++) stress[k] += arm[k / 3] * f[k % 3];
-        memset(load, 0, (size_t)width * sizeof *load);
+        memset(load, 0, 4 * sizeof *load);
+        if (s->space) memset(load + 4, 0, 4 * sizeof *load);
         d->particles.vel[4 * row + 3] = d->particles.spin[4 * row + 3] = 0.0;
     }
 }
@@ -174,7 +175,7 @@ typedef struct change {
 } change;
 
 /* Computes the momentum after the kick. `gain` is the change of v without damping. */
-static void kick(const step *s, double coefficient, const double gain[3], change *k) {
+static inline void kick(const step *s, double coefficient, const double gain[3], change *k) {
     if (s->ctx->effects & GN_FX_VISCOUS) {
         const double half = 0.5 * coefficient * s->interval;
         for (int a = 0; a < 3; a++) {
@@ -187,7 +188,7 @@ static void kick(const step *s, double coefficient, const double gain[3], change
     for (int a = 0; a < 3; a++) k->p[1][a] = k->p[0][a] + s->interval * (k->f[a] + k->d[a]);
 }
 
-static void book(const step *s, const change *k, double *kinetic, gn_clump_sums *sums) {
+static inline void book(const step *s, const change *k, double *kinetic, gn_clump_sums *sums) {
     const gn_step_context *ctx = s->ctx;
     if (s->damped) {
         sums->motion.damping[0] -= 0.5 * ctx->dt_past * gn_dot3(k->d, k->v[0]);
@@ -208,7 +209,8 @@ static void kick_centre(const step *s, gn_clump *c, const double force[3], gn_cl
     const gn_step_context *ctx = s->ctx;
     const double *g = ctx->scene.gravity;
     double gain[3];
-    change k = {0};
+    change k;
+    memset(k.d, 0, sizeof k.d);
     for (int a = 0; a < 3; a++) {
         k.f[a] = force[a] + c->mass * g[a];
         k.v[0][a] = c->velocity[a];
@@ -226,8 +228,9 @@ static void kick_centre(const step *s, gn_clump *c, const double force[3], gn_cl
 static void kick_turning(const step *s, gn_clump *c, const double moment[3], gn_clump_sums *sums) {
     const gn_rotor rotor = {c->turn, c->axes, c->momentum, c->inverse_inertia};
     double gain[3] = {0, 0, 0};
-    change k = {0};
-    for (int a = s->space ? 0 : 2; a < 3; a++) k.f[a] = moment[a];
+    change k;
+    memset(k.d, 0, sizeof k.d);
+    for (int a = 0; a < 3; a++) k.f[a] = s->space || a == 2 ? moment[a] : 0.0;
     memcpy(k.v[0], c->spin, sizeof k.v[0]);
     memcpy(k.p[0], c->momentum, sizeof k.p[0]);
     if (s->damped) {
@@ -376,8 +379,8 @@ static void move_member(const gn_step_context *ctx, gn_dem *dem, size_t p, gn_mo
     /* The straight path of the step is longer than that velocity by a part of (w dt)^2/12. */
     const double w2 = ctx->dt * ctx->dt * gn_dot3(c->mean_spin, c->mean_spin);
     const double speed2 = gn_dot3(v, v) * (1.0 + w2) * (1.0 + w2);
-    sums->speed2 = fmax(sums->speed2, speed2);
-    sums->change2 = fmax(sums->change2, change2);
+    if (speed2 > sums->speed2) sums->speed2 = speed2;
+    if (change2 > sums->change2) sums->change2 = change2;
     if (!(speed2 < 1e300) && sums->bad < 0) sums->bad = (int64_t)p;
 }
 

@@ -24,12 +24,12 @@
  * All members are doubles, as in checkpoints. */
 typedef struct gn_clump {
     double position[3];            /* m, of the centre of mass */
+    double velocity[3];            /* m/s, over the last interval */
+    double mean_spin[3];           /* rad/s, mean over the last interval */
+    double axes[9];                /* the orientation as a matrix, rows: x = position + axes X */
+    double spin[3], momentum[3];   /* rad/s; N m s about the centre of mass */
     double turn[4], turn_start[4]; /* quaternions w x y z that rotate from the clump's frame, now
                                       and at the start */
-    double axes[9];                /* the orientation as a matrix, rows: x = position + axes X */
-    double velocity[3];            /* m/s, over the last interval */
-    double momentum[3];            /* N m s, about the centre of mass */
-    double spin[3], mean_spin[3];  /* rad/s: that of the momentum; mean over the last interval */
     double mass, inverse_mass;     /* kg, 1/kg */
     double inertia[3];             /* kg m2 about the axes of the frame */
     double inverse_inertia[3];     /* 1/(kg m2); 0: it does not turn about the axis (2D) */
