@@ -29,10 +29,12 @@ static gneiss_status check_shape(const check *section, const gn_scene *scene, si
     if (*shape->surface && shape->sphere_count)
         return gn_check_fail(section, "spheres",
                              "expected the number of spheres beside surface, found rows");
+    if (*shape->surface && !shape->fill)
+        return gn_check_fail(section, "spheres", "required beside surface, but not given");
     if (!*shape->surface && !shape->sphere_count)
         return gn_check_fail(section, "spheres",
-                             "expected rows of spheres, or a surface beside their number, found "
-                             "the number alone");
+                             "expected rows of spheres, or a surface beside their number, found %s",
+                             shape->fill ? "the number alone" : "none");
     if (!*shape->material && scene->material_count == 1)
         memcpy(shape->material, scene->materials[0].name, sizeof shape->material);
     return gn_check_material_name(section, scene, "material", shape->material);

@@ -6,7 +6,7 @@ static const gn_key shape_keys[] = {
          "name by which placed, filled and file refer to it"),
     ARRAY("spheres", PARTICLES, gn_clump_shape_def, spheres, sphere_count,
           .number = offsetof(gn_clump_shape_def, fill), .range = "[1, 10000]", .unit = "m",
-          PRESENT(ROWS, gn_clump_shape_def, sphere_count), .required = true,
+          PRESENT(ROWS, gn_clump_shape_def, sphere_count),
           .text = "rows [x, y, z, r] (2D: [x, y, r]) in the frame of the shape, which may overlap; "
                   "with surface: the number of spheres that fill it"),
     KEY("surface", FILE, gn_clump_shape_def, surface,
@@ -32,8 +32,7 @@ static const gn_key placed_keys[] = {
     VECTOR("velocity", gn_placed_clump_def, velocity, "m/s", GN_SPEEDS, BY("0"),
            "velocity of the centre at the start"),
     SPIN("spin", gn_placed_clump_def, spin, "rad/s", GN_SPINS,
-         PRESENT(BOOL, gn_placed_clump_def, has_spin),
-         "spin at the start; in 2D one number"),
+         PRESENT(BOOL, gn_placed_clump_def, has_spin), "spin at the start; in 2D one number"),
 };
 ELEMENTS_OF(placed, gn_placed_clump_def);
 
