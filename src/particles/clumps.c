@@ -119,7 +119,7 @@ gneiss_status gn_clumps_follow_rows(gn_dem *dem, gneiss_error *error) {
 
 /* --- motion of clumps --- */
 
-/* What the motion of all clumps has in common in a step. */
+/* Values of a step that all clumps share. */
 typedef struct step {
     const gn_step_context *ctx;
     gn_dem *dem;
