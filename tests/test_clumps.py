@@ -109,6 +109,50 @@ def a_free_body_of_spheres_has_the_mass_of_the_union(folder):
     assert abs(mass.sum() / (2500 * union) - 1) < 1e-10
 
 
+ALL = """dimension: 3
+specimen:
+  lattice: {kind: cubic, radius: 2 mm, cells: [6, 6, 3], origin: [-12 mm, -12 mm, 0]}
+  group: 1
+clumps:
+  shapes:
+    - {name: a, spheres: [[0, 0, 0, 2 mm], [2.4 mm, 0, 0, 1.6 mm], [0, 1.8 mm, 0.8 mm, 1.4 mm]]}
+    - {name: one, spheres: [[1, 0, 0, 2 mm]]}
+  filled:
+    - {shapes: [a, one], box: {min: [-12 mm, -12 mm, 13 mm], max: [12 mm, 12 mm, 40 mm]}, count: 30}
+materials:
+  - {name: m, density: 2500, contact_modulus: 5 MPa, kratio: 2, friction: 0.4, tensile_strength: 20 kPa, shear_strength: 20 kPa}
+law: {stiffness: arithmetic}
+bonds: {interaction_range: 0.01}
+gravity: [0, 0, -9.81]
+damping: {contact: {restitution: 0.6}, background: {model: nonviscous_component, coefficient: 0.05}}
+sources: [{name: s, box: {size: [20 mm, 20 mm, 5 mm]}, origin: [-10 mm, -10 mm, 45 mm], rate: 500, total: 20, mean_radius: 1.5 mm}]
+bodies:
+  - {name: b, box: {size: [6 mm, 6 mm, 6 mm]}, origin: [-3 mm, -3 mm, 55 mm], stiffness: 1e5, free: true, density: 8000}
+walls:
+  - {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5, kratio: 2, friction: 0.4}
+  - {name: w1, point: [-13 mm, 0, 0], normal: [1, 0, 0], stiffness: 1e5}
+  - {name: w2, point: [13 mm, 0, 0], normal: [-1, 0, 0], stiffness: 1e5}
+  - {name: w3, point: [0, -13 mm, 0], normal: [0, 1, 0], stiffness: 1e5}
+  - {name: w4, point: [0, 13 mm, 0], normal: [0, -1, 0], stiffness: 1e5}
+domain: {min: [-0.1, -0.1, -0.01], max: [0.1, 0.1, 0.3], lost: remove}
+stages: [{name: down, end: {time: 0.02}}, {name: aslant, gravity: [1, 0, -9.81], end: {time: 0.02}}]
+time: {end: 0.05}
+output: {history_rows: 50, snapshots: 2}
+"""
+
+
+@fact
+def beside_bonds_sources_bodies_and_stages_the_ledger_closes(folder):
+    path, whole, part = (os.path.join(folder, name) for name in ("all.yaml", "whole", "part"))
+    with open(path, "w") as file:
+        file.write(ALL)
+    run(path, whole, "--threads", "1")
+    assert abs(summary(whole)["energy_residual"]) < 1e-3
+    run(path, part, "--threads", "2", "--set", "time.end=0.045")
+    resume(part, "--threads", "1", "--set", "time.end=0.05")
+    assert state(part) == state(whole)
+
+
 @fact
 def bad_files_are_named_by_line(folder):
     for text, words in (("a 0 0\n", "clumps.txt:1:1: expected a name and 3, 7, 10 or 13"),

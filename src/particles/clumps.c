@@ -25,6 +25,11 @@ const gn_clump *gn_clump_of(const gn_dem *dem, size_t row) {
     return clump && clump[row] >= 0 ? &dem->clumps.clump[clump[row]] : NULL;
 }
 
+bool gn_clump_binds(const gn_dem *dem, int32_t i, int32_t j) {
+    const int32_t *clump = dem->particles.clump;
+    return clump && clump[i] >= 0 && clump[i] == clump[j];
+}
+
 /* Returns the row of a member, also between the removal of rows and the next lists. */
 static size_t row_of(const gn_dem *dem, size_t member) {
     return (size_t)dem->index_of_id[(size_t)dem->clumps.member[member].id];

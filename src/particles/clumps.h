@@ -85,6 +85,8 @@ void gn_clumps_leave_whole(const gn_dem *dem, int32_t *gone);
  * away: 0 if the clump was removed before. */
 double gn_clumps_remove(gn_dem *dem, size_t row);
 
+/* Tells whether two rows are members of one clump, which have no contact. */
+bool gn_clump_binds(const gn_dem *dem, int32_t i, int32_t j);
 /* Returns the clump of a row; NULL: none. */
 const gn_clump *gn_clump_of(const gn_dem *dem, size_t row);
 /* Returns the part of a clump's mass that outputs give to one of its rows, kg. */

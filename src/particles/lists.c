@@ -52,13 +52,13 @@ static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
 /* Removes pairs with a bond, pairs of one clump and, where elements convert, pairs of two dormant
  * particles: their bonds are stored, and their overlap is no contact. */
 static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs) {
-    const int32_t *clump = dem->particles.clump;
-    if (!dem->bonds.contacts.soa.count && !clump) return;
+    if (!dem->bonds.contacts.soa.count && !dem->clumps.count) return;
     size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (clump && clump[i] >= 0 && clump[i] == clump[j]) continue;
-        if (walk_to(&dem->bonds.contacts, &at, i, j) || gn_is_hidden_pair(ctx, dem, i, j)) continue;
+        if (walk_to(&dem->bonds.contacts, &at, i, j) || gn_is_hidden_pair(ctx, dem, i, j) ||
+            gn_clump_binds(dem, i, j))
+            continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }
