@@ -145,7 +145,15 @@ typedef struct step {
     bool space, measure, first, changed, damped;
 } step;
 
-/* Sums up the loads of the members, in their order, and leaves them without load and mass. */
+/* Leaves a member without load and mass, so that the kernel neither moves it nor counts it; blocks
+ * of members alone do not come to it. */
+static void disarm(gn_dem *dem, size_t row, double *load, int width) {
+    if (gn_clumps_fill(&dem->clumps, row / GN_PARTICLE_BLOCK)) return;
+    memset(load, 0, (size_t)width * sizeof *load);
+    dem->particles.vel[4 * row + 3] = dem->particles.spin[4 * row + 3] = 0.0;
+}
+
+/* Sums up the loads of the members, in their order. */
 static void take_loads(const step *s, const gn_clump *c, double force[3], double moment[3],
                        double stress[9]) {
     gn_dem *d = s->dem;
@@ -156,10 +164,8 @@ static void take_loads(const step *s, const gn_clump *c, double force[3], double
         const size_t row = (size_t)d->clumps.row[m];
         double *load = gn_hold_load(&d->hold, width, row), own[8] = {0}, arm[3], turning[3];
         memcpy(own, load, 4 * sizeof *own);
-        memset(load, 0, 4 * sizeof *load);
         if (s->space) {
             memcpy(own + 4, load + 4, 4 * sizeof *own);
-            memset(load + 4, 0, 4 * sizeof *load);
         } else {
             own[6] = own[2];
             own[2] = 0.0;
@@ -171,7 +177,7 @@ static void take_loads(const step *s, const gn_clump *c, double force[3], double
             sum[3 + a] += turning[a] + own[4 + a];
         }
         for (int k = 0; s->measure && k < 9; k++) stress[k] += arm[k / 3] * own[k % 3];
-        d->particles.vel[4 * row + 3] = d->particles.spin[4 * row + 3] = 0.0;
+        disarm(d, row, load, width);
     }
     memcpy(force, sum, 3 * sizeof *force);
     memcpy(moment, sum + 3, 3 * sizeof *moment);
