@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from program import *  # noqa: F403 (the module is made for that)
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from calibrate import output, readings, report, simulate, specimens, targets, uncertainty  # noqa: E402
+from calibrate import output, readings, report, simulate, specimens, strength, targets, uncertainty  # noqa: E402
 
 SPECIMEN = {"cylinder": {"diameter": "20 mm", "height": "40 mm"}, "particles": 250}
 KNOWN = {"contact_modulus": 14e9, "kratio": 5.0, "tensile_strength": 9e6, "shear_strength": 14e6}
@@ -464,6 +464,19 @@ def a_parameter_that_no_reading_determines_has_no_interval(_):
                              ([[0.0, 0.0], [0.0, 0.0]], [{"tension": 1.0}, {"chi": 1.0}])):
         found = uncertainty.undetermined(one, one, np.array(slopes))
         assert [sorted((name, round(change, 9)) for name, change in each.items()) for each in found] == [sorted(each.items()) for each in expected], (slopes, found)
+
+
+@plain_fact
+def a_parameter_at_an_end_of_its_range_is_named(_):
+    class Ended:
+        free, limits = ["tension", "chi", "bond_friction"], {"tension": (1e-6, 1e15), "chi": (0.3, 10.0), "bond_friction": (-1.5, 4.0)}
+        ends_at = strength.Search.ends_at
+
+    for chi, friction, notes in ((2.0, 0.5, []), (10.0, 0.5, ["the shear strength over the tensile strength of bonds is at the upper end of its range, 10"]),
+                                 (0.3, -1.5, ["the shear strength over the tensile strength of bonds is at the lower end of its range, 0.3",
+                                              "friction is at the lower end of its range, 0"])):
+        result = SimpleNamespace(search=Ended(), evaluation=SimpleNamespace(parameters={"tension": 1e6, "chi": chi, "bond_friction": friction}))
+        assert output.bound_notes(result) == [f"{note}: it counts as given" for note in notes], output.bound_notes(result)
 
 
 @plain_fact

@@ -294,6 +294,18 @@ def a_second_packing_comes_from_the_cache_with_the_same_bits(folder):
 
 
 @fact
+def what_is_split_of_a_mesh_is_said_of_a_packing_from_the_cache_too(folder):
+    corners = [(x, y, z) for z in (0, 0.02) for x, y in ((0, 0), (0.02, 0), (0.02, 0.02), (0, 0.02))]
+    nodes = "\n".join(f"{k + 1} {x} {y} {z}" for k, (x, y, z) in enumerate(corners))
+    with open(os.path.join(folder, "cube.msh"), "w", encoding="utf-8") as file:
+        file.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n{nodes}\n$EndNodes\n$Elements\n1\n1 5 2 0 1 1 2 3 4 5 6 7 8\n$EndElements\n")
+    scene = scene_of_specimen(folder, "mesh: cube.msh\n  particles: 40")
+    for out, source in (("one", "packed in"), ("two", "from the cache")):
+        _, done = pack(folder, scene, out=out)
+        assert source in done.stdout and "note: specimen: 1 hexahedra split into tetrahedra" in done.stderr, (done.stdout, done.stderr)
+
+
+@fact
 def a_damaged_cache_file_is_warned_of_and_replaced(folder):
     body = request(folder)
     one, _ = pack(folder, body)

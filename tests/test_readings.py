@@ -368,6 +368,21 @@ def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(fold
     assert abs(15 * found[15e-3] / (20 * found[20e-3]) - 1) < 1e-3, found
 
 
+@fact
+def the_strength_of_a_round_stone_is_said_to_be_that_of_the_body(folder):
+    """Its stress is the force over the mean section, and no modulus follows from it; a strip has no such warning."""
+    size = 20e-3
+    for specimen, warned in (({"disc": {"diameter": size}, "origin": [0, size / 2]}, True), ({"polygon": mirrored([(0, size / 4), (size, size / 4)])}, False)):
+        scene = pressed([], size, 200)
+        scene["specimen"] = {**specimen, "particles": 200, "packing": {"size_ratio": 2, "overlap": "passive"}}
+        out, _ = run_scene(folder, {**scene, "time": {"end": 2e-4}}, "--quiet", "--force")
+        assert summary(out)["readings"]["largest_stress"] > 0
+        said = warnings(out).get("uneven_section", "")
+        assert bool(re.search(r"stresses and strengths are forces over [\d.e-]+ m2, and the narrowest section across y has .* those of this body", said)) == warned, said
+    reported = expect(gneiss("check", write_scene(folder, {**scene, "specimen": {"disc": {"diameter": size}, "origin": [0, size / 2], "particles": 200}})), 0).stdout
+    assert re.search(r"section .* at the narrowest section: no modulus is read, stresses over", reported), reported
+
+
 @plain_fact
 def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
     """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. The specimen is compared with a strip
