@@ -89,7 +89,6 @@ int main(void) {
     }
     gneiss_world_free(world);
     gneiss_scene_free(scene);
-    if (status != GNEISS_OK)
-        fprintf(stderr, "%s: %s\n", gneiss_status_name(status), error.message);
+    if (status != GNEISS_OK) fprintf(stderr, "%s: %s\n", gneiss_status_name(status), error.message);
     return status;
 }

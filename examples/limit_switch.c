@@ -21,7 +21,8 @@ static const char block[] =
     "damping: {background: {model: nonviscous_component, coefficient: 0.3}}\n"
     "walls:\n"
     "- {name: bottom, point: [0, 0], normal: [0, 1], stiffness: 10 MN/m}\n"
-    "- {name: top, point: [0, 16 mm], normal: [0, -1], stiffness: 10 MN/m, motion: {vy: -0.1 m/s}}\n"
+    "- {name: top, point: [0, 16 mm], normal: [0, -1], stiffness: 10 MN/m, motion: {vy: -0.1 "
+    "m/s}}\n"
     "domain: {min: [-1, -1], max: [1, 1]}\n"
     "time: {end: 4 ms}\n"
     "output: {history_rows: 400}\n"
@@ -67,7 +68,8 @@ static gneiss_status push(gneiss_world *world, gneiss_error *error) {
     if (!velocity) return GNEISS_ERROR_MEMORY;
     for (int64_t k = 0; k < counts.particles; k++) velocity[3 * k + 1] = -0.05;
     if (status == GNEISS_OK)
-        status = gneiss_world_set_velocities(world, velocity, NULL, (size_t)counts.particles, error);
+        status =
+            gneiss_world_set_velocities(world, velocity, NULL, (size_t)counts.particles, error);
     free(velocity);
     return status;
 }
@@ -84,7 +86,8 @@ static gneiss_status press(gneiss_world *world, gneiss_error *error) {
     if (status != GNEISS_OK) return status;
     const double moved = last_of(world, "wall_top_displacement_y") - s.position;
     printf("moved by %.2g um after that; energy residual %.1e\n", 1e6 * moved, residual.value);
-    if (s.force > 0.0 && fabs(moved) < 1e-7 && fabs(residual.value) < 0.01) return GNEISS_OK;
+    /* The last row before the stop is up to 10 us old, in which the wall moves by 1 um. */
+    if (s.force > 0.0 && fabs(moved) < 1e-6 && fabs(residual.value) < 0.01) return GNEISS_OK;
     snprintf(error->message, sizeof error->message, "the switch did not stop the press");
     return GNEISS_ERROR_INTERNAL;
 }
@@ -100,7 +103,6 @@ int main(void) {
     if (status == GNEISS_OK) status = press(world, &error);
     gneiss_world_free(world);
     gneiss_scene_free(scene);
-    if (status != GNEISS_OK)
-        fprintf(stderr, "%s: %s\n", gneiss_status_name(status), error.message);
+    if (status != GNEISS_OK) fprintf(stderr, "%s: %s\n", gneiss_status_name(status), error.message);
     return status;
 }

@@ -756,8 +756,8 @@ def a_sieve_curve_comes_out_by_mass(folder):
 
 @fact
 def sieve_curves_that_are_none_are_refused(folder):
-    for packing, pattern in (({"sizes": "sieve"}, "specimen.packing.sizes: sieve: expected a sieve beside it, found none"),
-                             ({"sieve": [[0.1, 0], [1, 1]]}, "specimen.packing.sieve: expected sizes: sieve beside it"),
+    for packing, pattern in (({"sizes": "sieve"}, "specimen.packing.sizes: needs a key sieve with sizes and shares; found none"),
+                             ({"sieve": [[0.1, 0], [1, 1]]}, "specimen.packing.sieve: needs sizes: sieve"),
                              ({"sizes": "sieve", "sieve": [[0.5, 0], [0.4, 1]]}, "specimen.packing.sieve: expected increasing sizes"),
                              ({"sizes": "sieve", "sieve": [[0.5, 0.1], [1, 1]]}, r"specimen.packing.sieve: expected a first row \[size, 0\]"),
                              ({"sizes": "even"}, "specimen.packing.sizes: expected one of fitted, uniform, normal, sieve")):
@@ -770,7 +770,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
     for packing in ({"sizes": "uniform"}, {"sizes": "sieve", "sieve": [[0.5, 0], [1, 1]]}):
         scene = {"dimension": 2, "specimen": {"disc": {"diameter": 1}, "particles": 20, "packing": {**packing, "size_variation": 0.3}}}
         expect(gneiss("pack", write_scene(folder, scene), "--out", os.path.join(folder, "out")), 2,
-               r"scene.yaml:\d+:\d+: specimen.packing.size_variation: expected sizes: fitted or normal beside it, found " + packing["sizes"])
+               r"scene.yaml:\d+:\d+: specimen.packing.size_variation: needs sizes: fitted or normal; found " + packing["sizes"])
 
 
 @fact

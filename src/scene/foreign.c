@@ -4,11 +4,16 @@
 #include <string.h>
 #include <strings.h>
 
-#define PFC(name, key, value) {"PFC", name, key, value, "docs/tutorials/from-pfc.md"}
-#define YADE(name, key, value) {"YADE", name, key, value, "docs/tutorials/from-yade.md"}
-#define LAMMPS(name, key, value) {"LAMMPS", name, key, value, "docs/other-codes.md"}
-#define LIGGGHTS(name, key, value) {"LIGGGHTS", name, key, value, "docs/other-codes.md"}
-#define KRATOS(name, key, value) {"Kratos", name, key, value, "docs/other-codes.md"}
+#define PFC(name, key, value)                                                                      \
+    { "PFC", name, key, value, "docs/tutorials/from-pfc.md" }
+#define YADE(name, key, value)                                                                     \
+    { "YADE", name, key, value, "docs/tutorials/from-yade.md" }
+#define LAMMPS(name, key, value)                                                                   \
+    { "LAMMPS", name, key, value, "docs/other-codes.md" }
+#define LIGGGHTS(name, key, value)                                                                 \
+    { "LIGGGHTS", name, key, value, "docs/other-codes.md" }
+#define KRATOS(name, key, value)                                                                   \
+    { "Kratos", name, key, value, "docs/other-codes.md" }
 
 static const gn_foreign_name names[] = {
     PFC("kn", "materials[].normal_stiffness", "kn, with law.stiffness: uniform"),

@@ -347,10 +347,11 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, g
                        "pressures, each of which it takes in a run of its own, found none",
                        sweep->scene, list->key_where.line, list->key_where.column);
     if (pressures > 1)
-        return gn_fail(reader->error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: test.confinement: expected one membrane pressure, of the scene or "
-                       "of a stage, that takes each value of the list, found %zu",
-                       sweep->scene, list->key_where.line, list->key_where.column, pressures);
+        return gn_fail(
+            reader->error, GNEISS_ERROR_INPUT,
+            "%s:%d:%d: test.confinement: expected one membrane pressure, of the scene or "
+            "of a stage, that takes each value of the list, found %zu",
+            sweep->scene, list->key_where.line, list->key_where.column, pressures);
     return gn_parameter_read(reader, list, &none, parameter);
 }
 

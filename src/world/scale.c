@@ -229,8 +229,7 @@ static double size_of_scene(const gn_scene *scene) {
     return isfinite(longest) ? longest : 0.0;
 }
 
-void gn_scale_explain(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      gneiss_error *error) {
+void gn_scale_explain(const gn_step_context *ctx, const gn_solids *solids, gneiss_error *error) {
     char first[GNEISS_MESSAGE_SIZE];
     file_size f = {0};
     if (!error || !is_in_kilograms(&ctx->scene)) return;

@@ -3,6 +3,7 @@
 #define GN_WORLD_SCALE_H
 
 #include "frame/parts.h"
+#include "gneiss/status.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,7 +17,6 @@ bool gn_scale_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
 
 /* Appends the size of a large specimen or mesh from a file without a `scale` to the message of an
  * error that was found while the world was made, because the error may follow from it. */
-void gn_scale_explain(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      gneiss_error *error);
+void gn_scale_explain(const gn_step_context *ctx, const gn_solids *solids, gneiss_error *error);
 
 #endif
