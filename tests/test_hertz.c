@@ -730,7 +730,8 @@ static void keys_that_exclude_hertz_are_refused(void **state) {
             "s.yaml:7:88: walls[0].rolling_friction: expected none beside a material");
     refuses("law:", "contacts: [{between: [m, s], kratio: 2}]\nlaw:",
             "s.yaml:6:38: contacts[0].kratio: expected a value that this law.stiffness");
-    refuses("stiffness: hertz}", "stiffness: uniform, pull: false}", "law.pull: needs law.stiffness hertz");
+    refuses("stiffness: hertz}", "stiffness: uniform, pull: false}",
+            "law.pull: needs law.stiffness hertz");
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 

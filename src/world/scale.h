@@ -2,8 +2,8 @@
 #ifndef GN_WORLD_SCALE_H
 #define GN_WORLD_SCALE_H
 
+#include "base/error.h"
 #include "frame/parts.h"
-#include "gneiss/status.h"
 
 #include <stdbool.h>
 #include <stddef.h>
