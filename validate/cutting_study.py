@@ -128,14 +128,14 @@ def chisel(depth):
     return scene
 
 
-def in_space(kind, size=(130, 170, 100), cells=10, width=15, stress=24):
+def in_space(kind, size=(130, 230, 120), cells=10, width=15, stress=27):
     """Scene of a disc of 120 mm in a body of length, width and height, mm: 'particles', 'fixed' (particles 55 mm deep, and a zone of a width) or
     'adaptive' (elements of 10 mm that convert at a stress, MPa, or within 6 mm of the disc)."""
     scene = scene_of("coupled")
     length, across, high = size
     deep = 55 + width if kind == "fixed" else high
     scene["specimen"] |= {"box": {"size": [f"{length} mm", f"{across} mm", f"{deep} mm"]}, "origin": ["0 mm", f"{-across / 2} mm", f"{-deep} mm"],
-                          "mean_radius": "2.5 mm", "packing": {"size_variation": 0.1, "overlap": "passive"}}
+                          "mean_radius": "2.5 mm", "packing": {"size_ratio": 2, "overlap": "passive"}}
     low = high - 55 if kind == "fixed" else high
     scene["elements"]["box"] = {"size": [f"{length} mm", f"{across} mm", f"{low} mm"], "cells": [round(length / cells), round(across / cells), round(low / cells)],
                                 "origin": ["0 mm", f"{-across / 2} mm", f"{-high} mm"]}
@@ -147,7 +147,7 @@ def in_space(kind, size=(130, 170, 100), cells=10, width=15, stress=24):
         scene["couple"] = {"convert": {"width": f"{width} mm", "bodies": "6 mm", "stress": f"{stress} MPa", "every": 50}}
     if kind != "adaptive":
         scene["sets"] = [{"name": name, "select": {"end": {"axis": axis, "side": side, "depth": "5 mm", "by": "centre"}}, "motion": {"vx": 0, "vy": 0, "vz": 0}}
-                         for name, axis, side in (("right", "y", "lower"), ("left", "y", "upper"), ("base", "z", "lower"))][:2 if kind == "fixed" else 3]
+                         for name, axis, side in (("lower side", "y", "lower"), ("upper side", "y", "upper"), ("lower end", "z", "lower"))][:2 if kind == "fixed" else 3]
     for motion in scene["elements"]["motions"]:
         motion["motion"] = {"vx": 0, "vy": 0, "vz": 0}
     if kind == "particles":
@@ -162,7 +162,7 @@ def full_size():
     scene["elements"]["box"] = {"size": ["400 mm", "150 mm", "360 mm"], "cells": [20, 8, 18], "origin": ["0 mm", "-75 mm", "-400 mm"]}
     scene["couple"] = {"zones": [{"edges": [{"from": [0, 0, "-40 mm"], "to": [0, 0, "-60 mm"]}]}]}
     scene["sets"] = [{"name": side, "select": {"end": {"axis": "y", "side": end, "depth": "5 mm", "by": "centre"}}, "motion": {"vy": 0}}
-                     for side, end in (("right", "lower"), ("left", "upper"))]
+                     for side, end in (("beside right", "lower"), ("beside left", "upper"))]
     scene["test"] |= {"compressive_strength": "147.3 MPa", "tensile_strength": "10.2 MPa"}
     return scene
 
@@ -229,13 +229,13 @@ def coupled():
              "zone-6": ("adaptive", {"width": 6}), "zone-18": ("adaptive", {"width": 18}), "limit-6.4": ("adaptive", {"stress": 6.4}),
              "limit-9.6": ("adaptive", {"stress": 9.6}), "fixed-6": ("fixed", {"width": 6}), "fixed-18": ("fixed", {"width": 18})}
     found = {f"plane-{name}-seed-{seed}": {"scene": plane(kind, **keys), "run.seed": seed} for name, (kind, keys) in cases.items() for seed in (1, 2, 3)}
-    small = cut("120", 10, (130, 170, 100), 2.5, 16, 35)
+    small = cut("120", 10, (130, 230, 120), 2.5, 16, 35)
     drop = {key for key in small if key.startswith("specimen.")}
     found |= {f"space-{kind}": {"scene": in_space(kind), **{key: value for key, value in small.items() if key not in drop}, "run.seed": 1}
               for kind in ("adaptive", "fixed", "particles")}
     reach = ahead("19", 3.9)
-    found["full"] = {"scene": full_size(), **disc("19", 3.9), "bodies.disc.motion.vx": "2.37 m/s", "test.depth": "3.9 mm", "test.spacing": "150 mm",
-                     "test.run_in": f"{reach + 101} mm", "test.length": "150 mm", "time.end": "200 ms", "run.seed": 1}
+    found["full"] = {"scene": full_size(), **disc("19", 3.9), "bodies.disc.motion.vx": "8 m/s", "test.depth": "3.9 mm", "test.spacing": "150 mm",
+                     "test.run_in": f"{reach + 101} mm", "test.length": "150 mm", "time.end": "60 ms", "run.seed": 1}
     return found
 
 
