@@ -10,6 +10,7 @@ rock is that of the scenes. Cuts in space are scenes/cutting-disc.yaml with othe
 scenes/cutting-relieved.yaml, cuts in the plane those of scenes/cutting-adaptive.yaml. A run counts once: a folder with a finished
 summary.json is not computed again."""
 import argparse
+import functools
 import json
 import math
 import os
@@ -88,9 +89,14 @@ def stronger(factor):
 # --- scenes that are more than overrides ---
 
 
-def scene_of(name):
+@functools.cache
+def text_of(name):
     with open(os.path.join(SCENES, f"cutting-{name}.yaml")) as file:
-        return yaml.safe_load(file)
+        return json.dumps(yaml.safe_load(file))
+
+
+def scene_of(name):
+    return json.loads(text_of(name))
 
 
 def plane(kind, depth=5, speed=3, length=280, height=160, size=4, width=12, stress=8):
@@ -241,8 +247,7 @@ def coupled():
 
 def runs(place):
     """{name: overrides}, in the order of importance."""
-    found = {f"rock-{name}": {"calibrate": file} for name, (_, _, file) in ROCKS.items() if file}
-    found |= published(place) | trends() | relieved() | coupled() | depths()
+    found = published(place) | trends() | relieved() | coupled() | depths()
     contacts = {**cut("17", 3.9, (130, 150, 60), 2.55, 8, 15, **SIDES, **MOMENTS, **rock(place, "first")), "run.seed": 1}
     return found | {"moments-17-seed-1": contacts}
 
@@ -256,20 +261,19 @@ def finished(folder):
     return summary if summary["finished"] else None
 
 
-def calibrate(program, folder, name):
-    if not os.path.exists(os.path.join(folder, "calibration.json")):
-        subprocess.run([program, "calibrate", os.path.join(HERE, "references", f"{name}.yaml"), "--out", folder, "--threads", "1"], check=False)
+def calibrate(program, place, only):
+    for name, (_, _, file) in ROCKS.items():
+        folder = os.path.join(place, f"rock-{name}")
+        if file and f"rock-{name}".startswith(only) and not os.path.exists(os.path.join(folder, "calibration.json")):
+            subprocess.run([program, "calibrate", os.path.join(HERE, "references", f"{file}.yaml"), "--out", folder, "--threads", "1"], check=False)
 
 
 def compute(program, place, only):
     os.makedirs(place, exist_ok=True)
-    for name in list(runs(place)):
-        keys = runs(place)[name]  # a calibration above may have changed them
+    calibrate(program, place, only)
+    for name, keys in runs(place).items():
         folder = os.path.join(place, name)
-        if not name.startswith(tuple(only) or "") or finished(folder):
-            continue
-        if "calibrate" in keys:
-            calibrate(program, folder, keys["calibrate"])
+        if not name.startswith(only) or finished(folder):
             continue
         scene = os.path.join(SCENES, f"cutting-{keys.pop('from', 'disc')}.yaml")
         if "scene" in keys:
@@ -285,7 +289,8 @@ def compute(program, place, only):
 
 def readings(place, start):
     """[n] summaries of the finished runs of a case, by packing."""
-    found = [(name, finished(os.path.join(place, name))) for name in runs(place) if name == start or name.startswith(f"{start}-seed-")]
+    names = [name for name in sorted(os.listdir(place)) if name == start or name.startswith(f"{start}-seed-")]
+    found = [(name, finished(os.path.join(place, name))) for name in names]
     return [s | {"folder": os.path.join(place, name)} for name, s in found if s and s["readings"]["normal_force"] is not None]
 
 
@@ -326,7 +331,7 @@ def row(place, label, start):
     angle = np.degrees(np.arctan(c["cutting_coefficient"]))
     return (f"| {label} | {c['count']} | {spread(c['normal_force'])} | {spread(c['rolling_force'], 1)} | {spread(c['cutting_coefficient'], 3)} "
             f"| {angle.mean():.2f} | {c['predicted_coefficient'].mean():.3f} | {spread(c['centre'], 2)} "
-            f"| {spread(c['predicted_normal_force'])}, {spread(c['predicted_rolling_force'], 1)} | {spread(c['specific_energy_removed'], 1)} "
+            f"| {c['predicted_normal_force'].mean():.0f}, {c['predicted_rolling_force'].mean():.1f} | {spread(c['specific_energy_removed'], 1)} "
             f"| {spread(c['damage_depth'])} | {c['cpu'].sum():.0f} |")
 
 
@@ -443,12 +448,12 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("place")
-    parser.add_argument("--only", default=[], nargs="+", metavar="NAME", help="runs whose name begins so")
+    parser.add_argument("--only", default=[""], nargs="+", metavar="NAME", help="runs whose name begins so")
     parser.add_argument("--tables", action="store_true", help="no runs")
     parser.add_argument("--picture", metavar="FILE", help="write forces over depth as an image")
     asked = parser.parse_args()
     if not asked.tables:
-        compute(os.path.abspath(asked.program), asked.place, asked.only)
+        compute(os.path.abspath(asked.program), asked.place, tuple(asked.only))
     tables(asked.place)
     if asked.picture:
         picture(asked.place, asked.picture)
