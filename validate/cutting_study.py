@@ -31,7 +31,7 @@ MOMENTS = {"materials.rock.contact_modulus": "37.2 GPa", "materials.rock.kratio"
            "materials.rock.shear_strength": "35.5 MPa", "materials.rock.bond_friction": 0.5, "bonds.radius_multiplier": 1, "bonds.moment_share": 0}
 # Rings in mm: diameter, width of the tip, radius of its edges, angle of the bevel in degrees. The published 17 inch ring has at a depth of
 # 3.9 mm an immersed section that is 75 % larger than that of the bevelled one of 19 inch: with these profiles 73 %.
-RINGS = {"17": (431.8, 12.7, 3, 180), "19": (482.6, 16, 0, 120), "17-flat": (431.8, 19, 3, 180), "19-flat": (482.6, 19, 3, 180),
+RINGS = {"17": (431.8, 12.7, 3, 180), "19": (482.6, 16, 0, 120), "17-flat": (431.8, 19, 3, 180), "19-flat": (482.6, 19, 3, 180), "17-round": (431.8, 19, 9, 180),
          "250": (250, 12.5, 3, 180), "432": (432, 12.5, 3, 180), "483": (482.6, 12.5, 3, 180), "120": (120, 12.5, 3, 180)}
 SIDES = {"sets.right.motion": "{vy: 0}", "sets.left.motion": "{vy: 0}"}  # held across the cut alone
 
@@ -185,6 +185,10 @@ def published(place):
             for ring in rings:
                 sides = {} if stone == "beishan" else SIDES
                 found[f"published-{stone}-{ring}-seed-{seed}"] = cut(ring, depth, (130, 150, 60), 2.55, 8, 15, **sides, **contacts, **{"run.seed": seed})
+            if stone == "beishan":  # a round edge, and smaller particles around the path
+                found[f"published-beishan-17-round-seed-{seed}"] = cut("17-round", depth, (130, 150, 60), 2.55, 8, 15, **contacts, **{"run.seed": seed})
+                found[f"published-beishan-17-fine-seed-{seed}"] = found[f"published-beishan-17-flat-seed-{seed}"] | {
+                    "specimen.packing.refine": "[{from: [0 mm, -16 mm, -8 mm], to: [130 mm, 16 mm, 0 mm], size: 0.5, distance: 8 mm}]"}
     return found
 
 
@@ -379,11 +383,11 @@ def beside_base(place, labels):
 def beishan(place):
     print("\n| Beishan | mean normal, side, rolling, kN | peaks |\n| --- | --- | --- |")
     print("| measured | 163.2, 13.4, 19.4 | 417, 50, 65 |")
-    for ring in ("17-flat", "19-flat"):
+    for ring in ("17-flat", "19-flat", "17-round", "17-fine"):
         c = columns(place, f"published-beishan-{ring}")
         if c["count"]:
             parts = [", ".join(spread(np.abs(c[f"{kind}{name}_force"]), 1) for name in ("normal", "side", "rolling")) for kind in ("", "peak_")]
-            print(f"| {ring[:2]} inch | {parts[0]} | {parts[1]} |")
+            print(f"| {ring} | {parts[0]} | {parts[1]} |")
 
 
 def relieved_table(place):
@@ -400,7 +404,7 @@ def relieved_table(place):
 def tables(place):
     inches = {"19": "19 inch", "17": "17 inch"}
     table(place, "Published", {f"{stone} rock, {text}": f"published-{stone}-{ring}" for stone in ("first", "second") for ring, text in inches.items()}
-          | {f"Beishan, {text}": f"published-beishan-{ring}-flat" for ring, text in inches.items()}
+          | {f"Beishan, {ring}": f"published-beishan-{ring}" for ring in ("19-flat", "17-flat", "17-round", "17-fine")}
           | {"published size, 19 inch": "full", "first rock with moments, 17 inch": "moments-17"})
     beishan(place)
     labels = {"base": "trend-base", **{f"strengths times {f}": f"trend-strength-{f}" for f in (0.5, 0.7, 1.4)}, "friction 0.1": "trend-friction-0.1",
