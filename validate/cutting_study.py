@@ -25,7 +25,7 @@ SCENES = os.path.join(HERE, os.pardir, "scenes")
 QUIET = {"output.snapshots": 0, "output.history_rows": 1000, "run.threads": 1}
 # Strengths in compression and tension, MPa, and the file from which the contacts of a rock are calibrated.
 ROCKS = {"first": (147.3, 10.2, None), "second": (102.6, 11.5, "disc-cutting-rock-second"), "beishan": (169.5, 13, "beishan-granite"),
-         "second-moments": (102.6, 11.5, "disc-cutting-rock-second-moments")}
+         "second-moments": (102.6, 11.5, "disc-cutting-rock-second-moments"), "beishan-moments": (169.5, 13, "beishan-granite-moments")}
 # Contacts with moments that have all strengths of the first rock (validate/references/disc-cutting-rock-moments.yaml).
 MOMENTS = {"materials.rock.contact_modulus": "37.2 GPa", "materials.rock.kratio": 8.52, "materials.rock.tensile_strength": "11.25 MPa",
            "materials.rock.shear_strength": "35.5 MPa", "materials.rock.bond_friction": 0.5, "bonds.radius_multiplier": 1, "bonds.moment_share": 0}
@@ -252,8 +252,10 @@ def coupled():
 def runs(place):
     """{name: overrides}, in the order of importance."""
     found = published(place) | trends() | relieved() | coupled() | depths()
-    contacts = {**cut("17", 3.9, (130, 150, 60), 2.55, 8, 15, **SIDES, **MOMENTS, **rock(place, "first")), "run.seed": 1}
-    return found | {"moments-17-seed-1": contacts}
+    contacts = rock(place, "beishan-moments")
+    if contacts is not None:
+        found["moments-beishan-seed-1"] = cut("17-flat", 4, (130, 150, 60), 2.55, 8, 15, **contacts, **{"run.seed": 1})
+    return found | {"moments-first-seed-1": cut("17", 3.9, (130, 150, 60), 2.55, 8, 15, **SIDES, **MOMENTS, **rock(place, "first"), **{"run.seed": 1})}
 
 
 def finished(folder):
@@ -383,8 +385,8 @@ def beside_base(place, labels):
 def beishan(place):
     print("\n| Beishan | mean normal, side, rolling, kN | peaks |\n| --- | --- | --- |")
     print("| measured | 163.2, 13.4, 19.4 | 417, 50, 65 |")
-    for ring in ("17-flat", "19-flat", "17-round", "17-fine"):
-        c = columns(place, f"published-beishan-{ring}")
+    for ring in ("17-flat", "19-flat", "17-round", "17-fine", "moments"):
+        c = columns(place, "moments-beishan" if ring == "moments" else f"published-beishan-{ring}")
         if c["count"]:
             parts = [", ".join(spread(np.abs(c[f"{kind}{name}_force"]), 1) for name in ("normal", "side", "rolling")) for kind in ("", "peak_")]
             print(f"| {ring} | {parts[0]} | {parts[1]} |")
@@ -405,7 +407,7 @@ def tables(place):
     inches = {"19": "19 inch", "17": "17 inch"}
     table(place, "Published", {f"{stone} rock, {text}": f"published-{stone}-{ring}" for stone in ("first", "second") for ring, text in inches.items()}
           | {f"Beishan, {ring}": f"published-beishan-{ring}" for ring in ("19-flat", "17-flat", "17-round", "17-fine")}
-          | {"published size, 19 inch": "full", "first rock with moments, 17 inch": "moments-17"})
+          | {"published size, 19 inch": "full", "first rock with moments, 17 inch": "moments-first", "Beishan with moments, 17 inch": "moments-beishan"})
     beishan(place)
     labels = {"base": "trend-base", **{f"strengths times {f}": f"trend-strength-{f}" for f in (0.5, 0.7, 1.4)}, "friction 0.1": "trend-friction-0.1",
               "friction 0.5": "trend-friction-0.5", "8 m/s": "trend-speed-8", "4 m/s": "trend-speed-4", "facets halved": "trend-facets",
