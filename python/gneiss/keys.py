@@ -684,7 +684,7 @@ class Test(TypedDict, total=False):
     compressive_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: uniaxial strength of the rock, used for predicted forces only (default none)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, used for predicted forces only (default none)
     pressure_exponent: Number  # number, in [-0.2, 0.2]: cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp to -0.2 of wide tips (default 0)
-    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock (default auto)
+    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock, or comes near held particles (default auto)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area of the section of the specimen; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
     diameter: Number  # number, m, in [1e-9, 1e9], or none: diameter of a cylinder; brazilian: of the disc, none: its extent along the axis (default none)
     thickness: Number  # number, m, in [1e-9, 1e9], or auto: thickness of the disc of a brazilian test, or of the beam of a bending test; auto: its extent, in 2D 1 m (default auto)

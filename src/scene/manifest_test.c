@@ -71,7 +71,7 @@ static const gn_key test_keys[] = {
     REAL("length", gn_scene, test.given.length, "m", GN_LENGTHS, OR("auto", 0),
          "length of the specimen; auto: its extent along the axis, in shear the free distance "
          "between the ends along the normal; cutting: path of the means, auto: until the tool "
-         "leaves the rock"),
+         "leaves the rock, or comes near held particles"),
     REAL("area", gn_scene, test.given.area, "m2", GN_AREAS, OR("auto", 0),
          "area of the section of the specimen; auto: from the diameter, else the specimen's volume "
          "over the length "
