@@ -77,7 +77,6 @@ static double by_ends(const gn_world *world) {
 
 static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool over) {
     const gn_test *t = &world->ctx.scene.test;
-    const double *g = world->ctx.scene.gravity;
     const gn_fragments pieces = gn_dem_fragments(&world->ctx, &world->dem);
     return (gn_tested){
         .kind = t->kind,
@@ -87,7 +86,7 @@ static gn_tested tested_of(const gn_world *world, const gn_history *rows, bool o
         .notched = t->given.notch > 0.0,
         .by_ends = by_ends(world),
         .by_mean = gn_section_by_mean(&world->ctx, &world->dem, &world->solids, &world->section),
-        .under_gravity = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+        .under_gravity = gn_scene_has_gravity(&world->ctx.scene),
         .conversion_halted = !over && world->outcome.halt[0],
         .fragments = pieces.count,
         .largest_fragment = pieces.largest,

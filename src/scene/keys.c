@@ -60,7 +60,11 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
         return;
     case GN_KEY_VECTOR:
         describe_numbers(text, size,
-                         key->shape_dimension == 3 ? "[x, y, z]" : "[x, y, z], in 2D [x, y]", key);
+                         key->second
+                             ? "[x, y, z], in 2D [x, y], of numbers, formulas of t or tables"
+                         : key->shape_dimension == 3 ? "[x, y, z]"
+                                                     : "[x, y, z], in 2D [x, y]",
+                         key);
         return;
     case GN_KEY_SPIN:
         describe_numbers(text, size, "[x, y, z], in 2D a number", key);
@@ -69,7 +73,7 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
         describe_numbers(text, size, "[x, y, z], in 2D [x, y]", key);
         return;
     case GN_KEY_TABLE:
-        describe_numbers(text, size, "number or table [[time, value], ...]", key);
+        describe_numbers(text, size, "number, formula of t or table [[time, value], ...]", key);
         return;
     case GN_KEY_IDS:
         describe_numbers(text, size, "list of whole numbers", key);

@@ -1,3 +1,4 @@
+#include "scene/formula.h"
 #include "scene/manifest.h"
 #include "scene/tree.h"
 
@@ -30,7 +31,9 @@ static void write_text(FILE *out, const char *text) {
 }
 
 static void write_table(FILE *out, const gn_key *key, const gn_table *table) {
-    if (table->count == 0) {
+    if (table->formula) {
+        write_text(out, gn_formula_text(table->formula));
+    } else if (table->count == 0) {
         fputs(key->word ? key->word : "[]", out);
     } else if (table->count == 1 && table->time[0] == 0 && !signbit(table->time[0])) {
         write_number(out, table->value[0]);
@@ -39,6 +42,19 @@ static void write_table(FILE *out, const gn_key *key, const gn_table *table) {
             fprintf(out, "%s[%.17g, %.17g]", k ? ", " : "[", table->time[k], table->value[k]);
         fputc(']', out);
     }
+}
+
+/* Writes a vector whose components may vary over time. */
+static void write_varying(FILE *out, const gn_key *key, const double *value,
+                          const gn_table over_time[3]) {
+    for (int a = 0; a < 3; a++) {
+        fputs(a ? ", " : "[", out);
+        if (over_time[a].count)
+            write_table(out, key, &over_time[a]);
+        else
+            write_number(out, value[a]);
+    }
+    fputc(']', out);
 }
 
 static void write_integers(FILE *out, const int64_t *values, size_t count) {
@@ -156,6 +172,11 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
         fputs(gn_choice_name(key->choices, gn_choice_load(key, at)), out);
         break;
     case GN_KEY_VECTOR:
+        if (key->second) {
+            write_varying(out, key, (const double *)at, (const gn_table *)(base + key->second));
+            break;
+        }
+        /* fall through */
     case GN_KEY_SPIN:
         write_numbers(out, (const double *)at, 3);
         break;
