@@ -172,10 +172,12 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         if (rows) part->columns[c].value += begin;
         if (!rows || !counts_from_start(all->columns[c].name)) continue;
         const double *from = part->columns[c].value;
-        const bool volume = gn_scene_test(&run->world.ctx.scene)->isotropic &&
-                            strcmp(all->columns[c].name, "strain") == 0;
-        const double left =
-            volume ? 1.0 - from[0] : 1.0; /* remaining volume, to which a loss is relative */
+        const gn_test_descriptor *d = gn_scene_test(&run->world.ctx.scene);
+        const bool relative =
+            ((d->isotropic || d->enclosed) && strcmp(all->columns[c].name, "strain") == 0) ||
+            (d->enclosed && strcmp(all->columns[c].name, "volumetric_strain") == 0);
+        /* The remaining volume or length, to which a loss is relative. */
+        const double left = relative ? 1.0 - from[0] : 1.0;
         for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;
         part->columns[c].value = values;
         values += rows;

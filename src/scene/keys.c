@@ -37,6 +37,12 @@ static void describe_choices(char *text, size_t size, const gn_key *key) {
     }
 }
 
+static const char *vector_text(const gn_key *key) {
+    return key->second ? "[x, y, z], in 2D [x, y], of numbers, formulas of t or tables"
+           : key->shape_dimension == 3 ? "[x, y, z]"
+                                       : "[x, y, z], in 2D [x, y]";
+}
+
 void gn_key_describe(const gn_key *key, char *text, size_t size) {
     switch (key->type) {
     case GN_KEY_REAL:
@@ -59,12 +65,7 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
         describe_choices(text, size, key);
         return;
     case GN_KEY_VECTOR:
-        describe_numbers(text, size,
-                         key->second
-                             ? "[x, y, z], in 2D [x, y], of numbers, formulas of t or tables"
-                         : key->shape_dimension == 3 ? "[x, y, z]"
-                                                     : "[x, y, z], in 2D [x, y]",
-                         key);
+        describe_numbers(text, size, vector_text(key), key);
         return;
     case GN_KEY_SPIN:
         describe_numbers(text, size, "[x, y, z], in 2D a number", key);

@@ -29,7 +29,8 @@
 #define GN_PRESSURES     "[0, 1e18]"     /* Pa */
 
 /* Words that several tables use. */
-extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[];
+extern const gn_choice gn_booleans[], gn_switches[], gn_axes[], gn_axes_or_none[],
+    gn_held_stresses[];
 
 /* A key TYPE called NAME for the member FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \

@@ -287,6 +287,7 @@ typedef struct gn_servo {
     bool active;
     gn_table force;      /* target normal force, compression positive, N; or */
     gn_table stress;     /* Pa, target stress on the area */
+    bool of_mean;        /* `stress` is the target of the mean of the stresses along all axes */
     double area;         /* m2 (2D: m x 1 m); 0: the section between walls that face each other */
     double max_velocity; /* m/s */
     double relaxation;   /* share of the force error that is corrected per step, (0, 1] */

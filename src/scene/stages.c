@@ -311,6 +311,7 @@ static void drop_box_alternative(gn_node *base, const gn_node *over) {
     if (stress && !rate) drop(base, "rate");
     if (stress || !rate) return;
     drop(base, "stress");
+    drop(base, "stress_of");
     drop(base, "max_rate");
     drop(base, "relaxation");
 }
@@ -320,6 +321,7 @@ static void drop_servo_alternative(gn_node *base, const gn_node *over) {
     if (stress && !force) drop(base, "force");
     if (stress || !force) return;
     drop(base, "stress");
+    drop(base, "stress_of");
     drop(base, "area");
 }
 

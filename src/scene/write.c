@@ -44,12 +44,13 @@ static void write_table(FILE *out, const gn_key *key, const gn_table *table) {
     }
 }
 
-/* Writes a vector whose components may vary over time. */
-static void write_varying(FILE *out, const gn_key *key, const double *value,
-                          const gn_table over_time[3]) {
+/* Writes a vector, whose components may vary over time. */
+static void write_vector(FILE *out, const gn_key *key, const char *base) {
+    const double *value = (const double *)(const void *)(base + key->offset);
+    const gn_table *over_time = (const gn_table *)(const void *)(base + key->second);
     for (int a = 0; a < 3; a++) {
         fputs(a ? ", " : "[", out);
-        if (over_time[a].count)
+        if (key->second && over_time[a].count)
             write_table(out, key, &over_time[a]);
         else
             write_number(out, value[a]);
@@ -172,11 +173,8 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
         fputs(gn_choice_name(key->choices, gn_choice_load(key, at)), out);
         break;
     case GN_KEY_VECTOR:
-        if (key->second) {
-            write_varying(out, key, (const double *)at, (const gn_table *)(base + key->second));
-            break;
-        }
-        /* fall through */
+        write_vector(out, key, base);
+        break;
     case GN_KEY_SPIN:
         write_numbers(out, (const double *)at, 3);
         break;

@@ -24,6 +24,7 @@ static void read_polyaxial(const gn_curves *curves, gn_readings *readings) {
         sum += stress;
     }
     readings->friction_angle = asin((most - least) / (most + least)) * 180.0 / M_PI;
+    gn_need_no_cohesion(curves, readings);
     if (!(least > 0.0))
         gn_reading_absent(readings, GN_READING_friction_angle,
                           "a principal stress is not compressive at the largest deviator");
