@@ -120,6 +120,20 @@ static void the_integral_of_a_formula_is_that_of_mathematics(void **state) {
     world_end(w);
 }
 
+/* Checks see motions by samples, of which there are 1024 in the time of the scene. */
+static void an_oscillation_with_the_frequency_of_the_samples_is_a_motion(void **state) {
+    (void)state;
+    gn_world *w = changed("vz: 0", "vz: 0.01*sin(2*pi*10240*t)");
+    const gn_table *t = &w->ctx.scene.walls[0].motion.velocity[2];
+    double most = 0.0;
+    for (size_t k = 1; k < t->count; k++) {
+        assert_true(t->time[k] > t->time[k - 1]);
+        most = fmax(most, fabs(t->value[k]));
+    }
+    assert_true(most > 0.0099 && t->time[0] == 0.0 && t->time[t->count - 1] == 0.1);
+    world_end(w);
+}
+
 /* --- loads --- */
 
 /* Free fall in g sin(w t): v = g/w (1 - cos w t), x = g/w (t - sin(w t)/w). The error of leap-frog
@@ -310,6 +324,7 @@ int main(void) {
         cmocka_unit_test(a_formula_is_evaluated_where_a_table_is),
         cmocka_unit_test(the_path_of_a_cosine_is_the_sine_to_second_order),
         cmocka_unit_test(the_integral_of_a_formula_is_that_of_mathematics),
+        cmocka_unit_test(an_oscillation_with_the_frequency_of_the_samples_is_a_motion),
         cmocka_unit_test(free_fall_in_an_oscillating_gravity_has_the_closed_form),
         cmocka_unit_test(a_sinusoidal_force_on_a_spring_has_the_closed_form),
         cmocka_unit_test(a_table_and_a_formula_push_sets_and_bodies_alike),

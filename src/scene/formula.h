@@ -11,8 +11,8 @@
 
 typedef struct gn_formula gn_formula;
 
-/* Number of points, from 0 to the end of the scene, at which a formula is sampled when it is read;
- * bounds and checks that know tables only use these samples. */
+/* Number of points, from 0 to the end of the scene, at which a formula is sampled when it is read:
+ * bounds, and checks that only know tables, use these samples. */
 enum { GN_FORMULA_POINTS = 1025 };
 
 /* Tells whether a text is meant as a formula: the name t stands in it by itself. */

@@ -235,13 +235,16 @@ static gneiss_status read_table_row(gn_reader *reader, const gn_key *key, const 
     return GNEISS_OK;
 }
 
-/* Samples a formula from 0 to the end of the scene. Values that are not finite count as 0 here:
- * whether they occur is known when they are needed. */
+/* Samples a formula from 0 to the end of the scene, at uneven distances, so that an oscillation of
+ * any frequency is seen. Values that are not finite count as 0 here: whether they occur is known
+ * when they are needed. */
 static gneiss_status sample(const gn_reader *reader, const gn_key *key, const gn_node *node,
                             gn_table *table) {
     const double end = reader->end > 0.0 ? reader->end : 1.0;
     for (size_t k = 0; k < table->count; k++) {
-        table->time[k] = end * (double)k / (double)(table->count - 1);
+        const double golden = 0.61803398874989485 * (double)k, last = (double)(table->count - 1),
+                     uneven = (double)k < last ? 0.5 * (golden - floor(golden)) : 0.0;
+        table->time[k] = end * ((double)k + uneven) / last;
         table->value[k] = gn_formula_at(table->formula, table->time[k]);
         if (!key->range || gn_range_holds(key->range, table->value[k])) continue;
         char reason[96];

@@ -532,7 +532,9 @@ double gn_table_at(const gn_table *table, double time) {
 /* Integrates a formula on intervals of at most the distance of its samples. */
 static double formula_between(const gn_table *table, double from, double to) {
     static const double place[3] = {-0.77459666924148337704, 0.0, 0.77459666924148337704};
-    const double most = 4.0 * GN_FORMULA_POINTS, spacing = table->time[1] - table->time[0];
+    const double most = 4.0 * GN_FORMULA_POINTS,
+                 spacing =
+                     (table->time[table->count - 1] - table->time[0]) / (double)(table->count - 1);
     const double parts = fmin(fmax(ceil((to - from) / spacing), 1.0), most);
     const double half = 0.5 * (to - from) / parts;
     double sum = 0.0;
