@@ -10,7 +10,7 @@ ninja=/usr/bin/ninja
 # The one list of Debian 12 packages. Every command needs `build`; `test`, `check` and `bench` add theirs.
 packages_build=(
     meson ninja-build gcc g++ libc6-dev pkg-config
-    libfyaml-dev libudunits2-dev libhdf5-dev libqhull-dev libcmocka-dev
+    libfyaml-dev libudunits2-dev libhdf5-dev libqhull-dev libmuparser-dev libcmocka-dev
     python3 python3-numpy python3-h5py python3-matplotlib
 )
 packages_calibrate=(python3-scipy python3-yaml) # of `gneiss calibrate` alone

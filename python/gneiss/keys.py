@@ -12,7 +12,8 @@ from typing import Any, Literal, TypedDict, Union
 Number = Union[float, str]  # in SI, or a text with a unit
 Vector = Sequence[Number]
 Rows = Any  # rows of numbers, also as an array of numpy, or their number
-Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, or [[time, value], ...]
+Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, [[time, value], ...], or a formula of t in a text
+Tables = Sequence[Table]
 
 
 class Scene(TypedDict, total=False):
@@ -27,7 +28,7 @@ class Scene(TypedDict, total=False):
     couple: Couple  # coupling of particles and elements in zones that both share
     bonds: Bonds  # brittle bonds between particles of one group
     damping: Damping  # dissipation in addition to friction and breakage
-    gravity: Vector  # [x, y, z], in 2D [x, y], m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
+    gravity: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
     initial: Initial  # the state at the start
     periodic: Periodic  # a periodic box
     domain: Domain  # region of space that particles must not leave
@@ -275,9 +276,9 @@ class ElementsMotionBox(TypedDict, total=False):
 
 
 class ElementsMotionMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
 
 
 class ElementsLoad(TypedDict, total=False):
@@ -294,15 +295,15 @@ class ElementsLoadBox(TypedDict, total=False):
 
 
 class ElementsLoadTraction(TypedDict, total=False):
-    tx: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along x (default none)
-    ty: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along y (default none)
-    tz: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along z (default none)
+    tx: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along x (default none)
+    ty: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along y (default none)
+    tz: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along z (default none)
 
 
 class ElementsLoadForce(TypedDict, total=False):
-    fx: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along x (default none)
-    fy: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along y (default none)
-    fz: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along z (default none)
+    fx: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along x (default none)
+    fy: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along y (default none)
+    fz: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along z (default none)
 
 
 class ElementsContact(TypedDict, total=False):
@@ -404,22 +405,25 @@ class Periodic(TypedDict, total=False):
 
 
 class PeriodicX(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
 
 class PeriodicY(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
 
 class PeriodicZ(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
@@ -437,7 +441,7 @@ class Set(TypedDict, total=False):
     group: int | str  # whole number, in [0, 1000000], or keep: another cohesive group than the specimen's (default keep)
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin at the start; in 2D one number
-    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: total force on the set, distributed by mass
+    force: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, N, in [-1e18, 1e18]: total force on the set, distributed by mass
     motion: SetMotion  # prescribed motion; each channel free, constant or a table [[time, value], ...]
 
 
@@ -461,12 +465,12 @@ class SetSelectEnd(TypedDict, total=False):
 
 
 class SetMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
-    wx: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about x (default free)
-    wy: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about y (default free)
-    wz: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
+    wx: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about x (default free)
+    wy: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about y (default free)
+    wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about z (default free)
 
 
 class Wall(TypedDict, total=False):
@@ -485,14 +489,15 @@ class Wall(TypedDict, total=False):
 
 
 class WallMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along z (default free)
 
 
 class WallServo(TypedDict, total=False):
-    force: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: target normal force, compression positive; constant or a table; force or stress (default none)
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target normal stress on the area of the wall, compression positive; constant or a table; force or stress (default none)
+    force: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: target normal force, compression positive; constant or a table; force or stress (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target normal stress on the area of the wall, compression positive; constant or a table; force or stress (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that on this wall; mean: it is the mean over all axes of a box of walls, which the walls with this word hold by equal stresses of their own (default side)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area for stress; auto: the current section between the walls that face each other across this one (default auto)
     max_velocity: Number  # number, m/s, in (0, inf): largest velocity of the wall
     relaxation: Number  # number, in (0, 1]: fraction of the force error corrected per step; reduced where stability of the time step requires it (default 0.1)
@@ -525,7 +530,7 @@ class Body(TypedDict, total=False):
     inertia: Number | Vector  # [x, y, z], in 2D a number, kg m2, in [1e-36, 1e36]: moments of inertia of a free body about its centre of mass along x, y, z, which are its principal axes at the start; in 2D one number; default: those of the shape with uniform density
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity of a free body at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin of a free body at the start; in 2D one number
-    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: constant force on the centre of mass of a free body, along directions without prescribed motion
+    force: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, N, in [-1e18, 1e18]: force on the centre of mass of a free body, along directions without prescribed motion
     motion: BodyMotion  # prescribed motion of the body; components left out are zero, in a free body free
 
 
@@ -576,12 +581,12 @@ class BodyPick(TypedDict, total=False):
 
 
 class BodyMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along z (default free)
-    wx: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about x (default free)
-    wy: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about y (default free)
-    wz: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along z (default free)
+    wx: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about x (default free)
+    wy: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about y (default free)
+    wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
 
 
 class Source(TypedDict, total=False):
@@ -661,7 +666,7 @@ class SinkCylinder(TypedDict, total=False):
 
 
 class Membrane(TypedDict, total=False):
-    pressure: Table  # number or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
+    pressure: Table  # number, formula of t or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
     ramp: Number  # number, s, in [0, inf): time over which the pressure rises linearly from 0; in a stage that changes the membrane, from the present pressure since the start of the stage (default 0)
     surface: Literal['shape', 'particles']  # surface that is loaded. shape: that of the specimen's shape; particles: that of the particles, which lies inside it, as for specimens without a shape (default shape)
     faces: Literal['all', 'sides']  # all of the surface, as in a pressure cell; or only the sides, which face across the axis (default all)
@@ -670,10 +675,10 @@ class Membrane(TypedDict, total=False):
 
 
 class Test(TypedDict, total=False):
-    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
+    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'polyaxial', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, polyaxial: without ends, a stress or motion on every side, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
     axis: Literal['none', 'x', 'y', 'z']  # direction of loading, or of the motion of the tool (cutting); needed by all but hydrostatic (default none)
-    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic and cutting
-    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic and cutting
+    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic, polyaxial and cutting
+    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic, polyaxial and cutting
     normal: Literal['none', 'x', 'y', 'z']  # shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of the rock (default none)
     tool: str  # text: cutting: the body that cuts
     depth: Number  # number, m, in [1e-9, 1e9], or none: cutting: depth of the cut, to which energies and predictions refer (default none)
@@ -750,7 +755,7 @@ class Stage(TypedDict, total=False):
     couple: Couple  # coupling of particles and elements in zones that both share
     bonds: Bonds  # brittle bonds between particles of one group
     damping: Damping  # dissipation in addition to friction and breakage
-    gravity: Vector  # [x, y, z], in 2D [x, y], m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
+    gravity: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
     initial: Initial  # the state at the start
     periodic: Periodic  # a periodic box
     domain: Domain  # region of space that particles must not leave

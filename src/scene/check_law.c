@@ -491,6 +491,7 @@ static gneiss_status check_idle(const check *section, const gn_box_side *side, c
     char more[48];
     if (given && given->kind == GN_NODE_MAP && !given->count)
         return gn_check_fail(section, key, "expected stress or rate, found neither");
+    if (side->of_mean && !side->stress.count) idle = "stress_of";
     if (side->stress.count || !idle) return GNEISS_OK;
     snprintf(more, sizeof more, "%s.%s", key, idle);
     return gn_check_fail(section, more, "expected stress (a servo) for this side, found %s",

@@ -387,7 +387,7 @@ static gneiss_status check_step(const check *section, const gn_scene *scene) {
 }
 
 static gneiss_status check_mass_scaling(const check *section, const gn_scene *scene) {
-    bool falls = scene->gravity[0] != 0.0 || scene->gravity[1] != 0.0 || scene->gravity[2] != 0.0;
+    const bool falls = gn_scene_has_gravity(scene);
     if (!scene->has_mass_scaling || !gn_check_is_valid(section, "gravity")) return GNEISS_OK;
     if ((scene->scaled_step > 0.0) == (scene->scaled_factor > 0.0))
         return gn_check_fail(section, "time.mass_scaling",
@@ -434,6 +434,7 @@ static bool motion_changes(const gn_motion *motion) {
 const char *gn_scene_loading_refusal(const gn_scene *scene) {
     if (!scene->has_specimen || scene->bonds != GN_SWITCH_ON) return "bonded particles, found none";
     if (scene->has_elements) return "particles alone, found elements";
+    if (scene->loads_vary) return "constant gravity and forces, found some that vary over time";
     if (scene->body_count) return "walls and sets, found bodies";
     if (scene->has_membrane) return "walls and sets, found a membrane";
     if (gn_scene_box_moves(scene)) return "a fixed periodic box, found sides that move";

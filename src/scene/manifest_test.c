@@ -41,11 +41,11 @@ static const gn_key test_keys[] = {
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
           PRESENT(COUNT, gn_scene, test.lower.count), PLACED(gn_scene, test.lower.where),
           .text = "wall, body, set or motion of elements at the lower end; forces of several add "
-                  "up; needed by all but hydrostatic and cutting"),
+                  "up; needed by all but hydrostatic, polyaxial and cutting"),
     ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count,
           PRESENT(COUNT, gn_scene, test.upper.count), PLACED(gn_scene, test.upper.where),
           .text = "wall, body, set or motion of elements at the upper end; forces of several add "
-                  "up; needed by all but hydrostatic and cutting"),
+                  "up; needed by all but hydrostatic, polyaxial and cutting"),
     CHOICE("normal", gn_scene, test.normal, gn_axes_or_none, BY("none"),
            "shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of "
            "the rock"),
