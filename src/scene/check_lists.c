@@ -365,6 +365,13 @@ gneiss_status gn_check_output(const check *section, gn_scene *scene) {
         return gn_check_fail(section, "output.contacts",
                              "expected a specimen beside it, whose particles have contacts, found "
                              "elements only");
+    if (scene->has_structure && !scene->has_specimen)
+        return gn_check_fail(section, "output.structure",
+                             "expected a specimen beside it, whose particles are measured, found "
+                             "elements only");
+    if (scene->has_structure)
+        GN_TRY(gn_check_box(section, scene, "output.structure.max", scene->structure_min,
+                            scene->structure_max));
     if (scene->field_count && !scene->has_specimen)
         return gn_check_fail(section, "output.fields",
                              "expected a specimen beside it, whose particles and bonds have them, "
