@@ -1,5 +1,6 @@
 /* Attraction of loose grains against closed forms: JKR, DMT and liquid bridges, between spheres and
  * at walls; the ledger, the liquid, and what scenes may ask for. */
+#include "frame/feature.h"
 #include "kernels/law.h"
 #include "particles/bridges.h"
 #include "world_helpers.h"
@@ -471,6 +472,19 @@ static void no_contact_is_stiffer_than_the_step_allows_for(void **state) {
     }
 }
 
+static void scenes_without_attraction_have_no_part_of_it(void **state) {
+    (void)state;
+    gn_world *w = gas("", "", 1);
+    run_steps(w, 1);
+    assert_null(w->dem.pairs.contacts.adhesion);
+    assert_null(w->dem.pairs.contacts.bridge);
+    assert_null(w->dem.particles.film);
+    assert_true(w->dem.verlet.reach == 0.0);
+    assert_false(gn_feature_bridges.used(w));
+    assert_ptr_equal(gn_law_of(w->dem.pairs.contacts.soa.effects), &gn_law_hertz);
+    world_end(w);
+}
+
 static void scenes_say_what_attraction_needs(void **state) {
     (void)state;
     static const char scene[] =
@@ -508,6 +522,7 @@ int main(void) {
         cmocka_unit_test(the_ledger_closes_and_liquid_is_kept),
         cmocka_unit_test(threads_change_no_bit),
         cmocka_unit_test(no_contact_is_stiffer_than_the_step_allows_for),
+        cmocka_unit_test(scenes_without_attraction_have_no_part_of_it),
         cmocka_unit_test(scenes_say_what_attraction_needs),
     };
     return cmocka_run_group_tests_name("cohesion", tests, NULL, NULL);
