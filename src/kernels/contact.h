@@ -17,8 +17,7 @@ _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole 
 #define GN_UNIFORM_COLUMNS(X)                                                                      \
     X(kn)                                                                                          \
     X(kt)                                                                                          \
-    X(mu) X(cn) X(mu1) X(beam) X(share) X(lag) X(rolling) X(twisting) X(reduced) X(adhesion)       \
-        X(span)
+    X(mu) X(cn) X(mu1) X(beam) X(share) X(lag) X(rolling) X(twisting) X(reduced) X(adhesion) X(span)
 typedef struct gn_uniform {
 #define X(name) size_t name;
     GN_UNIFORM_COLUMNS(X)
