@@ -142,6 +142,7 @@ class Material(TypedDict, total=False):
     friction: Number  # number, or an angle, in [0, 1e30]: Coulomb friction coefficient (default 0)
     rolling_friction: Number  # number, in [0, 1e30]: mu_r: contacts resist rolling up to the moment mu_r R |f_n|, R the reduced radius; 0: no resistance (default 0)
     twisting_friction: Number  # number, in [0, 1e30]: mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: no resistance (default 0)
+    adhesion: Number  # number, J/m2, in [0, 1e6]: with law.cohesion jkr and dmt: work of adhesion w of two surfaces of this material, twice its surface energy; of two materials the geometric mean (default 0)
     restitution: Number  # number, in [0, 1], or none: with hertz: restitution coefficient of its contacts, the smaller one of two materials; none: that of damping.contact (default none)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: sigma_c of a bond; needed with bonds by every law but uniform (default none)
     shear_strength: Number  # number, Pa, in [1e-12, 1e100], or none: tau_c of a bond; needed with bonds by every law but uniform (default none)
@@ -190,6 +191,7 @@ class Contact(TypedDict, total=False):
     bond_tension_limit: Number  # number, N, in [1e-30, 1e100], or combined: R_n of the uniform law, instead of the smaller (default combined)
     bond_shear_limit: Number  # number, N, in [1e-30, 1e100], or combined: R_t of the uniform law, instead of the smaller (default combined)
     bond_friction: Number  # number, or an angle, in [0, 1e30], or combined: mu_1 of a bond, instead of the smaller (default combined)
+    adhesion: Number  # number, J/m2, in [0, 1e6], or combined: w, instead of the geometric mean (default combined)
     rolling_friction: Number  # number, in [0, 1e30], or combined: mu_r, instead of the smaller (default combined)
     twisting_friction: Number  # number, in [0, 1e30], or combined: mu_t, instead of the smaller (default combined)
     restitution: Number  # number, in [0, 1], or combined: restitution coefficient with hertz, instead of the smaller (default combined)
@@ -203,6 +205,10 @@ class Law(TypedDict, total=False):
     gamma_rule: Literal['volume', 'porosity']  # rule for gamma: auto; volume: the sum of sections times lengths equals the dimension times the volume; porosity: 40 e/n_c (Santasusana 2013) (default volume)
     contact_arm: Literal['midpoint', 'radius']  # contact point: midpoint of the gap, or one radius from the centre (default midpoint)
     pull: Literal['true', 'false'] | bool  # with hertz: the dashpot may exert tension at the end of a collision; false: the total force is cut off at zero, and the dashpot is adjusted to keep the restitution (default true)
+    cohesion: Literal['none', 'jkr', 'dmt', 'liquid']  # with hertz: attraction of particles; jkr: Johnson, Kendall and Roberts 1971, with necks; dmt: constant pull-off force while they touch; liquid: bridges of liquid (Willett et al. 2000) (default none)
+    surface_tension: Number  # number, N/m, in (0, 100], or none: surface tension of the liquid; needed by cohesion liquid (default none)
+    contact_angle: Number  # number, rad, in [0, 0.8726646259971648]: angle of the liquid on the particles, with cohesion liquid; at most 50 degrees, the range of the fit (default 0)
+    liquid_content: Number  # number, in (0, 0.5], or none: volume of the liquid over that of the particles at the start; needed by cohesion liquid (default none)
     rotation: Literal['auto', 'on', 'off'] | bool  # particles rotate; auto: on (default auto)
     coupling: Literal['none', 'quadratic', 'linear']  # reduction of a bond's shear strength by tension; quadratic: the bond breaks when the squares of force over strength add up to 1; linear: by mu_1 f_n (default none)
     confinement: Literal['own', 'mean']  # normal force that the friction of bonds (bond_friction) acts on: own: that of the bond; mean: that of the mean stress around its two particles (default own)
@@ -785,6 +791,7 @@ class StageEnd(TypedDict, total=False):
 class Output(TypedDict, total=False):
     directory: str  # text: folder of the results; left out: runs/ and the name of the scene
     history_rows: int | str  # whole number, in [0, 10000000]: rows of the history up to time.end; up to twice as many if a test ends before (default 1000)
+    structure: OutputStructure  # box in which porosity, coordination, fabric and sliding contacts of the history are measured; left out: the whole specimen
     snapshots: int | str  # whole number, in [0, 1000000]: snapshots up to the end, besides those at the peak of a test and at half of it; 0: only the last state (default 10)
     checkpoint: Number  # number, s, in [0, inf), or off: wall time between checkpoints; off: only on a signal and at the end (default 5 min)
     energy: Literal['auto', 'on', 'off'] | bool  # energy ledger; auto: on (default auto)
@@ -793,6 +800,11 @@ class Output(TypedDict, total=False):
     contacts: Literal['auto', 'on', 'off'] | bool  # all acting contacts, including unbonded ones and those with walls and bodies, in snapshots and results.h5; auto: off (default auto)
     burst_reach: Number  # number, in [0, 1e6]: breaks belong to one burst if they are at most this many mean diameters of bonded particles apart, and in time at most what a wave takes over that distance (default 5)
     fields: str | Sequence[str]  # name or list of names: further quantities of particles and bonds in snapshots and results.h5: spin, group, material, skin, total_force, total_moment, damping_force, damping_moment, fragment, fragment_size, area, shear_stress (docs/quantities.md)
+
+
+class OutputStructure(TypedDict, total=False):
+    min: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: lower corner of the box
+    max: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: upper corner of the box
 
 
 class Neighbours(TypedDict, total=False):

@@ -7,6 +7,7 @@
 #include "kernels/partials.h"
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
+#include "particles/bridges.h"
 #include "particles/dormant.h"
 #include "particles/law.h"
 #include "particles/particles.h"
@@ -101,7 +102,7 @@ gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     gn_pair_query query = {&dem->particles,
                            (int)ctx->scene.dimension,
                            dem->verlet.skin,
-                           0.0,
+                           dem->verlet.reach,
                            ctx->effects & GN_FX_PERIODIC,
                            {ctx->period[0], ctx->period[1], ctx->period[2]},
                            ctx->threads};
@@ -115,6 +116,7 @@ gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_pe
         fill_pairs(ctx, dem, &found, &now);
         gn_soa_destroy(&gn_contact_record, &dem->pairs.contacts);
         dem->pairs.contacts = now;
+        dem->verlet.reach = gn_bridges_reach(ctx, dem);
         status = gn_list_changed(ctx, dem, &dem->pairs, error);
     }
     gn_pair_list_free(&found);

@@ -354,6 +354,12 @@ gneiss_status gn_check_output(const check *section, gn_scene *scene) {
     if (scene->contact_rows == GN_SWITCH_ON && !scene->has_specimen)
         return gn_check_needs(section, "output.contacts", "elements only",
                               "a specimen, whose particles have contacts");
+    if (scene->has_structure && !scene->has_specimen)
+        return gn_check_needs(section, "output.structure", "elements only",
+                              "a specimen, whose particles are measured");
+    if (scene->has_structure)
+        GN_TRY(gn_check_box(section, scene, "output.structure.max", scene->structure_min,
+                            scene->structure_max));
     if (scene->field_count && !scene->has_specimen)
         return gn_check_needs(section, "output.fields", "elements only",
                               "a specimen, whose particles and bonds have them");
