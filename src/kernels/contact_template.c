@@ -114,6 +114,10 @@ GN_INLINE void find_motion(const gn_contact_args *args, size_t c, stage *vector,
         v = gn_less_spin_cross(v, sum, middle, with.space);
     }
     out->motion.middle = middle;
+    if (with.law == LAW_joint) { /* its normal is not that of the branch */
+        out->motion.relative = v;
+        return;
+    }
     out->motion.relative = gn_turn_with_normal(v, p->n, middle, with.space);
 }
 
@@ -309,12 +313,12 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
 /* In mixed precision the initial branch contains the period. Hertz's law applies to spheres only;
- * rolling requires rotation. */
+ * rolling requires rotation; joints are in double precision. */
 #define IS_HERTZ(law)  (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling)
 #define IS_ROLLED(law) (LAW_##law == LAW_rolling || LAW_##law == LAW_hertz_rolling)
 #define ABSENT(options, law, shear, friction, bonds)                                               \
     (((options)&NOT_BUILT) || (IS_HERTZ(law) && !GN_BIT(options, 0)) ||                            \
-     (IS_ROLLED(law) && !GN_BIT(options, 1)) ||                                                    \
+     (IS_ROLLED(law) && !GN_BIT(options, 1)) || (GN_MIXED && LAW_##law == LAW_joint) ||            \
      (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
      (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
