@@ -8,22 +8,54 @@
 #include <math.h>
 #include <string.h>
 
-void gn_outline_find(const gn_particles *particles, int dimension, gn_outline *outline) {
+/* Computes how far a packed shape reaches in a direction, m; false: it is given by its particles
+ * alone. */
+static bool shape_reach(const gn_pack_def *shape, const double n[3], double *reach) {
+    const double round = 0.5 * shape->diameter * hypot(n[0], n[1]);
+    *reach = gn_dot3(n, shape->origin);
+    switch (shape->shape) {
+    case GN_SHAPE_RECTANGLE:
+    case GN_SHAPE_BOX:
+        for (int a = 0; a < 3; a++) *reach += fmax(0.0, n[a] * shape->size[a]);
+        return true;
+    case GN_SHAPE_DISC:
+        *reach += round;
+        return true;
+    case GN_SHAPE_CYLINDER:
+        *reach += round + fmax(0.0, n[2] * shape->height);
+        return true;
+    case GN_SHAPE_NONE:
+    case GN_SHAPE_POLYGON:
+    case GN_SHAPE_SURFACE:
+    case GN_SHAPE_MESH:
+        return false;
+    }
+    return false;
+}
+
+static double spheres_reach(const gn_particles *particles, const double n[3]) {
+    double most = -INFINITY;
+    for (size_t p = 0; p < particles->soa.count; p++)
+        if (gn_particle_is_active(particles, p))
+            most = fmax(most, gn_dot3(n, particles->start + 4 * p) + particles->pos[4 * p + 3]);
+    return most;
+}
+
+void gn_outline_find(const gn_scene *scene, const gn_particles *particles, gn_outline *outline) {
+    const int dimension = (int)scene->dimension;
     outline->dimension = dimension;
     outline->count = dimension == 3 ? GN_OUTLINE_MOST : GN_OUTLINE_TURNS;
     for (size_t k = 0; k < outline->count; k++) {
         const size_t axis = k / GN_OUTLINE_TURNS; /* of the circle of directions; 0: about z */
         const int turn = (int)(k % GN_OUTLINE_TURNS), quarter = GN_OUTLINE_TURNS / 4;
         const double angle = 2.0 * M_PI * turn / GN_OUTLINE_TURNS;
-        double *n = outline->normal[k], most = -INFINITY;
+        double *n = outline->normal[k];
         n[0] = n[1] = n[2] = 0.0;
         /* Directions along the axes are exact. */
         n[axis] = turn % (2 * quarter) == quarter ? 0.0 : cos(angle);
         n[(axis + 1) % 3] = turn % (2 * quarter) == 0 ? 0.0 : sin(angle);
-        for (size_t p = 0; p < particles->soa.count; p++)
-            if (gn_particle_is_active(particles, p))
-                most = fmax(most, gn_dot3(n, particles->start + 4 * p) + particles->pos[4 * p + 3]);
-        outline->reach[k] = most;
+        if (!shape_reach(&scene->specimen.pack, n, &outline->reach[k]))
+            outline->reach[k] = spheres_reach(particles, n);
     }
 }
 

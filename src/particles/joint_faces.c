@@ -140,7 +140,7 @@ static gneiss_status measure_patches(const gn_step_context *ctx, const gn_dem *d
                                      gn_joint_faces *faces, gneiss_error *error) {
     GN_FREED gn_outline *outline = NULL;
     GN_TRY(gn_new(&outline, 1, "the outline of the specimen", error));
-    gn_outline_find(&dem->particles, (int)ctx->scene.dimension, outline);
+    gn_outline_find(&ctx->scene, &dem->particles, outline);
     for (size_t k = 0; k < faces->count; k++) {
         gn_joint_face *f = &faces->face[k];
         const gn_joint_def *def = &ctx->scene.joints[f->joint];
@@ -152,7 +152,10 @@ static gneiss_status measure_patches(const gn_step_context *ctx, const gn_dem *d
     for (size_t k = 0; k < faces->count; k++) {
         double area;
         GN_TRY(gn_joint_face_area(faces, &faces->face[k], outline, &area, error));
-        faces->patch[faces->face[k].patch].area += area;
+        gn_joint_patch *patch = &faces->patch[faces->face[k].patch];
+        patch->area += area;
+        patch->dilation = ctx->scene.joints[faces->face[k].joint].dilation;
+        patch->dilation_end = ctx->scene.joints[faces->face[k].joint].dilation_end;
     }
     return GNEISS_OK;
 }
@@ -183,14 +186,20 @@ static bool is_near(const gn_joint_face *f, const double x[3], double reach, int
     return fabs(at[2]) <= reach && hypot(at[0], at[1]) <= f->radius + reach;
 }
 
+double gn_joint_reach(const gn_step_context *ctx, const gn_joint_faces *faces) {
+    double reach = 1.0 + ctx->scene.interaction_range;
+    for (size_t k = 0; k < faces->patch_count; k++) reach = fmax(reach, faces->patch[k].reach);
+    return reach;
+}
+
 gneiss_status gn_joint_faces_list_near(const gn_step_context *ctx, gn_dem *dem,
                                        gneiss_error *error) {
     gn_joint_faces *f = dem->joint_faces;
     const gn_particles *q = &dem->particles;
-    const double range = 1.0 + ctx->scene.interaction_range;
     double most = 0.0;
     size_t room = 0, used = 0;
     if (!f) return GNEISS_OK;
+    const double range = gn_joint_reach(ctx, f);
     GN_FREED int32_t *row = NULL;
     f->ids = (size_t)dem->ids;
     GN_TRY(gn_new(&row, f->ids + 1, "particles at joints", error));
@@ -272,6 +281,11 @@ double gn_joint_sense(const gn_dem *dem, const gn_joint_face *face, int32_t i, i
     return at[2] >= 0.0 ? 1.0 : -1.0;
 }
 
+double gn_joint_dilation(const gn_dem *dem, const gn_joint_face *face, double slip) {
+    const gn_joint_patch *patch = &dem->joint_faces->patch[face->patch];
+    return patch->dilation * fmin(slip, patch->dilation_end);
+}
+
 int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, double *gap) {
     const gn_joint_faces *f = dem->joint_faces;
     const int32_t id = dem->particles.id[i];
@@ -287,8 +301,10 @@ int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, double *gap) {
         const double at = crossing_at(f, face, &e, dimension), off = fabs(at - 0.5);
         if (at < 0.0 || off >= best) continue;
         const double opened = gn_joint_sense(dem, face, i, j) * gn_dot3(e.parted, face->normal);
-        /* Sides that are farther apart meet as spheres, for example where a piece has turned. */
-        if (fabs(opened) >= least) continue;
+        const double slid = sqrt(fmax(0.0, gn_dot3(e.parted, e.parted) - opened * opened));
+        /* Sides that are farther apart than dilation brings them meet as spheres, for example
+         * where a piece has turned. */
+        if (fabs(opened - gn_joint_dilation(dem, face, slid)) >= least) continue;
         best = off;
         found = f->near[k];
         *gap = opened;

@@ -27,6 +27,9 @@ typedef struct gn_joint_patch {
     double area;  /* m2 inside of the specimen at the start (2D: m x 1 m) */
     double share; /* area of a contact over the square (2D: the first power) of its smaller radius;
                      0: no contact crossed the patch at the start */
+    double reach; /* distance up to which two particles form a contact across the patch later, over
+                     the sum of their radii */
+    double dilation, dilation_end; /* 1, m: of the joint */
 } gn_joint_patch;
 
 struct gn_joint_faces {
@@ -44,6 +47,9 @@ gneiss_status gn_joint_faces_make(const gn_step_context *ctx, gn_dem *dem, gneis
 /* Lists for each particle the faces that it can meet; needs the faces. */
 gneiss_status gn_joint_faces_list_near(const gn_step_context *ctx, gn_dem *dem,
                                        gneiss_error *error);
+/* Returns the largest distance of two particles in contact across a joint over the sum of their
+ * radii. */
+double gn_joint_reach(const gn_step_context *ctx, const gn_joint_faces *faces);
 void gn_joint_faces_free(gn_joint_faces **faces);
 
 /* Adds a face with a normal; the rest is set by the caller. NULL: no memory. */
@@ -57,15 +63,16 @@ gneiss_status gn_joint_network_draw(const gn_step_context *ctx, const gn_dem *de
 gneiss_status gn_joint_discs_read(const gn_scene *scene, int32_t joint, gn_joint_faces *faces,
                                   gneiss_error *error);
 
-/* The convex body around the spheres at the start, in a fixed set of directions; it is exact for
- * boxes along the axes, and within 0.1 % of the section of cylinders along them. */
+/* The convex body around the specimen at the start, in a fixed set of directions: of a packed
+ * rectangle, disc, box or cylinder itself, else of its spheres. It is exact for boxes along the
+ * axes, and within 0.1 % of the section of cylinders along them. */
 enum { GN_OUTLINE_TURNS = 64, GN_OUTLINE_MOST = 3 * GN_OUTLINE_TURNS };
 typedef struct gn_outline {
     int dimension;
     size_t count;
     double normal[GN_OUTLINE_MOST][3], reach[GN_OUTLINE_MOST]; /* normal.x <= reach, m */
 } gn_outline;
-void gn_outline_find(const gn_particles *particles, int dimension, gn_outline *outline);
+void gn_outline_find(const gn_scene *scene, const gn_particles *particles, gn_outline *outline);
 /* Computes the area of a face inside of the outline, m2 (2D: m x 1 m). */
 gneiss_status gn_joint_face_area(const gn_joint_faces *faces, const gn_joint_face *face,
                                  const gn_outline *outline, double *area, gneiss_error *error);
@@ -73,6 +80,8 @@ gneiss_status gn_joint_face_area(const gn_joint_faces *faces, const gn_joint_fac
 /* Returns the face that lies between two particles, by their sides at the start and where they are
  * now, -1: none; *gap: the distance by which they parted along its normal, m. */
 int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, double *gap);
+/* Returns the opening by dilation after a slip, m. */
+double gn_joint_dilation(const gn_dem *dem, const gn_joint_face *face, double slip);
 /* Returns 1.0 if the normal of a face points from i to j, else -1.0. */
 double gn_joint_sense(const gn_dem *dem, const gn_joint_face *face, int32_t i, int32_t j);
 

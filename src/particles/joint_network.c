@@ -78,7 +78,7 @@ gneiss_status gn_joint_network_draw(const gn_step_context *ctx, const gn_dem *de
                  reach = fmax(def->radius, def->network.radius_max);
     GN_FREED gn_outline *outline = NULL;
     GN_TRY(gn_new(&outline, 1, "the outline of the specimen", error));
-    gn_outline_find(&dem->particles, dimension, outline);
+    gn_outline_find(&ctx->scene, &dem->particles, outline);
     draws of = {ctx->scene.seed ^ (UINT64_C(0x6a6f696e74) + ((uint64_t)joint << 40)), 0};
     double sum = 0.0;
     for (size_t drawn = 0; sum < wanted; drawn++) {

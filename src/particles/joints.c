@@ -25,11 +25,18 @@ static double distance_of(const gn_step_context *ctx, const gn_dem *dem, int32_t
     return sqrt(gn_branch(ctx, x, y, d));
 }
 
-/* Tells whether two particles are near enough for a contact across a joint, which is the distance
- * at which bonds form. */
-static bool is_close(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j) {
-    double sum;
-    return distance_of(ctx, dem, i, j, &sum) <= sum * (1.0 + ctx->scene.interaction_range);
+/* Tells whether two particles that the sides of a face have moved apart by `gap` are near enough
+ * for a contact across it, which the gap does not affect. */
+static bool is_close(const gn_step_context *ctx, const gn_dem *dem, int32_t face, int32_t i,
+                     int32_t j, double gap) {
+    const gn_joint_faces *f = dem->joint_faces;
+    const gn_joint_face *at = &f->face[face];
+    const double *x = dem->particles.pos + 4 * (int64_t)i, *y = dem->particles.pos + 4 * (int64_t)j;
+    const double sense = gn_joint_sense(dem, at, i, j), reach = f->patch[at->patch].reach;
+    double d[3];
+    gn_branch(ctx, x, y, d);
+    for (int a = 0; a < 3; a++) d[a] -= sense * gap * at->normal[a];
+    return sqrt(gn_dot3(d, d)) <= reach * (x[3] + y[3]);
 }
 
 void gn_joints_drop(const gn_dem *dem, gn_pair_list *pairs) {
@@ -133,6 +140,31 @@ static void share_out_areas(const gn_step_context *ctx, gn_dem *dem) {
                          weight_of(ctx, dem, list->i[c], list->j[c]);
 }
 
+/* Finds how far apart two particles form a contact once the sides have slid. Particles that faced
+ * each other at the start were neighbours in a packing; later both sides are independent. With
+ * lambda particles per volume, lambda^2 integral of s A(s) ds pairs per area are less than R apart,
+ * A(s) the section of the ball of radius R at the distance s: lambda^2 pi R^4/4, in 2D
+ * lambda^2 2 R^3/3. R is such that they are as many as at the start, so that the stiffness of the
+ * joint stays. */
+static void find_reach(const gn_step_context *ctx, gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    gn_joint_faces *f = dem->joint_faces;
+    const bool space = ctx->scene.dimension == 3;
+    const double count = (double)q->soa.count, lambda = count / ctx->volume;
+    double m[5] = {0}, area = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int k = 1; k < 5; k++) m[k] += pow(q->pos[4 * p + 3], k) / count;
+    for (size_t k = 0; k < f->patch_count; k++)
+        if (f->patch[k].share > 0.0) area += f->patch[k].area;
+    const double sums =
+        space ? 2.0 * m[4] + 8.0 * m[3] * m[1] + 6.0 * m[2] * m[2] : 2.0 * m[3] + 6.0 * m[2] * m[1];
+    const double pairs = lambda * lambda * sums * (space ? 0.25 * M_PI : 2.0 / 3.0);
+    const double crossing = (double)dem->joints.contacts.soa.count / fmax(area, 1e-300);
+    const double wanted = pow(crossing / pairs, space ? 0.25 : 1.0 / 3.0);
+    const double least = 1.0 + ctx->scene.interaction_range;
+    for (size_t k = 0; k < f->patch_count; k++) f->patch[k].reach = fmax(least, fmin(1.5, wanted));
+}
+
 static gn_effects joint_effects(gn_effects scene_effects) {
     const gn_effects kept = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_ENERGY | GN_FX_CONTACT_FORCES;
     return (scene_effects & kept) | GN_FX_BONDS | GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_MOHR |
@@ -155,8 +187,10 @@ static gneiss_status form_joints(const gn_step_context *ctx, gn_dem *dem, gneiss
         list->joint[c] = face[c];
     }
     share_out_areas(ctx, dem);
+    find_reach(ctx, dem);
     for (size_t c = 0; c < pairs.count; c++) set_contact(ctx, dem, list, c);
-    return check_crossed(ctx, dem, error);
+    GN_TRY(check_crossed(ctx, dem, error));
+    return gn_joint_faces_list_near(ctx, dem, error);
 }
 
 static bool has_joints(const gn_scene *scene) {
@@ -262,8 +296,9 @@ static void begin_contact(const gn_step_context *ctx, const gn_dem *dem, gn_cont
 static bool has_ended(const gn_step_context *ctx, const gn_dem *dem, size_t c) {
     const gn_contacts *list = &dem->joints.contacts;
     double gap;
-    return !gn_contact_bonded(list, c) && (!is_close(ctx, dem, list->i[c], list->j[c]) ||
-                                           gn_joint_between(dem, list->i[c], list->j[c], &gap) < 0);
+    if (gn_contact_bonded(list, c)) return false;
+    const int32_t face = gn_joint_between(dem, list->i[c], list->j[c], &gap);
+    return face < 0 || !is_close(ctx, dem, face, list->i[c], list->j[c], gap);
 }
 
 /* Pairs that begin, sorted. */
@@ -301,7 +336,7 @@ static gneiss_status divide(const gn_step_context *ctx, const gn_dem *dem, gn_pa
             if (near) memmove(found->pair[kept++], found->pair[c], sizeof *found->pair);
             continue;
         }
-        if (listed || !is_close(ctx, dem, i, j)) continue;
+        if (listed || !is_close(ctx, dem, face, i, j, gap)) continue;
         if (begin->count == begin->room) {
             const size_t room = 2 * begin->room + 64;
             if (!gn_widen(&begin->pair, begin->count, room, sizeof *begin->pair) ||
@@ -386,8 +421,8 @@ gn_joint_reading gn_joint_read(const gn_dem *dem, size_t joint) {
         const gn_joint_face *face = &dem->joint_faces->face[list->joint[c]];
         if (face->joint != (int32_t)joint || list->cause[c] == GN_BOND_LEFT) continue;
         const gn_law_held held = gn_law_joint.held(list, c, 0.0, 0.0);
-        const double area = list->patch[c], end = list->dilation[c + list->soa.capacity];
-        const double opened = list->apart[c] + list->dilation[c] * fmin(list->slip[c], end);
+        const double area = list->patch[c];
+        const double opened = list->apart[c] + gn_joint_dilation(dem, face, list->slip[c]);
         double along = 0.0;
         for (size_t a = 0; a < 3; a++)
             along += list->plane[c + a * list->soa.capacity] * face->normal[a];

@@ -8,6 +8,7 @@
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
 #include "particles/dormant.h"
+#include "particles/joint_faces.h"
 #include "particles/joints.h"
 #include "particles/law.h"
 #include "particles/particles.h"
@@ -102,7 +103,7 @@ gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     gn_pair_query query = {&dem->particles,
                            (int)ctx->scene.dimension,
                            dem->verlet.skin,
-                           dem->joint_faces ? ctx->scene.interaction_range : 0.0,
+                           dem->joint_faces ? gn_joint_reach(ctx, dem->joint_faces) - 1.0 : 0.0,
                            ctx->effects & GN_FX_PERIODIC,
                            {ctx->period[0], ctx->period[1], ctx->period[2]},
                            ctx->threads};
