@@ -141,7 +141,9 @@ gneiss_status gn_joint_face_area(const gn_joint_faces *faces, const gn_joint_fac
     for (size_t k = 0; k < outline->count; k++) {
         const double n[2] = {gn_dot3(outline->normal[k], face->along),
                              gn_dot3(outline->normal[k], face->up)};
-        clip(&now, n, outline->reach[k] - gn_dot3(outline->normal[k], face->point), &next);
+        const double left = outline->reach[k] - gn_dot3(outline->normal[k], face->point);
+        if (left >= hypot(n[0], n[1]) * face->radius * (1.0 + 2.0 / DISC_SIDES)) continue;
+        clip(&now, n, left, &next);
         const polygon swap = now;
         now = next;
         next = swap;

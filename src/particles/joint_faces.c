@@ -286,7 +286,7 @@ double gn_joint_dilation(const gn_dem *dem, const gn_joint_face *face, double sl
     return patch->dilation * fmin(slip, patch->dilation_end);
 }
 
-int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, double *gap) {
+int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, gn_joint_shift *shift) {
     const gn_joint_faces *f = dem->joint_faces;
     const int32_t id = dem->particles.id[i];
     const int dimension = dem->particles.soa.effects & GN_FX_SPACE ? 3 : 2;
@@ -307,7 +307,7 @@ int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, double *gap) {
         if (fabs(opened - gn_joint_dilation(dem, face, slid)) >= least) continue;
         best = off;
         found = f->near[k];
-        *gap = opened;
+        *shift = (gn_joint_shift){opened, slid};
     }
     return found;
 }

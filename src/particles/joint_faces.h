@@ -27,8 +27,8 @@ typedef struct gn_joint_patch {
     double area;  /* m2 inside of the specimen at the start (2D: m x 1 m) */
     double share; /* area of a contact over the square (2D: the first power) of its smaller radius;
                      0: no contact crossed the patch at the start */
-    double reach; /* distance up to which two particles form a contact across the patch later, over
-                     the sum of their radii */
+    double reach; /* distance up to which two particles form a contact across the patch once they
+                     have slid, over the sum of their radii */
     double dilation, dilation_end; /* 1, m: of the joint */
 } gn_joint_patch;
 
@@ -77,9 +77,14 @@ void gn_outline_find(const gn_scene *scene, const gn_particles *particles, gn_ou
 gneiss_status gn_joint_face_area(const gn_joint_faces *faces, const gn_joint_face *face,
                                  const gn_outline *outline, double *area, gneiss_error *error);
 
+/* How far two particles on both sides of a face have moved apart since the start, m: along its
+ * normal, opening positive, and along the face. */
+typedef struct gn_joint_shift {
+    double gap, slid;
+} gn_joint_shift;
 /* Returns the face that lies between two particles, by their sides at the start and where they are
- * now, -1: none; *gap: the distance by which they parted along its normal, m. */
-int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, double *gap);
+ * now, and sets *shift; -1: none. */
+int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, gn_joint_shift *shift);
 /* Returns the opening by dilation after a slip, m. */
 double gn_joint_dilation(const gn_dem *dem, const gn_joint_face *face, double slip);
 /* Returns 1.0 if the normal of a face points from i to j, else -1.0. */

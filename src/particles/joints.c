@@ -25,26 +25,28 @@ static double distance_of(const gn_step_context *ctx, const gn_dem *dem, int32_t
     return sqrt(gn_branch(ctx, x, y, d));
 }
 
-/* Tells whether two particles that the sides of a face have moved apart by `gap` are near enough
- * for a contact across it, which the gap does not affect. */
+/* Tells whether two particles are near enough for a contact across a face, whatever its opening is:
+ * as bonds form, and once they have slid by a radius up to the reach of the patch. */
 static bool is_close(const gn_step_context *ctx, const gn_dem *dem, int32_t face, int32_t i,
-                     int32_t j, double gap) {
+                     int32_t j, gn_joint_shift shift) {
     const gn_joint_faces *f = dem->joint_faces;
     const gn_joint_face *at = &f->face[face];
     const double *x = dem->particles.pos + 4 * (int64_t)i, *y = dem->particles.pos + 4 * (int64_t)j;
-    const double sense = gn_joint_sense(dem, at, i, j), reach = f->patch[at->patch].reach;
+    const double sense = gn_joint_sense(dem, at, i, j), least = 1.0 + ctx->scene.interaction_range;
+    const double slid = fmin(1.0, shift.slid / fmin(x[3], y[3]));
+    const double reach = least + slid * (f->patch[at->patch].reach - least);
     double d[3];
     gn_branch(ctx, x, y, d);
-    for (int a = 0; a < 3; a++) d[a] -= sense * gap * at->normal[a];
+    for (int a = 0; a < 3; a++) d[a] -= sense * shift.gap * at->normal[a];
     return sqrt(gn_dot3(d, d)) <= reach * (x[3] + y[3]);
 }
 
 void gn_joints_drop(const gn_dem *dem, gn_pair_list *pairs) {
     size_t kept = 0;
-    double gap;
+    gn_joint_shift shift;
     if (!dem->joint_faces) return;
     for (size_t c = 0; c < pairs->count; c++) {
-        if (gn_joint_between(dem, pairs->pair[c][0], pairs->pair[c][1], &gap) >= 0) continue;
+        if (gn_joint_between(dem, pairs->pair[c][0], pairs->pair[c][1], &shift) >= 0) continue;
         memmove(pairs->pair[kept++], pairs->pair[c], sizeof *pairs->pair);
     }
     pairs->count = kept;
@@ -98,9 +100,9 @@ static gn_pair_query query_of(const gn_step_context *ctx, const gn_dem *dem) {
 /* Keeps the pairs across joints and writes their faces. */
 static void keep_crossing(const gn_dem *dem, gn_pair_list *pairs, int32_t *face) {
     size_t kept = 0;
-    double gap;
+    gn_joint_shift shift;
     for (size_t c = 0; c < pairs->count; c++) {
-        face[kept] = gn_joint_between(dem, pairs->pair[c][0], pairs->pair[c][1], &gap);
+        face[kept] = gn_joint_between(dem, pairs->pair[c][0], pairs->pair[c][1], &shift);
         if (face[kept] < 0) continue;
         memmove(pairs->pair[kept++], pairs->pair[c], sizeof *pairs->pair);
     }
@@ -264,26 +266,22 @@ static gneiss_status mean_shears(const gn_dem *dem, double **mean, gneiss_error 
  * those of its two particles since the start, the shear force is the mean of the patch within the
  * limit of friction. */
 static void begin_contact(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *list,
-                          size_t c, double gap, const double *mean) {
-    const gn_particles *q = &dem->particles;
+                          size_t c, gn_joint_shift shift, const double *mean) {
     const gn_joint_face *face = &dem->joint_faces->face[list->joint[c]];
-    const size_t i = 4 * (size_t)list->i[c], j = 4 * (size_t)list->j[c], room = list->soa.capacity;
+    const size_t room = list->soa.capacity;
     list->patch[c] =
         dem->joint_faces->patch[face->patch].share * weight_of(ctx, dem, list->i[c], list->j[c]);
     set_contact(ctx, dem, list, c);
     if (list->cause[c] == GN_INTACT) list->rn[c] = -list->rn[c];
     list->cause[c] = GN_BOND_NEVER;
-    double path[3], n[3], slid2 = -gap * gap, along = 0.0, size2 = 0.0;
+    double path[3], n[3], along = 0.0, size2 = 0.0;
     path_of(ctx, dem, list, c, path);
     for (size_t a = 0; a < 3; a++) {
         n[a] = list->plane[c + a * room];
-        const double parted = q->pos[j + a] - q->start[j + a] - q->pos[i + a] + q->start[i + a];
-        slid2 += parted * parted;
         along += n[a] * face->normal[a];
     }
-    list->slip[c] = sqrt(fmax(0.0, slid2));
-    list->apart[c] =
-        gap - gn_dot3(path, n) - list->dilation[c] * fmin(list->slip[c], list->dilation[c + room]);
+    list->slip[c] = shift.slid;
+    list->apart[c] = shift.gap - gn_dot3(path, n) - gn_joint_dilation(dem, face, shift.slid);
     for (size_t a = 0; a < 3; a++) {
         list->shear[c + a * room] = (along > 0.0 ? 1.0 : -1.0) * list->patch[c] * mean[a];
         size2 += list->shear[c + a * room] * list->shear[c + a * room];
@@ -295,23 +293,23 @@ static void begin_contact(const gn_step_context *ctx, const gn_dem *dem, gn_cont
 
 static bool has_ended(const gn_step_context *ctx, const gn_dem *dem, size_t c) {
     const gn_contacts *list = &dem->joints.contacts;
-    double gap;
+    gn_joint_shift shift;
     if (gn_contact_bonded(list, c)) return false;
-    const int32_t face = gn_joint_between(dem, list->i[c], list->j[c], &gap);
-    return face < 0 || !is_close(ctx, dem, face, list->i[c], list->j[c], gap);
+    const int32_t face = gn_joint_between(dem, list->i[c], list->j[c], &shift);
+    return face < 0 || !is_close(ctx, dem, face, list->i[c], list->j[c], shift);
 }
 
 /* Pairs that begin, sorted. */
 typedef struct fresh {
     size_t count, room;
     int32_t (*pair)[2], *face;
-    double *gap; /* m */
+    gn_joint_shift *shift;
 } fresh;
 
 static void fresh_free(fresh *f) {
     gn_free(f->pair);
     gn_free(f->face);
-    gn_free(f->gap);
+    gn_free(f->shift);
 }
 
 static bool is_listed(const gn_contacts *list, int32_t i, int32_t j) {
@@ -326,9 +324,10 @@ static gneiss_status divide(const gn_step_context *ctx, const gn_dem *dem, gn_pa
     size_t kept = 0;
     for (size_t c = 0; c < found->count; c++) {
         const int32_t i = found->pair[c][0], j = found->pair[c][1];
-        double gap, sum;
+        gn_joint_shift shift;
+        double sum;
         const bool listed = is_listed(&dem->joints.contacts, i, j);
-        const int32_t face = gn_joint_between(dem, i, j, &gap);
+        const int32_t face = gn_joint_between(dem, i, j, &shift);
         const bool near = distance_of(ctx, dem, i, j, &sum) - sum <= dem->verlet.skin;
         const size_t at = gn_contacts_from(&dem->joints.contacts, i, j);
         const bool holds = listed && gn_contact_bonded(&dem->joints.contacts, at);
@@ -336,19 +335,19 @@ static gneiss_status divide(const gn_step_context *ctx, const gn_dem *dem, gn_pa
             if (near) memmove(found->pair[kept++], found->pair[c], sizeof *found->pair);
             continue;
         }
-        if (listed || !is_close(ctx, dem, face, i, j, gap)) continue;
+        if (listed || !is_close(ctx, dem, face, i, j, shift)) continue;
         if (begin->count == begin->room) {
             const size_t room = 2 * begin->room + 64;
             if (!gn_widen(&begin->pair, begin->count, room, sizeof *begin->pair) ||
                 !gn_widen(&begin->face, begin->count, room, sizeof *begin->face) ||
-                !gn_widen(&begin->gap, begin->count, room, sizeof *begin->gap))
+                !gn_widen(&begin->shift, begin->count, room, sizeof *begin->shift))
                 return gn_no_memory(error, "contacts across joints");
             begin->room = room;
         }
         begin->pair[begin->count][0] = i;
         begin->pair[begin->count][1] = j;
         begin->face[begin->count] = face;
-        begin->gap[begin->count++] = gap;
+        begin->shift[begin->count++] = shift;
     }
     found->count = kept;
     return GNEISS_OK;
@@ -374,7 +373,7 @@ static gneiss_status merge(const gn_step_context *ctx, gn_dem *dem, const uint8_
         gn_soa_keep(&gn_contact_record, &now, c, 1, old, &from);
         if (!first) {
             now.joint[c] = begin->face[next];
-            begin_contact(ctx, dem, &now, c, begin->gap[next],
+            begin_contact(ctx, dem, &now, c, begin->shift[next],
                           mean + 4 * dem->joint_faces->face[now.joint[c]].patch);
             dem->joint_change += energy_of(ctx, dem, &now, c);
         }

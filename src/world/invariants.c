@@ -90,8 +90,8 @@ static void assert_complete(const gn_step_context *ctx, const gn_dem *dem) {
             bool bond = listed(&dem->bonds.contacts, i, j),
                  pair = listed(&dem->pairs.contacts, i, j);
             assert(!(bond && pair));
-            double opened;
-            if (gn_joint_between(dem, i, j, &opened) >= 0) continue;
+            gn_joint_shift shift;
+            if (gn_joint_between(dem, i, j, &shift) >= 0) continue;
             assert(bond || pair || !there || gap > dem->verlet.skin * (1.0 - 1e-9));
         }
 }
