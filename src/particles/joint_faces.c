@@ -302,12 +302,10 @@ int32_t gn_joint_between(const gn_dem *dem, int32_t i, int32_t j, gn_joint_shift
         if (at < 0.0 || off >= best) continue;
         const double opened = gn_joint_sense(dem, face, i, j) * gn_dot3(e.parted, face->normal);
         const double slid = sqrt(fmax(0.0, gn_dot3(e.parted, e.parted) - opened * opened));
-        /* Sides that are farther apart than dilation brings them meet as spheres, for example
-         * where a piece has turned. */
-        if (fabs(opened - gn_joint_dilation(dem, face, slid)) >= least) continue;
         best = off;
         found = f->near[k];
-        *shift = (gn_joint_shift){opened, slid};
+        *shift = (gn_joint_shift){opened, slid,
+                                  fabs(opened - gn_joint_dilation(dem, face, slid)) >= least};
     }
     return found;
 }

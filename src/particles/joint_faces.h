@@ -81,6 +81,7 @@ gneiss_status gn_joint_face_area(const gn_joint_faces *faces, const gn_joint_fac
  * normal, opening positive, and along the face. */
 typedef struct gn_joint_shift {
     double gap, slid;
+    bool parted; /* the gap, less the dilation, is beyond the smaller radius */
 } gn_joint_shift;
 /* Returns the face that lies between two particles, by their sides at the start and where they are
  * now, and sets *shift; -1: none. */

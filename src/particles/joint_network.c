@@ -138,7 +138,7 @@ static size_t read_numbers(const char *line, size_t count, double *row) {
         row[k] = strtod(at, &end);
         if (end == at || !isfinite(row[k])) return (size_t)(at - line) + 1;
         at = end + strspn(end, " \t");
-        if (k + 1 < count && *at == ',') at++;
+        if (k + 1 < count && *at == ',') at += 1 + strspn(at + 1, " \t");
     }
     at += strspn(at, " \t\r");
     return *at ? (size_t)(at - line) + 1 : 0;

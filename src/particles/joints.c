@@ -291,12 +291,32 @@ static void begin_contact(const gn_step_context *ctx, const gn_dem *dem, gn_cont
     for (size_t a = 0; a < 3; a++) list->shear[c + a * room] *= factor;
 }
 
+static bool is_listed(const gn_contacts *list, int32_t i, int32_t j) {
+    const size_t at = gn_contacts_from(list, i, j);
+    return at < list->soa.count && list->i[at] == i && list->j[at] == j;
+}
+
+/* Tells whether two particles meet by the law of a joint; `face` lies between them (-1: none).
+ * Sides that a joint has parted meet as spheres, for example where a piece has turned. While they
+ * overlap the law stays as it is, so that no energy appears. */
+static bool meets_by_joint(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
+                           int32_t face, gn_joint_shift shift) {
+    double sum;
+    const bool overlap = distance_of(ctx, dem, i, j, &sum) < sum;
+    if (overlap && is_listed(&dem->joints.contacts, i, j)) return true;
+    if (face < 0) return false;
+    if (overlap && is_listed(&dem->pairs.contacts, i, j)) return false;
+    return overlap || !shift.parted;
+}
+
 static bool has_ended(const gn_step_context *ctx, const gn_dem *dem, size_t c) {
     const gn_contacts *list = &dem->joints.contacts;
+    const int32_t i = list->i[c], j = list->j[c];
     gn_joint_shift shift;
     if (gn_contact_bonded(list, c)) return false;
-    const int32_t face = gn_joint_between(dem, list->i[c], list->j[c], &shift);
-    return face < 0 || !is_close(ctx, dem, face, list->i[c], list->j[c], shift);
+    const int32_t face = gn_joint_between(dem, i, j, &shift);
+    return !meets_by_joint(ctx, dem, i, j, face, shift) ||
+           (face >= 0 && !is_close(ctx, dem, face, i, j, shift));
 }
 
 /* Pairs that begin, sorted. */
@@ -312,11 +332,6 @@ static void fresh_free(fresh *f) {
     gn_free(f->shift);
 }
 
-static bool is_listed(const gn_contacts *list, int32_t i, int32_t j) {
-    const size_t at = gn_contacts_from(list, i, j);
-    return at < list->soa.count && list->i[at] == i && list->j[at] == j;
-}
-
 /* Divides the pairs found: those across joints into listed ones, which are dropped, and fresh
  * ones. */
 static gneiss_status divide(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *found,
@@ -326,16 +341,17 @@ static gneiss_status divide(const gn_step_context *ctx, const gn_dem *dem, gn_pa
         const int32_t i = found->pair[c][0], j = found->pair[c][1];
         gn_joint_shift shift;
         double sum;
-        const bool listed = is_listed(&dem->joints.contacts, i, j);
         const int32_t face = gn_joint_between(dem, i, j, &shift);
-        const bool near = distance_of(ctx, dem, i, j, &sum) - sum <= dem->verlet.skin;
+        const bool listed = is_listed(&dem->joints.contacts, i, j);
         const size_t at = gn_contacts_from(&dem->joints.contacts, i, j);
         const bool holds = listed && gn_contact_bonded(&dem->joints.contacts, at);
-        if ((face < 0 && !holds) || is_listed(&dem->bonds.contacts, i, j)) {
-            if (near) memmove(found->pair[kept++], found->pair[c], sizeof *found->pair);
+        if (is_listed(&dem->bonds.contacts, i, j) ||
+            (!holds && !meets_by_joint(ctx, dem, i, j, face, shift))) {
+            if (distance_of(ctx, dem, i, j, &sum) - sum <= dem->verlet.skin)
+                memmove(found->pair[kept++], found->pair[c], sizeof *found->pair);
             continue;
         }
-        if (listed || !is_close(ctx, dem, face, i, j, shift)) continue;
+        if (listed || face < 0 || !is_close(ctx, dem, face, i, j, shift)) continue;
         if (begin->count == begin->room) {
             const size_t room = 2 * begin->room + 64;
             if (!gn_widen(&begin->pair, begin->count, room, sizeof *begin->pair) ||
@@ -401,6 +417,12 @@ gneiss_status gn_joints_renew(const gn_step_context *ctx, gn_dem *dem, gn_pair_l
     }
     if (left == list->soa.count && !begin.count) return GNEISS_OK;
     return merge(ctx, dem, ended, left + begin.count, &begin, error);
+}
+
+double gn_joints_take_change(gn_dem *dem) {
+    const double change = dem->joint_change;
+    dem->joint_change = 0.0;
+    return change;
 }
 
 /* --- readings --- */

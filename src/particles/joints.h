@@ -1,4 +1,4 @@
-/* Contacts across joints: which pairs are in their list, and what they bear. */
+/* The list of contacts across joints, and their readings. */
 #ifndef GN_PARTICLES_JOINTS_H
 #define GN_PARTICLES_JOINTS_H
 
@@ -18,7 +18,10 @@ void gn_joints_drop(const gn_dem *dem, gn_pair_list *pairs);
 gneiss_status gn_joints_renew(const gn_step_context *ctx, gn_dem *dem, gn_pair_list *found,
                               gneiss_error *error);
 
-/* What the contacts of one joint of a scene bear and how far they have moved. */
+/* Returns that change, J, and sets it to 0. */
+double gn_joints_take_change(gn_dem *dem);
+
+/* Sums over the contacts of one joint of a scene. */
 typedef struct gn_joint_reading {
     double area;          /* m2 of its contacts (2D: m x 1 m) */
     double broken;        /* m2, of contacts that do not hold any more, or never held */

@@ -10,6 +10,7 @@
 #include "inflow/sources.h"
 #include "particles/fragments.h"
 #include "particles/joint_faces.h"
+#include "particles/joints.h"
 #include "particles/lists.h"
 #include "particles/particles.h"
 #include "particles/refresh.h"
@@ -102,8 +103,7 @@ gneiss_status gn_world_refresh_particles(gn_world *world, gneiss_error *error) {
     if (gn_dem_order_is_old(&world->ctx, &world->dem))
         GN_TRY(reorder(&world->ctx, &world->dem, &world->boundary, error));
     GN_TRY(gn_dem_make_lists(&world->ctx, &world->dem, &world->box, error));
-    world->ledger.energy.friction -= world->dem.joint_change;
-    world->dem.joint_change = 0.0;
+    world->ledger.energy.friction -= gn_joints_take_change(&world->dem);
     gn_flow_listed(&world->ctx, &world->dem);
     gn_box_listed(&world->ctx, &world->dem, &world->box);
     gn_walls_listed(&world->ctx, &world->dem, &world->boundary);
