@@ -35,6 +35,7 @@ class Scene(TypedDict, total=False):
     sets: Sequence[Set]  # selections of particles and actions on them; a later one overrides an earlier one
     walls: Sequence[Wall]  # plane walls
     bodies: Sequence[Body]  # rigid bodies with a surface of triangles (2D: segments)
+    joints: Sequence[Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source]  # regions where particles are created during the run
     sinks: Sequence[Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
     membrane: Membrane  # pressure on the surface of the specimen
@@ -595,6 +596,35 @@ class BodyMotion(TypedDict, total=False):
     wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
 
 
+class Joint(TypedDict, total=False):
+    name: str  # name: name in the columns of the history
+    point: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: a point of the joint, the centre of a disc; point, trace, surface, discs or network
+    normal: Vector  # [x, y, z], in 2D [x, y]: normal of the joint, of any length; normal or dip
+    dip: Number  # number, rad, in [0, 1.5707963267948966], or none: angle of the joint to the plane of x and y; in 2D to x, downwards along x (default none)
+    dip_direction: Number  # number, rad, in [-7, 7]: direction of the steepest descent, from y towards x; 3D (default 0)
+    radius: Number  # number, m, in [1e-9, 1e9], or none: radius of a disc, in 2D half of the length; none: the joint has no edge; of a network the smallest radius (default none)
+    polygon: Rows  # list of at least 3 points [x, y], m, in [-1e9, 1e9]: corners of the joint in its plane in either sense of rotation: rows [along the strike, up the dip] from `point`
+    trace: Rows  # list of at least 2 points [x, y], m, in [-1e9, 1e9]: corners of a line in a 2D scene: rows [x, y]
+    surface: str  # file: STL, PLY or OBJ file of a surface of triangles, in m
+    discs: str  # file: CSV file of discs: rows x, y, z, dip, dip direction, radius in m and degrees; in 2D of lines: x, y, dip, half of the length
+    network: JointNetwork  # discs (in 2D lines) drawn at random by run.seed, with the mean normal and the smallest radius of the entry
+    normal_stiffness: Number  # number, Pa/m, in [1e-9, 1e24]: normal stress per closure
+    shear_stiffness: Number  # number, Pa/m, in [1e-9, 1e24]: shear stress per shear displacement before sliding
+    friction: Number  # number, or an angle, in [0, 1e30]: Coulomb friction coefficient once the joint is broken (residual) (default 0)
+    bond_friction: Number  # number, or an angle, in [0, 1e30], or friction: coefficient of friction that adds to the cohesion of the intact joint (default friction)
+    cohesion: Number  # number, Pa, in [0, 1e18]: shear strength of the intact joint without normal stress (default 0)
+    tensile_strength: Number  # number, Pa, in [0, 1e18]: tensile strength of the intact joint (default 0)
+    dilation: Number  # number, or an angle, in [0, 10]: opening per slip while the joint slides closed, or the angle of dilation (default 0)
+    dilation_end: Number  # number, m, in [0, 1e9], or none: slip at which the dilation ends (default none)
+
+
+class JointNetwork(TypedDict, total=False):
+    intensity: Number  # number, 1/m, in [1e-9, 1e9]: area of joints per volume of the specimen (P32); in 2D length per area (P21)
+    fisher: Number  # number, in [0, 1e6], or parallel: concentration kappa of Fisher's distribution of the normals about that of the entry; 0: uniform; in 2D of von Mises' distribution of twice the angle (default parallel)
+    radius_max: Number  # number, m, in [1e-9, 1e9], or equal: largest radius; equal: all joints have `radius` (default equal)
+    exponent: Number  # number, in [0, 20]: D of the power law between `radius` and radius_max: the number of joints larger than r falls as r^-D (default 3)
+
+
 class Source(TypedDict, total=False):
     name: str  # name: name in the columns of the history
     rectangle: SourceRectangle  # 2D region; its lower left corner is at the origin
@@ -768,6 +798,7 @@ class Stage(TypedDict, total=False):
     sets: Sequence[Set] | dict[str, Set]  # selections of particles and actions on them; a later one overrides an earlier one
     walls: Sequence[Wall] | dict[str, Wall]  # plane walls
     bodies: Sequence[Body] | dict[str, Body]  # rigid bodies with a surface of triangles (2D: segments)
+    joints: Sequence[Joint] | dict[str, Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source] | dict[str, Source]  # regions where particles are created during the run
     sinks: Sequence[Sink] | dict[str, Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
     membrane: Membrane  # pressure on the surface of the specimen

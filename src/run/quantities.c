@@ -622,6 +622,8 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"set", set_count, set_name, of_sets, COUNT(of_sets), NULL, false},
     {"source", source_count, source_name, of_sources, COUNT(of_sources), NULL, false},
     {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks), NULL, false},
+    {"joint", gn_joint_quantity_count, gn_joint_quantity_owner, gn_joint_quantities,
+     GN_JOINT_QUANTITIES, NULL, false},
     {NULL, one, NULL, gn_cut_quantities, GN_CUT_QUANTITIES, NULL, false},
     {NULL, one, NULL, of_elements, COUNT(of_elements), NULL, false},
     {"motion", motion_count, motion_name, of_motions, COUNT(of_motions), "motions", false}};

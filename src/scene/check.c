@@ -660,6 +660,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_list(&c, "walls", scene->wall_count, check_servo));
     GN_TRY(gn_check_bodies(reader, root));
     GN_TRY(gn_check_flow(reader, root));
+    GN_TRY(gn_check_joints(reader, root));
     if (gn_check_is_valid(&c, "membrane") && gn_check_is_valid(&c, "test") &&
         gn_check_is_valid(&c, "specimen"))
         GN_TRY(gn_check_keep_problem(&c, gn_check_membrane(&c, scene)));

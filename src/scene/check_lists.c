@@ -443,6 +443,7 @@ const char *gn_scene_loading_refusal(const gn_scene *scene) {
     if (scene->loads_vary) return "constant gravity and forces, found some that vary over time";
     if (scene->body_count) return "walls and sets, found bodies";
     if (scene->has_membrane) return "walls and sets, found a membrane";
+    if (scene->joint_count) return "a specimen without joints, found joints";
     if (gn_scene_box_moves(scene)) return "a fixed periodic box, found sides that move";
     if (scene->background == GN_BACKGROUND_VISCOUS &&
         gn_scene_spin_damping(scene) != scene->background_coefficient &&

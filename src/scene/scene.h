@@ -9,6 +9,7 @@
 #include "base/particle_columns.h"
 #include "scene/couple_def.h"
 #include "scene/flow_def.h"
+#include "scene/joint_def.h"
 #include "scene/laboratory.h"
 #include "scene/mesh_def.h"
 #include "scene/tool_def.h"
@@ -541,6 +542,8 @@ typedef struct gn_scene {
     gn_wall_def *walls;
     size_t body_count;
     gn_body_def *bodies;
+    size_t joint_count;
+    gn_joint_def *joints;
     size_t source_count, sink_count;
     gn_source_def *sources;
     gn_sink_def *sinks;
