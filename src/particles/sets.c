@@ -223,7 +223,7 @@ gneiss_status gn_sets_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
     return GNEISS_OK;
 }
 
-gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+void gn_sets_push(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
     if (q->applied) memset(q->applied, 0, q->soa.count * 4 * sizeof *q->applied);
     for (size_t k = 0; q->applied && k < ctx->scene.set_count; k++)
@@ -231,6 +231,10 @@ gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
     if (q->load)
         memcpy(q->load, q->applied,
                q->soa.count * 4 * sizeof *q->load); /* load is added to the pressure */
+}
+
+gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_sets_push(ctx, dem);
     if (!(ctx->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
     free_slots(dem);
     /* A jump of a velocity requires an impulse, whose work the kernel books. */

@@ -57,6 +57,8 @@ gneiss_status gn_sets_assign(const gn_step_context *ctx, gn_dem *dem, gneiss_err
 gneiss_status gn_sets_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Updates motions and forces of sets from the scene of another stage. */
 gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Distributes the forces of sets to their particles. */
+void gn_sets_push(const gn_step_context *ctx, gn_dem *dem);
 /* gn_prescription_update sets the velocities of prescribed particles; gn_reactions_sum adds up the
  * reactions of sets. */
 void gn_prescription_update(const gn_step_context *ctx, gn_dem *dem, double time);
