@@ -1928,6 +1928,45 @@ def the_scene_of_the_shear_test_gives_a_strength_under_its_normal_stress(folder)
     presses_both_ends(out, 2e6)
 
 
+def driven_rows(out):
+    """The rows of the last stage, after the walls have begun to move."""
+    rows = history(out)
+    used = np.flatnonzero(rows["stage"] == 1)[20:]
+    return {name: values[used] for name, values in rows.items()}
+
+
+@fact
+def servo_walls_hold_their_stress_or_the_mean_stress_while_one_pair_closes(folder):
+    """The scene of the polyaxial test with fewer grains. Stresses are means over the rows of loading: grains rearrange suddenly."""
+    for mean in (False, True):
+        more = [part for wall in ("east", "north") for part in ("--set", f"walls.{wall}.servo.stress_of=mean")] if mean else []
+        out = small(folder, "polyaxial", "--set", "specimen.particles=400", "--set", "stages.load.end.strain=0.03", "--force", *more)
+        rows, read = driven_rows(out), readings(out)
+        across = [-rows[f"stress_{axis * 2}"].mean() for axis in "xy"]
+        pressure = -(rows["stress_xx"] + rows["stress_yy"] + rows["stress_zz"]).mean() / 3
+        if mean:
+            assert abs(pressure / 1e5 - 1) < 0.02 and max(across) < 8e4, (pressure, across)
+        else:
+            assert max(abs(stress / 1e5 - 1) for stress in across) < 0.02 and pressure > 1.3e5, (pressure, across)
+        largest = rows["stress"].argmax()
+        principal = sorted(-rows[f"stress_{axis * 2}"][largest] for axis in "xyz")
+        sine = (principal[2] - principal[0]) / (principal[2] + principal[0])
+        assert abs(read["friction_angle"] - np.degrees(np.arcsin(sine))) < 1e-9 and 30 < read["friction_angle"] < 45, read
+        assert abs(read["least_stress"] - principal[0]) < 1e-6 * principal[0] and abs(read["mean_stress"] / np.mean(principal) - 1) < 1e-9
+        assert abs(rows["stress"][largest] - (-rows["stress_zz"][largest] + (rows["stress_xx"] + rows["stress_yy"])[largest] / 2)) < 1
+
+
+@fact
+def the_strains_of_a_polyaxial_test_are_those_of_its_walls(folder):
+    out = small(folder, "polyaxial", "--set", "specimen.particles=400", "--set", "stages.load.end.strain=0.01", "--force")
+    rows, start = history(out), 20e-3
+    side = [start + rows[f"wall_{wall}_displacement_{axis}"] for wall, axis in (("east", "x"), ("north", "y"), ("top", "z"))]
+    assert np.abs(rows["strain"] - (1 - side[2] / start)).max() < 1e-12
+    assert np.abs(rows["volumetric_strain"] - (1 - side[0] * side[1] * side[2] / start**3)).max() < 1e-12
+    for change, message in (("test.axis=none", "test.axis: required"), ("test.lower=bottom", "test.lower: expected none")):
+        expect(gneiss("check", os.path.join(ROOT, "scenes", "polyaxial.yaml"), "--set", change), 2, message)
+
+
 @fact
 def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
     """Springs k along the axes, 2 r apart, give a cubic lattice K = k/(6 r), which 8 spheres along a side represent as well as many."""

@@ -598,7 +598,8 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
          "s.yaml:20:53: test.upper: expected another end than lower, found 'floor'"},
         {"test: {kind: none, axis: z, lower: floor, upper: floor}",
          "s.yaml:20:14: test.kind: expected one of compression, tension, brazilian, bending, "
-         "triaxial, biaxial, hydrostatic, oedometer, shear, simple_shear, cutting, found 'none'"},
+         "triaxial, biaxial, hydrostatic, polyaxial, oedometer, shear, simple_shear, cutting, "
+         "found 'none'"},
     };
     for (size_t k = 0; k < sizeof additions / sizeof *additions; k++)
         refuses(with(additions[k][0]), additions[k][1]);

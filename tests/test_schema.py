@@ -224,6 +224,16 @@ def a_plane_scene_takes_vectors_of_two_components_and_no_shapes_of_space(_):
 
 
 @fact
+def formulas_of_t_stand_where_tables_do(folder):
+    """Components of some vectors take them too; a single number does not."""
+    for change, good in (({"gravity": [0, 0, "9.81*sin(2*pi*t)"]}, True), ({"gravity": [0, 0, [[0, 0], [1, -9.81]]]}, True),
+                         ({"gravity": [0, 0, "9.81*sin(2*pi*x)"]}, False), ({"time": {"end": "2*t"}}, False), ({"gravity": "t"}, False)):
+        scene = {**read(LATTICE), **change}
+        scene["time"].pop("stop", None)
+        assert bool(problems(scene)) != good and (verdict(folder, scene) is None) == good, (change, problems(scene), verdict(folder, scene))
+
+
+@fact
 def a_stage_may_change_what_check_lets_it_change(folder):
     for change, good in (({"walls": {"top": {"motion": {"vz": 0.1}}}}, True), ({"walls": [{"name": "top", "friction": 0.2}]}, True),
                          ({"walls": {"top": {"point": [0, 0, 1]}}}, False), ({"gravity": [0, 0, 0]}, True), ({"law": {"rotation": "off"}}, False),

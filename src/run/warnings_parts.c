@@ -344,13 +344,15 @@ enum { SERVOS_NAMED = 2 };
 
 static size_t tell_of_servo(const gn_run *run, int wall, int axis, gn_servo_row mean, double share,
                             char *text, size_t size) {
-    const char *name =
-        axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : run->world.ctx.scene.walls[wall].name;
-    const char *unit = axis >= 0 ? "Pa" : "N";
+    const gn_scene *s = &run->world.ctx.scene;
+    const char *name = axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : s->walls[wall].name;
+    const bool of_mean = axis >= 0 ? s->box[axis].of_mean : s->walls[wall].servo.of_mean;
+    const char *unit = axis >= 0 || of_mean ? "Pa" : "N";
     size_t used = (size_t)snprintf(
         text, size,
-        "%s '%.40s' has %.4g %s in the mean of the last rows, and its target is %.4g %s",
-        axis >= 0 ? "side" : "wall", name, mean.found, unit, mean.wanted, unit);
+        "%s%s '%.40s' has %.4g %s in the mean of the last rows, and its target is %.4g %s",
+        of_mean ? "the mean stress held by " : "", axis >= 0 ? "side" : "wall", name, mean.found,
+        unit, mean.wanted, unit);
     if (share > share_limit && used < size)
         used += (size_t)snprintf(
             text + used, size - used,

@@ -534,6 +534,24 @@ static gneiss_status check_wall(const check *section, const gn_scene *scene, siz
     return gn_check_plane_motion(section, scene, &wall->motion);
 }
 
+/* Checks that a wall which holds the mean stress is one of a box of walls along the axes. */
+static gneiss_status check_mean(const check *section, const gn_scene *scene, size_t index) {
+    bool belongs = false, closed = true;
+    for (int a = 0; a < (int)scene->dimension; a++)
+        for (int sense = -1; sense <= 1; sense += 2) {
+            const int wall = gn_scene_wall_facing(scene, a, sense);
+            belongs = belongs || wall == (int)index;
+            closed = closed && wall >= 0;
+        }
+    if (!scene->walls[index].servo.stress.count)
+        return gn_check_fail(section, "servo.stress_of", "expected stress beside it, found force");
+    if (belongs && closed) return GNEISS_OK;
+    return gn_check_fail(section, "servo.stress_of",
+                         "expected a wall of a box: two walls across every axis that face each "
+                         "other, of which it is the first in its direction, found %s",
+                         closed ? "a further wall" : "an axis without");
+}
+
 static gneiss_status check_servo(const check *section, const gn_scene *scene, size_t index) {
     const gn_servo *servo = &scene->walls[index].servo;
     gn_facing facing;
@@ -541,6 +559,7 @@ static gneiss_status check_servo(const check *section, const gn_scene *scene, si
     if (!servo->force.count == !servo->stress.count)
         return gn_check_fail(section, "servo", "expected force or stress, found %s",
                              servo->force.count ? "both" : "none");
+    if (servo->of_mean) GN_TRY(check_mean(section, scene, index));
     if (servo->area > 0 && servo->force.count)
         return gn_check_needs(section, "servo.area", "force", "stress");
     if (servo->force.count || servo->area > 0 || gn_wall_covers_open_axis(scene, index) ||
@@ -642,6 +661,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_list(&c, "walls", scene->wall_count, check_servo));
     GN_TRY(gn_check_bodies(reader, root));
     GN_TRY(gn_check_flow(reader, root));
+    GN_TRY(gn_check_joints(reader, root));
     if (gn_check_is_valid(&c, "membrane") && gn_check_is_valid(&c, "test") &&
         gn_check_is_valid(&c, "specimen"))
         GN_TRY(gn_check_keep_problem(&c, gn_check_membrane(&c, scene)));

@@ -132,6 +132,9 @@ gneiss_status gn_check_sieve(const check *checked, const char *section, bool wan
 /* Checks the lists `sources` and `sinks`, which may be empty (check_lists.c). */
 gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root);
 
+/* Checks the list `joints`, which may be empty (check_joints.c). */
+gneiss_status gn_check_joints(const gn_reader *reader, const gn_node *root);
+
 /* Checks the list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 

@@ -28,7 +28,7 @@ gneiss_status gn_check_scatter(const check *section, const char *key, const gn_s
 static const char *unread(const gn_scene *scene, const gn_contact_def *contact) {
     bool area = gn_scene_by_area(scene), uniform = scene->stiffness == GN_STIFFNESS_UNIFORM;
     bool hertz = gn_scene_hertz(scene), strength = !uniform && !hertz;
-    bool energy = scene->softening == GN_SOFTENING_ENERGY;
+    bool energy = scene->softening == GN_SOFTENING_ENERGY, adheres = gn_scene_adheres(scene);
     const struct {
         bool read;
         double value;
@@ -39,6 +39,7 @@ static const char *unread(const gn_scene *scene, const gn_contact_def *contact) 
                 {area || hertz, contact->young, "young"},
                 {area || hertz, contact->poisson, "poisson"},
                 {hertz, contact->restitution, "restitution"},
+                {adheres, contact->adhesion, "adhesion"},
                 {area, contact->alpha, "alpha"},
                 {area, contact->beta, "beta"},
                 {strength, contact->tensile_strength, "tensile_strength"},
@@ -371,8 +372,68 @@ static gneiss_status check_rolling(const check *section, const gn_scene *scene) 
                          "broken bonds would have no such resistance, found some");
 }
 
+/* Refuses parts that attractive contacts do not work beside. */
+static gneiss_status check_cohesive_company(const check *section, const gn_scene *scene) {
+    const bool liquid = scene->cohesion == GN_COHESION_LIQUID;
+    const struct {
+        bool found;
+        const char *what;
+    } others[] = {{scene->body_count > 0, "rigid bodies, whose facets have no attraction"},
+                  {scene->has_elements, "finite elements"},
+                  {scene->has_membrane, "a membrane"},
+                  {scene->precision == GN_PRECISION_MIXED, "mixed precision"},
+                  {gn_scene_box_moves(scene), "a periodic box whose sides move"},
+                  {liquid && scene->source_count > 0, "sources, whose particles would be dry"},
+                  {liquid && (scene->sink_count > 0 || scene->has_domain),
+                   "particles that leave, with the liquid of their bridges"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(section, "law.cohesion", "expected none beside it, found %s",
+                                 others[k].what);
+    return GNEISS_OK;
+}
+
+static bool any_adheres(const gn_scene *scene) {
+    bool found = false;
+    for (size_t k = 0; k < scene->material_count; k++)
+        found = found || scene->materials[k].adhesion > 0;
+    for (size_t k = 0; k < scene->contact_count; k++)
+        found = found || scene->contacts[k].adhesion > 0;
+    return found;
+}
+
+/* Checks the keys of attractive contacts. */
+static gneiss_status check_cohesion(const check *section, const gn_scene *scene) {
+    const bool liquid = scene->cohesion == GN_COHESION_LIQUID;
+    const struct {
+        double value;
+        const char *key;
+    } of_liquid[] = {{scene->surface_tension, "law.surface_tension"},
+                     {scene->contact_angle, "law.contact_angle"},
+                     {scene->liquid_content, "law.liquid_content"}};
+    for (size_t k = 0; !liquid && k < sizeof of_liquid / sizeof *of_liquid; k++)
+        if (of_liquid[k].value > 0.0)
+            return gn_check_fail(section, of_liquid[k].key,
+                                 "expected law.cohesion liquid beside it, found another");
+    if (scene->cohesion == GN_COHESION_NONE) return GNEISS_OK;
+    if (!gn_scene_hertz(scene))
+        return gn_check_fail(section, "law.cohesion",
+                             "expected law.stiffness hertz beside it, found another");
+    if (liquid) {
+        GN_TRY(gn_check_required(section, scene->surface_tension, "law.surface_tension",
+                                 "by cohesion liquid"));
+        GN_TRY(gn_check_required(section, scene->liquid_content, "law.liquid_content",
+                                 "by cohesion liquid"));
+    } else if (!any_adheres(scene)) {
+        return gn_check_fail(section, "law.cohesion",
+                             "expected a material or a pair with an adhesion above 0, found none");
+    }
+    return check_cohesive_company(section, scene);
+}
+
 gneiss_status gn_check_hertz(const check *section, const gn_scene *scene) {
     GN_TRY(check_rolling(section, scene));
+    GN_TRY(check_cohesion(section, scene));
     if (!gn_scene_hertz(scene)) {
         if (scene->pull || !gn_check_given(section, "law.pull")) return GNEISS_OK;
         return gn_check_needs(section, "law.pull", "another", "law.stiffness hertz");
@@ -491,6 +552,7 @@ static gneiss_status check_idle(const check *section, const gn_box_side *side, c
     char more[48];
     if (given && given->kind == GN_NODE_MAP && !given->count)
         return gn_check_fail(section, key, "expected stress or rate, found neither");
+    if (side->of_mean && !side->stress.count) idle = "stress_of";
     if (side->stress.count || !idle) return GNEISS_OK;
     snprintf(more, sizeof more, "%s.%s", key, idle);
     return gn_check_fail(section, more, "expected stress (a servo) for this side, found %s",

@@ -354,6 +354,12 @@ gneiss_status gn_check_output(const check *section, gn_scene *scene) {
     if (scene->contact_rows == GN_SWITCH_ON && !scene->has_specimen)
         return gn_check_needs(section, "output.contacts", "elements only",
                               "a specimen, whose particles have contacts");
+    if (scene->has_structure && !scene->has_specimen)
+        return gn_check_needs(section, "output.structure", "elements only",
+                              "a specimen, whose particles are measured");
+    if (scene->has_structure)
+        GN_TRY(gn_check_box(section, scene, "output.structure.max", scene->structure_min,
+                            scene->structure_max));
     if (scene->field_count && !scene->has_specimen)
         return gn_check_needs(section, "output.fields", "elements only",
                               "a specimen, whose particles and bonds have them");
@@ -387,7 +393,7 @@ static gneiss_status check_step(const check *section, const gn_scene *scene) {
 }
 
 static gneiss_status check_mass_scaling(const check *section, const gn_scene *scene) {
-    bool falls = scene->gravity[0] != 0.0 || scene->gravity[1] != 0.0 || scene->gravity[2] != 0.0;
+    const bool falls = gn_scene_has_gravity(scene);
     if (!scene->has_mass_scaling || !gn_check_is_valid(section, "gravity")) return GNEISS_OK;
     if ((scene->scaled_step > 0.0) == (scene->scaled_factor > 0.0))
         return gn_check_fail(section, "time.mass_scaling",
@@ -434,8 +440,10 @@ static bool motion_changes(const gn_motion *motion) {
 const char *gn_scene_loading_refusal(const gn_scene *scene) {
     if (!scene->has_specimen || scene->bonds != GN_SWITCH_ON) return "bonded particles, found none";
     if (scene->has_elements) return "particles alone, found elements";
+    if (scene->loads_vary) return "constant gravity and forces, found some that vary over time";
     if (scene->body_count) return "walls and sets, found bodies";
     if (scene->has_membrane) return "walls and sets, found a membrane";
+    if (scene->joint_count) return "a specimen without joints, found joints";
     if (gn_scene_box_moves(scene)) return "a fixed periodic box, found sides that move";
     if (scene->background == GN_BACKGROUND_VISCOUS &&
         gn_scene_spin_damping(scene) != scene->background_coefficient &&

@@ -402,7 +402,7 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
 
 gneiss_status gn_check_hydrostatic_load(const check *section, bool presses) {
     const gn_test_descriptor *d = gn_scene_test(section->reader->scene);
-    if (presses || !d->isotropic) return GNEISS_OK;
+    if (presses || !(d->isotropic || d->enclosed)) return GNEISS_OK;
     return gn_check_fail(
         section, "test.kind",
         "expected something that presses on the specimen of a %s test (a "
@@ -420,11 +420,17 @@ static const char *end_key(const gn_test *t) {
                             : NULL;
 }
 
-/* Checks isotropic tests, whose stress is the mean pressure and whose strain is the loss of volume,
- * so that they need no end. */
-static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
+/* Checks tests whose stress and strain are measured in the specimen, so that they need no end. */
+static gneiss_status check_endless(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    const char *key = t->axis >= 0 ? "test.axis" : end_key(t);
+    const bool along = gn_scene_test(s)->enclosed;
+    const char *key = !along && t->axis >= 0 ? "test.axis" : end_key(t);
+    if (along && t->axis < 0)
+        return gn_check_is_valid(c, "test.axis")
+                   ? gn_check_fail(c, "test.axis", "required, but not given")
+                   : GNEISS_OK;
+    if (along && t->axis >= s->dimension)
+        return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
     if (key)
         return gn_check_fail(c, key, "expected none: a %s test has no ends",
                              gn_scene_test(s)->name);
@@ -485,7 +491,8 @@ gneiss_status gn_check_test(const check *section, gn_scene *scene) {
     const gn_test *t = &scene->test;
     GN_TRY(check_confinements(section, scene));
     if (!gn_scene_tested(scene)) return check_no_test(section, scene);
-    if (gn_scene_test(scene)->isotropic) return check_isotropic(section, scene);
+    const gn_test_descriptor *d = gn_scene_test(scene);
+    if (d->isotropic || d->enclosed) return check_endless(section, scene);
     if (gn_scene_test(scene)->tool) return check_cutting(section, scene);
     const char *missing = t->axis < 0       ? "test.axis"
                           : !t->lower.count ? "test.lower"

@@ -38,6 +38,12 @@ static void describe_choices(char *text, size_t size, const gn_key *key) {
     }
 }
 
+static const char *vector_text(const gn_key *key) {
+    return key->second ? "[x, y, z], in 2D [x, y], of numbers, formulas of t or tables"
+           : key->shape_dimension == 3 ? "[x, y, z]"
+                                       : "[x, y, z], in 2D [x, y]";
+}
+
 void gn_key_describe(const gn_key *key, char *text, size_t size) {
     switch (key->type) {
     case GN_KEY_REAL:
@@ -60,8 +66,7 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
         describe_choices(text, size, key);
         return;
     case GN_KEY_VECTOR:
-        describe_numbers(text, size,
-                         key->shape_dimension == 3 ? "[x, y, z]" : "[x, y, z], in 2D [x, y]", key);
+        describe_numbers(text, size, vector_text(key), key);
         return;
     case GN_KEY_SPIN:
         describe_numbers(text, size, "[x, y, z], in 2D a number", key);
@@ -70,7 +75,7 @@ void gn_key_describe(const gn_key *key, char *text, size_t size) {
         describe_numbers(text, size, "[x, y, z], in 2D [x, y]", key);
         return;
     case GN_KEY_TABLE:
-        describe_numbers(text, size, "number or table [[time, value], ...]", key);
+        describe_numbers(text, size, "number, formula of t or table [[time, value], ...]", key);
         return;
     case GN_KEY_IDS:
         describe_numbers(text, size, "list of whole numbers", key);
