@@ -202,4 +202,7 @@ gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *de
 /* Distributes the lists among ranks and threads. */
 gneiss_status gn_dem_deal(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
+/* Returns the mean radius over all rows of particles, m. */
+double gn_dem_mean_radius(const gn_dem *dem);
+
 #endif
