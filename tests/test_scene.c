@@ -459,7 +459,8 @@ static void every_typing_error_is_reported_at_its_place(void **state) {
          "origin, specimen, materials, contacts, law, elements, couple, bonds, damping, gravity, "
          "initial, "
          "periodic, "
-         "domain, sets, walls, bodies, joints, sources, sinks, clumps, membrane, test, time, stages, "
+         "domain, sets, walls, bodies, joints, sources, sinks, clumps, membrane, test, time, "
+         "stages, "
          "output, "
          "neighbours, run"},
         {"    kratio: 2\n", "",

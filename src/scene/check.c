@@ -312,8 +312,8 @@ gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
 gneiss_status gn_check_required(const check *section, double value, const char *key,
                                 const char *reason) {
     if (value > 0) return GNEISS_OK;
-    return gn_check_keep_problem(
-        section, gn_check_fail(section, key, "required %s, but not given", reason));
+    return gn_check_keep_problem(section,
+                                 gn_check_fail(section, key, "required %s, but not given", reason));
 }
 
 /* Checks that resistance to rolling has a tangential spring, from which its stiffness follows. */
