@@ -547,6 +547,8 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
          "s.yaml:5:5: materials[0].normal_stiffness: required by the uniform law, but not given"},
         {"law:", "bonds:\nlaw:",
          "s.yaml:5:5: materials[0].bond_tension_limit: required by bonds of the uniform law, but "
+         "not given\n"
+         "s.yaml:5:5: materials[0].bond_shear_limit: required by bonds of the uniform law, but "
          "not "
          "given"},
         {"[0, 0, 4]", "[0, -0, 0]",
