@@ -342,7 +342,7 @@ def row(place, label, start):
     angle = np.degrees(np.arctan(c["cutting_coefficient"]))
     return (f"| {label} | {c['count']} | {spread(c['normal_force'])} | {spread(c['rolling_force'], 1)} | {spread(c['cutting_coefficient'], 3)} "
             f"| {angle.mean():.2f} | {c['predicted_coefficient'].mean():.3f} | {spread(c['centre'], 2)} "
-            f"| {c['predicted_normal_force'].mean():.0f}, {c['predicted_rolling_force'].mean():.1f} | {spread(c['specific_energy_removed'], 1)} "
+            f"| {spread(c['predicted_normal_force'][:1])}, {spread(c['predicted_rolling_force'][:1], 1)} | {spread(c['specific_energy_removed'], 1)} "
             f"| {spread(c['damage_depth'])} | {c['cpu'].sum():.0f} |")
 
 
@@ -374,17 +374,29 @@ def trend(place, title, cases, names=("normal_force", "rolling_force", "cutting_
         print(f"{title}: {name} as the power {power:.2f}, r2 of a line {straight:.3f}")
 
 
+def early_force(summary, path):
+    """Mean normal force, N, up to a path, m."""
+    with h5py.File(os.path.join(summary["folder"], "results.h5")) as file:
+        impulse, time = (np.interp(path, file["history/cut_path"][:], file[f"history/{name}"][:]) for name in ("normal_impulse", "time"))
+    return impulse / time
+
+
 def beside_base(place, labels):
-    """Ratios of forces to those of the base with the same packings, mean and standard error."""
-    base = {s["folder"].split("seed-")[-1]: s["readings"] for s in readings(place, "trend-base")}
-    print("\n| case | pairs | normal over base | rolling over base |\n| --- | --- | --- | --- |")
+    """Ratios of forces to those of the base with the same packings, mean and standard error; the first: up to a path of 4 mm, where some 250
+    bonds are broken and the courses of breakage have not separated yet."""
+    def seeds(start):
+        return {s["folder"].split("seed-")[-1]: (early_force(s, 4e-3), s["readings"]["normal_force"], s["readings"]["rolling_force"])
+                for s in readings(place, start)}
+
+    base = seeds("trend-base")
+    print("\n| case | pairs | normal up to 4 mm, over base | normal over base | rolling over base |\n| --- | --- | --- | --- | --- |")
     for label, start in labels.items():
-        some = {s["folder"].split("seed-")[-1]: s["readings"] for s in readings(place, start)}
+        some = seeds(start)
         pairs = sorted(set(base) & set(some))
-        ratios = [np.array([some[seed][name] / base[seed][name] for seed in pairs]) for name in ("normal_force", "rolling_force")]
-        error = [f" ± {r.std(ddof=1) / math.sqrt(len(r)):.2f}" if len(r) > 1 else "" for r in ratios]
+        ratios = np.array([np.divide(some[seed], base[seed]) for seed in pairs]).reshape(-1, 3)
+        error = [f" ± {r.std(ddof=1) / math.sqrt(len(r)):.2f}" if len(r) > 1 else "" for r in ratios.T]
         if pairs:
-            print(f"| {label} | {len(pairs)} | {ratios[0].mean():.2f}{error[0]} | {ratios[1].mean():.2f}{error[1]} |")
+            print(f"| {label} | {len(pairs)} | " + " | ".join(f"{mean:.{3 - (k > 0)}f}{error[k]}" for k, mean in enumerate(ratios.mean(axis=0))) + " |")
 
 
 def beishan(place):
