@@ -259,7 +259,7 @@ def runs(place):
     found = published(place) | trends() | relieved() | coupled() | depths()
     contacts = rock(place, "beishan-moments")
     if contacts is not None:
-        found["moments-beishan-seed-1"] = cut("17-flat", 4, (130, 150, 60), 2.55, 8, 15, **contacts, **{"run.seed": 1})
+        found["moments-beishan-seed-1"] = cut("17-flat", 4, (130, 150, 60), 2.55, 16, 15, **contacts, **{"run.seed": 1})
     return found | {"moments-first-seed-1": cut("17", 3.9, (130, 150, 60), 2.55, 8, 15, **SIDES, **MOMENTS, **rock(place, "first"), **{"run.seed": 1})}
 
 
