@@ -116,8 +116,7 @@ static void follow_scene(const cut *q, const gn_scene *scene, double from, doubl
  */
 static void start_table(void *context, gn_table *table) {
     const course *c = context;
-    for (size_t k = 0; k < table->count && table->stage; k++)
-        table->time[k] += c->start[table->stage - 1];
+    if (table->stage) gn_table_delay(table, c->start[table->stage - 1]);
 }
 
 /* Follows the prescribed motion through all stages; returns false if the duration of a stage before
