@@ -25,7 +25,7 @@ SCENES = os.path.join(HERE, os.pardir, "scenes")
 QUIET = {"output.snapshots": 0, "output.history_rows": 1000, "run.threads": 1}
 # Strengths in compression and tension, MPa, and the file from which the contacts of a rock are calibrated.
 ROCKS = {"first": (147.3, 10.2, None), "second": (102.6, 11.5, "disc-cutting-rock-second"), "beishan": (169.5, 13, "beishan-granite"),
-         "second-moments": (102.6, 11.5, "disc-cutting-rock-second-moments"), "beishan-moments": (169.5, 13, "beishan-granite-moments")}
+         "second-moments": (102.6, 11.5, "disc-cutting-rock-second-moments")}
 # Contacts with moments that have all strengths of the first rock (validate/references/disc-cutting-rock-moments.yaml).
 MOMENTS = {"materials.rock.contact_modulus": "37.2 GPa", "materials.rock.kratio": 8.52, "materials.rock.tensile_strength": "11.25 MPa",
            "materials.rock.shear_strength": "35.5 MPa", "materials.rock.bond_friction": 0.5, "bonds.radius_multiplier": 1, "bonds.moment_share": 0}
@@ -257,9 +257,9 @@ def coupled():
 def runs(place):
     """{name: overrides}, in the order of importance."""
     found = published(place) | trends() | relieved() | coupled() | depths()
-    contacts = rock(place, "beishan-moments")
-    if contacts is not None:
-        found["moments-beishan-seed-1"] = cut("17-flat", 4, (130, 150, 60), 2.55, 16, 15, **contacts, **{"run.seed": 1})
+    granite = {**MOMENTS, "materials.rock.contact_modulus": "36.2 GPa", "materials.rock.tensile_strength": "12.95 MPa",
+               "materials.rock.shear_strength": "40.9 MPa", "test.compressive_strength": "169.5 MPa", "test.tensile_strength": "13 MPa"}  # by proportion
+    found["moments-beishan-seed-1"] = cut("17-flat", 4, (130, 150, 60), 2.55, 16, 15, **granite, **{"run.seed": 1})
     return found | {"moments-first-seed-1": cut("17", 3.9, (130, 150, 60), 2.55, 8, 15, **SIDES, **MOMENTS, **rock(place, "first"), **{"run.seed": 1})}
 
 
