@@ -84,7 +84,9 @@ need() {
         as_root=(sudo)
     fi
     say "installing: ${missing[*]}"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 ||
+    # Lists of the last hour are not fetched again.
+    [[ -n $(find /var/lib/apt/lists -maxdepth 1 -name '*Packages*' -mmin -60 2>/dev/null) ]] ||
+        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 ||
         say "./do: apt-get update failed; trying with the package lists that are there"
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
         apt-get install -q -y --no-install-recommends "${missing[@]}" >&2 ||
@@ -308,12 +310,13 @@ command_accuracy() {
 }
 
 command_install() {
-    local name
+    local name all=()
     for name in "$@"; do
         local -n packages="packages_$name" 2>/dev/null || die "install: no such list of packages: $name"
         [[ -v packages[@] ]] || die "install: no such list of packages: $name"
-        need "${packages[@]}"
+        all+=("${packages[@]}")
     done
+    need "${all[@]}"
 }
 
 release_version() {

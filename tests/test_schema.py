@@ -307,4 +307,36 @@ def explain_takes_names_of_elements_and_ends_of_paths(_):
     expect(gneiss("schema", "mesh"), 2, "expected scene, pack, sweep or calibrate, found 'mesh'")
 
 
+# --- names of other programs -----------------------------------------------------------------------------
+
+with open(os.path.join(ROOT, "src/scene/foreign.c"), encoding="utf-8") as table:
+    FOREIGN = re.findall(r'^    (PFC|YADE|LAMMPS|LIGGGHTS|KRATOS)\("([^"]+)", "([^"]+)", "([^"]*)"\)', table.read(), re.M)
+PAGES = {"PFC": "tutorials/from-pfc.md", "YADE": "tutorials/from-yade.md"}
+
+
+@fact
+def names_of_other_programs_lead_to_a_key_and_are_on_their_page(_):
+    assert len(FOREIGN) > 60
+    for program, name, key, value in FOREIGN:
+        page = PAGES.get(program, "other-codes.md")
+        with open(os.path.join(ROOT, "docs", page), encoding="utf-8") as file:
+            assert re.search(rf"(?<!\w){re.escape(name.split()[-1])}(?!\w)", file.read()), (name, page)
+        found = expect(gneiss("keys", name), 0).stdout
+        said = f"{name} of {program.replace('KRATOS', 'Kratos')} is {key}{': ' * bool(value)}{value} (docs/{page})"
+        assert said in found and f"\n{key}\n" in found, (said, found[:300])
+
+
+@fact
+def names_of_other_programs_are_explained_and_named_in_errors(folder):
+    found = expect(gneiss("explain", "PB_EMOD"), 0).stdout
+    assert found.startswith("pb_emod of PFC is materials[].contact_modulus: pi/4 pb_emod (docs/tutorials/from-pfc.md)\n\nmaterials[].contact_modulus: "), found
+    assert "Kn of LAMMPS" in gneiss("keys", "kn").stdout and "kn of PFC" in gneiss("keys", "kn").stdout
+    assert "fix gravity of LAMMPS is gravity" in gneiss("keys", "fix", "gravity").stdout
+    scene = read(os.path.join(SCENES, "lattice-small.yaml"))
+    scene["materials"][0]["pb_emod"] = "10 GPa"
+    scene["damp"] = 0.7
+    done = expect(gneiss("check", write_scene(folder, scene)), 2, r"pb_emod: unknown key 'pb_emod'; pb_emod of PFC is materials\[\]\.contact_modulus: pi/4 pb_emod")
+    assert "damp: unknown key 'damp'; damp of PFC is damping.background.coefficient: damp, with model" in done.stderr, done.stderr
+
+
 sys.exit(main())

@@ -202,7 +202,7 @@ static void impossible_servos_are_refused(void **state) {
     (void)state;
     refused("max_velocity: 1", "s.yaml:6:72: walls[0].servo: expected force or stress, found none");
     refused("max_velocity: 1, force: 1, stress: 1", "expected force or stress, found both");
-    refused("max_velocity: 1, force: 1, area: 1", "servo.area: expected stress beside it");
+    refused("max_velocity: 1, force: 1, area: 1", "servo.area: needs stress");
     refused("max_velocity: 1, stress: 1 kPa",
             "walls[0].servo.area: required beside stress without two pairs of walls");
     refused("max_velocity: 1, stress: 1 N", "walls[0].servo.stress: expected a stress");

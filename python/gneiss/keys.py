@@ -35,6 +35,7 @@ class Scene(TypedDict, total=False):
     sets: Sequence[Set]  # selections of particles and actions on them; a later one overrides an earlier one
     walls: Sequence[Wall]  # plane walls
     bodies: Sequence[Body]  # rigid bodies with a surface of triangles (2D: segments)
+    joints: Sequence[Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source]  # regions where particles are created during the run
     sinks: Sequence[Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
     membrane: Membrane  # pressure on the surface of the specimen
@@ -142,6 +143,7 @@ class Material(TypedDict, total=False):
     friction: Number  # number, or an angle, in [0, 1e30]: Coulomb friction coefficient (default 0)
     rolling_friction: Number  # number, in [0, 1e30]: mu_r: contacts resist rolling up to the moment mu_r R |f_n|, R the reduced radius; 0: no resistance (default 0)
     twisting_friction: Number  # number, in [0, 1e30]: mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: no resistance (default 0)
+    adhesion: Number  # number, J/m2, in [0, 1e6]: with law.cohesion jkr and dmt: work of adhesion w of two surfaces of this material, twice its surface energy; of two materials the geometric mean (default 0)
     restitution: Number  # number, in [0, 1], or none: with hertz: restitution coefficient of its contacts, the smaller one of two materials; none: that of damping.contact (default none)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: sigma_c of a bond; needed with bonds by every law but uniform (default none)
     shear_strength: Number  # number, Pa, in [1e-12, 1e100], or none: tau_c of a bond; needed with bonds by every law but uniform (default none)
@@ -190,6 +192,7 @@ class Contact(TypedDict, total=False):
     bond_tension_limit: Number  # number, N, in [1e-30, 1e100], or combined: R_n of the uniform law, instead of the smaller (default combined)
     bond_shear_limit: Number  # number, N, in [1e-30, 1e100], or combined: R_t of the uniform law, instead of the smaller (default combined)
     bond_friction: Number  # number, or an angle, in [0, 1e30], or combined: mu_1 of a bond, instead of the smaller (default combined)
+    adhesion: Number  # number, J/m2, in [0, 1e6], or combined: w, instead of the geometric mean (default combined)
     rolling_friction: Number  # number, in [0, 1e30], or combined: mu_r, instead of the smaller (default combined)
     twisting_friction: Number  # number, in [0, 1e30], or combined: mu_t, instead of the smaller (default combined)
     restitution: Number  # number, in [0, 1], or combined: restitution coefficient with hertz, instead of the smaller (default combined)
@@ -203,6 +206,10 @@ class Law(TypedDict, total=False):
     gamma_rule: Literal['volume', 'porosity']  # rule for gamma: auto; volume: the sum of sections times lengths equals the dimension times the volume; porosity: 40 e/n_c (Santasusana 2013) (default volume)
     contact_arm: Literal['midpoint', 'radius']  # contact point: midpoint of the gap, or one radius from the centre (default midpoint)
     pull: Literal['true', 'false'] | bool  # with hertz: the dashpot may exert tension at the end of a collision; false: the total force is cut off at zero, and the dashpot is adjusted to keep the restitution (default true)
+    cohesion: Literal['none', 'jkr', 'dmt', 'liquid']  # with hertz: attraction of particles; jkr: Johnson, Kendall and Roberts 1971, with necks; dmt: constant pull-off force while they touch; liquid: bridges of liquid (Willett et al. 2000) (default none)
+    surface_tension: Number  # number, N/m, in (0, 100], or none: surface tension of the liquid; needed by cohesion liquid (default none)
+    contact_angle: Number  # number, rad, in [0, 0.8726646259971648]: angle of the liquid on the particles, with cohesion liquid; at most 50 degrees, the range of the fit (default 0)
+    liquid_content: Number  # number, in (0, 0.5], or none: volume of the liquid over that of the particles at the start; needed by cohesion liquid (default none)
     rotation: Literal['auto', 'on', 'off'] | bool  # particles rotate; auto: on (default auto)
     coupling: Literal['none', 'quadratic', 'linear']  # reduction of a bond's shear strength by tension; quadratic: the bond breaks when the squares of force over strength add up to 1; linear: by mu_1 f_n (default none)
     confinement: Literal['own', 'mean']  # normal force that the friction of bonds (bond_friction) acts on: own: that of the bond; mean: that of the mean stress around its two particles (default own)
@@ -589,6 +596,35 @@ class BodyMotion(TypedDict, total=False):
     wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
 
 
+class Joint(TypedDict, total=False):
+    name: str  # name: name in the columns of the history
+    point: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: a point of the joint, the centre of a disc; point, trace, surface, discs or network
+    normal: Vector  # [x, y, z], in 2D [x, y]: normal of the joint, of any length; normal or dip
+    dip: Number  # number, rad, in [0, 1.5707963267948966], or none: angle of the joint to the plane of x and y; in 2D to x, downwards along x (default none)
+    dip_direction: Number  # number, rad, in [-7, 7]: direction of the steepest descent, from y towards x; 3D (default 0)
+    radius: Number  # number, m, in [1e-9, 1e9], or none: radius of a disc, in 2D half of the length; none: the joint has no edge; of a network the smallest radius (default none)
+    polygon: Rows  # list of at least 3 points [x, y], m, in [-1e9, 1e9]: corners of the joint in its plane in either sense of rotation: rows [along the strike, up the dip] from `point`
+    trace: Rows  # list of at least 2 points [x, y], m, in [-1e9, 1e9]: corners of a line in a 2D scene: rows [x, y]
+    surface: str  # file: STL, PLY or OBJ file of a surface of triangles, in m
+    discs: str  # file: CSV file of discs: rows x, y, z, dip, dip direction, radius in m and degrees; in 2D of lines: x, y, dip, half of the length
+    network: JointNetwork  # discs (in 2D lines) drawn at random by run.seed, with the mean normal and the smallest radius of the entry
+    normal_stiffness: Number  # number, Pa/m, in [1e-9, 1e24]: normal stress per closure
+    shear_stiffness: Number  # number, Pa/m, in [1e-9, 1e24]: shear stress per shear displacement before sliding
+    friction: Number  # number, or an angle, in [0, 1e30]: Coulomb friction coefficient once the joint is broken (residual) (default 0)
+    bond_friction: Number  # number, or an angle, in [0, 1e30], or friction: coefficient of friction that adds to the cohesion of the intact joint (default friction)
+    cohesion: Number  # number, Pa, in [0, 1e18]: shear strength of the intact joint without normal stress (default 0)
+    tensile_strength: Number  # number, Pa, in [0, 1e18]: tensile strength of the intact joint (default 0)
+    dilation: Number  # number, or an angle, in [0, 10]: opening per slip while the joint slides closed, or the angle of dilation (default 0)
+    dilation_end: Number  # number, m, in [0, 1e9], or none: slip at which the dilation ends (default none)
+
+
+class JointNetwork(TypedDict, total=False):
+    intensity: Number  # number, 1/m, in [1e-9, 1e9]: area of joints per volume of the specimen (P32); in 2D length per area (P21)
+    fisher: Number  # number, in [0, 1e6], or parallel: concentration kappa of Fisher's distribution of the normals about that of the entry; 0: uniform; in 2D of von Mises' distribution of twice the angle (default parallel)
+    radius_max: Number  # number, m, in [1e-9, 1e9], or equal: largest radius; equal: all joints have `radius` (default equal)
+    exponent: Number  # number, in [0, 20]: D of the power law between `radius` and radius_max: the number of joints larger than r falls as r^-D (default 3)
+
+
 class Source(TypedDict, total=False):
     name: str  # name: name in the columns of the history
     rectangle: SourceRectangle  # 2D region; its lower left corner is at the origin
@@ -689,7 +725,7 @@ class Test(TypedDict, total=False):
     compressive_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: uniaxial strength of the rock, used for predicted forces only (default none)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, used for predicted forces only (default none)
     pressure_exponent: Number  # number, in [-0.2, 0.2]: cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp to -0.2 of wide tips (default 0)
-    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock (default auto)
+    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock, or comes near held particles (default auto)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area of the section of the specimen; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
     diameter: Number  # number, m, in [1e-9, 1e9], or none: diameter of a cylinder; brazilian: of the disc, none: its extent along the axis (default none)
     thickness: Number  # number, m, in [1e-9, 1e9], or auto: thickness of the disc of a brazilian test, or of the beam of a bending test; auto: its extent, in 2D 1 m (default auto)
@@ -762,6 +798,7 @@ class Stage(TypedDict, total=False):
     sets: Sequence[Set] | dict[str, Set]  # selections of particles and actions on them; a later one overrides an earlier one
     walls: Sequence[Wall] | dict[str, Wall]  # plane walls
     bodies: Sequence[Body] | dict[str, Body]  # rigid bodies with a surface of triangles (2D: segments)
+    joints: Sequence[Joint] | dict[str, Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source] | dict[str, Source]  # regions where particles are created during the run
     sinks: Sequence[Sink] | dict[str, Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
     membrane: Membrane  # pressure on the surface of the specimen
@@ -785,6 +822,7 @@ class StageEnd(TypedDict, total=False):
 class Output(TypedDict, total=False):
     directory: str  # text: folder of the results; left out: runs/ and the name of the scene
     history_rows: int | str  # whole number, in [0, 10000000]: rows of the history up to time.end; up to twice as many if a test ends before (default 1000)
+    structure: OutputStructure  # box in which porosity, coordination, fabric and sliding contacts of the history are measured; left out: the whole specimen
     snapshots: int | str  # whole number, in [0, 1000000]: snapshots up to the end, besides those at the peak of a test and at half of it; 0: only the last state (default 10)
     checkpoint: Number  # number, s, in [0, inf), or off: wall time between checkpoints; off: only on a signal and at the end (default 5 min)
     energy: Literal['auto', 'on', 'off'] | bool  # energy ledger; auto: on (default auto)
@@ -793,6 +831,11 @@ class Output(TypedDict, total=False):
     contacts: Literal['auto', 'on', 'off'] | bool  # all acting contacts, including unbonded ones and those with walls and bodies, in snapshots and results.h5; auto: off (default auto)
     burst_reach: Number  # number, in [0, 1e6]: breaks belong to one burst if they are at most this many mean diameters of bonded particles apart, and in time at most what a wave takes over that distance (default 5)
     fields: str | Sequence[str]  # name or list of names: further quantities of particles and bonds in snapshots and results.h5: spin, group, material, skin, total_force, total_moment, damping_force, damping_moment, fragment, fragment_size, area, shear_stress (docs/quantities.md)
+
+
+class OutputStructure(TypedDict, total=False):
+    min: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: lower corner of the box
+    max: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: upper corner of the box
 
 
 class Neighbours(TypedDict, total=False):

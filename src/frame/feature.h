@@ -72,7 +72,8 @@ typedef struct gn_feature {
     X(cutting)                                                                                     \
     X(ends)                                                                                        \
     X(box)                                                                                         \
-    X(events)
+    X(events)                                                                                      \
+    X(bridges)
 
 #define X(name) extern const gn_feature gn_feature_##name;
 GN_FEATURES(X)

@@ -10,10 +10,12 @@
 #include "kernels/partials.h"
 #include "neigh/neigh.h"
 #include "particles/active_pairs.h"
+#include "particles/bridges.h"
 #include "particles/events.h"
 #include "particles/flow.h"
 #include "particles/fragments.h"
 #include "particles/from_run.h"
+#include "particles/joint_faces.h"
 #include "particles/law.h"
 #include "particles/observe.h"
 #include "particles/particles.h"
@@ -170,6 +172,7 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_er
     GN_TRY(gn_pieces_create(ctx, dem, error));
     d->verlet.skin = ctx->scene.skin > 0.0 ? ctx->scene.skin : automatic_skin(ctx, dem);
     d->verlet.skin_start = d->verlet.skin;
+    gn_bridges_begin(ctx, dem);
     return check_period(ctx, dem, error);
 }
 
@@ -197,6 +200,7 @@ void gn_dem_free(gn_dem *dem) {
     gn_soa_destroy(&gn_particle_record, &dem->particles);
     for (int l = 0; l < GN_LIST_COUNT; l++) gn_contact_list_free(&dem->list[l]);
     gn_soa_destroy(&gn_contact_record, &dem->prepared);
+    gn_joint_faces_free(&dem->joint_faces);
     gn_deal_free(&dem->deal);
     gn_hold_free(&dem->hold);
     gn_events_free(&dem->events);
@@ -275,6 +279,8 @@ gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *de
         a.slot = dem->particles.slot;
         a.held = dem->prescribed.mask;
     }
+    a.cohesion = (int)ctx->scene.cohesion;
+    a.rupture = gn_bridge_rupture(&ctx->scene);
     a.time = ctx->time;
     a.measure = measure;
     return a;

@@ -81,6 +81,7 @@ static const material_row material_rows[] = {
     {"kratio", not_elastic, false, -1},
     {"young", elastic, false, -1},
     {"poisson", elastic, false, -1},
+    {"adhesion", gn_scene_adheres, false, -1},
     {"alpha", gn_scene_by_area, false, -1},
     {"beta", gn_scene_by_area, false, -1},
     {"tensile_strength", not_uniform, true, -1},

@@ -289,8 +289,8 @@ static gneiss_status check_control(const check *c, const gn_scene *s) {
         return gn_check_fail(c, "test.control", "expected opening or lateral_strain, found %s",
                              t->control.opening > 0 ? "both" : "none");
     if (t->control.opening > 0 && !t->has_opening)
-        return gn_check_fail(c, "test.control.opening",
-                             "expected test.opening beside it, a gauge that is read, found none");
+        return gn_check_needs(c, "test.control.opening", "none",
+                              "test.opening, a gauge that is read");
     if (t->control.lateral_strain > 0 && (!s->has_specimen || s->has_periodic))
         return gn_check_fail(c, "test.control.lateral_strain",
                              "expected particles with a surface, whose mean strain is read, found "
@@ -305,8 +305,7 @@ static gneiss_status check_control(const check *c, const gn_scene *s) {
                              "found velocities of 0 alone",
                              "xyz"[t->axis]);
     if (s->start == GN_START_FIRST_BREAK)
-        return gn_check_fail(c, "test.control",
-                             "expected time.start: rest beside it, found first_break");
+        return gn_check_needs(c, "test.control", "first_break", "time.start: rest");
     return GNEISS_OK;
 }
 
@@ -355,8 +354,7 @@ static gneiss_status check_confinements(const check *c, gn_scene *s) {
     s->test.confinement = NULL;
     if (!list) return GNEISS_OK;
     if (!gn_scene_test(s)->confined)
-        return gn_check_fail(c, "test.confinement",
-                             "expected a triaxial or biaxial test beside it, found another");
+        return gn_check_needs(c, "test.confinement", "another", "a triaxial or biaxial test");
     if (list->kind != GN_NODE_LIST || list->count < LEAST_CONFINEMENTS)
         return gn_check_fail(c, "test.confinement",
                              "expected a list of at least %d pressures, which a friction angle "

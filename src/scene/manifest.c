@@ -18,6 +18,11 @@ static const gn_choice stiffness_models[] = {{"uniform", GN_STIFFNESS_UNIFORM},
                                              {"polyhedron", GN_STIFFNESS_POLYHEDRON},
                                              {"hertz", GN_STIFFNESS_HERTZ},
                                              {NULL, 0}};
+static const gn_choice cohesions[] = {{"none", GN_COHESION_NONE},
+                                      {"jkr", GN_COHESION_JKR},
+                                      {"dmt", GN_COHESION_DMT},
+                                      {"liquid", GN_COHESION_LIQUID},
+                                      {NULL, 0}};
 static const gn_choice gamma_rules[] = {
     {"volume", GN_GAMMA_VOLUME}, {"porosity", GN_GAMMA_POROSITY}, {NULL, 0}};
 static const gn_choice contact_arms[] = {
@@ -89,6 +94,10 @@ static const gn_key material_keys[] = {
     REAL("twisting_friction", gn_material, twisting_friction, "1", GN_FRICTIONS, BY("0"),
          "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced radius; 0: "
          "no resistance"),
+    REAL(
+        "adhesion", gn_material, adhesion, "J/m2", "[0, 1e6]", BY("0"),
+        "with law.cohesion jkr and dmt: work of adhesion w of two surfaces of this material, twice "
+        "its surface energy; of two materials the geometric mean"),
     REAL("restitution", gn_material, restitution, "1", "[0, 1]", OR("none", -1),
          "with hertz: restitution coefficient of its contacts, the smaller one of two materials; "
          "none: that of damping.contact"),
@@ -160,6 +169,19 @@ static const gn_key law_keys[] = {
     CHOICE("pull", gn_scene, pull, gn_booleans, BY("true"),
            "with hertz: the dashpot may exert tension at the end of a collision; false: the total "
            "force is cut off at zero, and the dashpot is adjusted to keep the restitution"),
+    CHOICE(
+        "cohesion", gn_scene, cohesion, cohesions, BY("none"),
+        "with hertz: attraction of particles; jkr: Johnson, Kendall and Roberts 1971, with necks; "
+        "dmt: constant pull-off force while they touch; liquid: bridges of liquid (Willett et al. "
+        "2000)"),
+    REAL("surface_tension", gn_scene, surface_tension, "N/m", "(0, 100]", OR("none", 0),
+         "surface tension of the liquid; needed by cohesion liquid"),
+    REAL(
+        "contact_angle", gn_scene, contact_angle, "rad", "[0, 0.8726646259971648]", BY("0"),
+        "angle of the liquid on the particles, with cohesion liquid; at most 50 degrees, the range "
+        "of the fit"),
+    REAL("liquid_content", gn_scene, liquid_content, "1", "(0, 0.5]", OR("none", 0),
+         "volume of the liquid over that of the particles at the start; needed by cohesion liquid"),
     CHOICE("rotation", gn_scene, rotation, gn_switches, BY("auto"), "particles rotate; auto: on"),
     CHOICE("coupling", gn_scene, coupling, couplings, BY("none"),
            "reduction of a bond's shear strength by tension; quadratic: the bond breaks when the "
@@ -495,6 +517,9 @@ static const gn_key scene_keys[] = {
           .range = "[0, 10000]", .text = "plane walls"),
     ARRAY("bodies", LIST, gn_scene, bodies, body_count, .section = &gn_body_section,
           .range = "[0, 1000]", .text = "rigid bodies with a surface of triangles (2D: segments)"),
+    ARRAY("joints", LIST, gn_scene, joints, joint_count, .section = &gn_joint_section,
+          .range = "[0, 10000]",
+          .text = "joints in the specimen; contacts that cross one follow the law of the joint"),
     ARRAY("sources", LIST, gn_scene, sources, source_count, .section = &gn_source_section,
           .range = "[0, 1000]", .text = "regions where particles are created during the run"),
     ARRAY("sinks", LIST, gn_scene, sinks, sink_count, .section = &gn_sink_section,

@@ -216,6 +216,7 @@ static const gn_key contact_keys[] = {
           "R_t of the uniform law, instead of the smaller"),
     VALUE("bond_friction", bond_friction, GN_SLOPE, GN_FRICTIONS,
           "mu_1 of a bond, instead of the smaller"),
+    VALUE("adhesion", adhesion, "J/m2", "[0, 1e6]", "w, instead of the geometric mean"),
     VALUE("rolling_friction", rolling_friction, "1", GN_FRICTIONS, "mu_r, instead of the smaller"),
     VALUE("twisting_friction", twisting_friction, "1", GN_FRICTIONS,
           "mu_t, instead of the smaller"),

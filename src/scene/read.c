@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/names.h"
 #include "base/printable.h"
+#include "scene/foreign.h"
 #include "scene/formula.h"
 
 #include <errno.h>
@@ -593,22 +594,41 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
     return GNEISS_OK;
 }
 
+/* Returns the name of the key at the end of a path if the section has it, else NULL. */
+static const char *own_key(const gn_section *section, const char *path) {
+    const char *dot = strrchr(path, '.'), *name = dot ? dot + 1 : path;
+    for (size_t k = 0; k < section->key_count; k++)
+        if (strcmp(section->keys[k].name, name) == 0) return section->keys[k].name;
+    return NULL;
+}
+
+/* Writes what an unknown key may stand for: a name of another program, or a misspelt one. */
+static void advise(const gn_section *section, const char *key, gn_names *names, char *text,
+                   size_t size) {
+    const gn_foreign_name *foreign = gn_foreign_next(key, NULL);
+    if (foreign) {
+        names->nearest = own_key(section, foreign->key);
+        gn_foreign_describe(foreign, text, size);
+    } else if (names->nearest) {
+        snprintf(text, size, "did you mean '%s'?", names->nearest);
+    } else {
+        snprintf(text, size, "expected one of %s", names->known);
+    }
+}
+
 /* Reports an unknown key. The key that was probably intended counts as having a problem, or else
  * every key of the section. */
 static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
                                  const gn_node *node) {
     gn_names names = gn_names_for(node->key);
-    gneiss_status status;
+    char advice[512];
     for (size_t k = 0; k < section->key_count; k++) gn_names_add(&names, section->keys[k].name);
     for (size_t k = 0; section == &gn_stage_section && k < gn_scene_section.key_count; k++)
         gn_names_add(&names, gn_scene_section.keys[k].name);
     size_t mark = path_push_name(reader, node->key);
-    if (names.nearest)
-        status = gn_read_fail(reader, node, node->key_where, reader->path,
-                              "unknown key '%.60s'; did you mean '%s'?", node->key, names.nearest);
-    else
-        status = gn_read_fail(reader, node, node->key_where, reader->path,
-                              "unknown key '%.60s'; expected one of %s", node->key, names.known);
+    advise(section, node->key, &names, advice, sizeof advice);
+    gneiss_status status = gn_read_fail(reader, node, node->key_where, reader->path,
+                                        "unknown key '%.60s'; %s", node->key, advice);
     path_pop(reader, mark);
     if (names.nearest) path_push_name(reader, names.nearest);
     if (names.nearest || section != &gn_scene_section)

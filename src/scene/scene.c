@@ -412,6 +412,7 @@ static gn_effects hertz_effects(const gn_scene *scene) {
         damping = damping || scene->contacts[k].restitution >= 0;
     }
     return GN_FX_PAIRS | GN_FX_HERTZ | (scene->pull ? 0U : GN_FX_NO_PULL) |
+           (scene->cohesion != GN_COHESION_NONE ? GN_FX_COHESION : 0U) |
            (friction ? GN_FX_SHEAR | GN_FX_FRICTION : 0U) | (damping ? GN_FX_CONTACT_DAMPING : 0U);
 }
 

@@ -9,6 +9,7 @@
 #include "base/particle_columns.h"
 #include "scene/couple_def.h"
 #include "scene/flow_def.h"
+#include "scene/joint_def.h"
 #include "scene/laboratory.h"
 #include "scene/mesh_def.h"
 #include "scene/tool_def.h"
@@ -32,6 +33,14 @@ typedef enum gn_stiffness_model {
     GN_STIFFNESS_POLYHEDRON,      /* by area: sections of virtual polyhedra about the particles */
     GN_STIFFNESS_HERTZ            /* no bonds: stiffness from the overlap of spheres, E and nu */
 } gn_stiffness_model;
+
+/* Attraction of unbonded spheres (kernels/cohesion.h). */
+typedef enum gn_cohesion {
+    GN_COHESION_NONE,
+    GN_COHESION_JKR,
+    GN_COHESION_DMT,
+    GN_COHESION_LIQUID /* liquid bridges */
+} gn_cohesion;
 
 /* How gamma is determined if the scene does not give it. */
 typedef enum gn_gamma_rule {
@@ -144,6 +153,7 @@ typedef struct gn_material {
     double young, poisson;   /* E, Pa, and nu; for laws by area and Hertz's law */
     double alpha, beta;      /* factors of E in k_n and of G in k_t; for laws by area */
     double friction, rolling_friction, twisting_friction; /* mu, mu_r, mu_t */
+    double adhesion;           /* w, J/m2, with law.cohesion jkr and dmt */
     double restitution;        /* for Hertz's law; negative: that of the scene */
     double tensile_strength;   /* sigma_c of the contact, Pa; for models that depend on size */
     double shear_strength;     /* tau_c of the contact, Pa */
@@ -168,7 +178,8 @@ typedef struct gn_contact_def {
     char (*between)[GN_NAME_SIZE]; /* [between_count], one or two names */
     double friction, kratio, contact_modulus, normal_stiffness, young, poisson, alpha, beta,
         tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit, bond_friction,
-        fracture_energy, shear_fracture_energy, restitution, rolling_friction, twisting_friction;
+        fracture_energy, shear_fracture_energy, restitution, rolling_friction, twisting_friction,
+        adhesion;
     gn_scene_place where;
 } gn_contact_def;
 
@@ -489,7 +500,11 @@ typedef struct gn_scene {
     double initial_energy;          /* bilinear: share of the energy under the first line */
     gn_fracture fracture_energy_of; /* area to which fracture energies refer */
     bool pull;                      /* Hertz's law: the dashpot may cause tension */
-    gn_switch rotation;             /* auto: on */
+    gn_cohesion cohesion;
+    double surface_tension; /* N/m, of the liquid */
+    double contact_angle;   /* rad */
+    double liquid_content;  /* volume of the liquid over that of the particles at the start */
+    gn_switch rotation;     /* auto: on */
 
     gn_switch bonds;               /* on if the scene has a `bonds` section */
     double interaction_range;      /* beta: pairs with gaps up to beta (r_i + r_j) are bonded */
@@ -527,6 +542,8 @@ typedef struct gn_scene {
     gn_wall_def *walls;
     size_t body_count;
     gn_body_def *bodies;
+    size_t joint_count;
+    gn_joint_def *joints;
     size_t source_count, sink_count;
     gn_source_def *sources;
     gn_sink_def *sinks;
@@ -564,6 +581,8 @@ typedef struct gn_scene {
 
     char output_directory[GN_PATH_SIZE]; /* "" : runs/<scene name> */
     int64_t history_rows;                /* requested rows up to `end` */
+    bool has_structure; /* the structure is measured in a box, otherwise in the whole specimen */
+    double structure_min[3], structure_max[3]; /* m */
     int64_t snapshots;      /* requested snapshots up to `end`; 0: only the last state */
     double checkpoint_wall; /* s of wall time between checkpoints; 0: on a signal and at the end */
     uint64_t seed;

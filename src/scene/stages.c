@@ -138,6 +138,7 @@ static const struct {
     {"specimen", "particles are created once, when the run begins"},
     {"sources", "sources hold for the whole run; each has its start and end"},
     {"sinks", "sinks hold for the whole run"},
+    {"joints", "joints hold for the whole run"},
     {"elements", "elements are created once, when the run begins; motions and loads may change"},
     {"time.end", "it bounds the whole run; a stage ends by the conditions under its end"},
     {"time.stop", "a stage ends by the conditions under its end"},
