@@ -459,7 +459,8 @@ static void every_typing_error_is_reported_at_its_place(void **state) {
          "origin, specimen, materials, contacts, law, elements, couple, bonds, damping, gravity, "
          "initial, "
          "periodic, "
-         "domain, sets, walls, bodies, sources, sinks, membrane, test, time, stages, output, "
+         "domain, sets, walls, bodies, sources, sinks, clumps, membrane, test, time, stages, "
+         "output, "
          "neighbours, run"},
         {"    kratio: 2\n", "",
          "s.yaml:5:5: materials[0].kratio: required by this law.stiffness, but not given"},

@@ -134,6 +134,9 @@ gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root);
 /* Checks the list `joints`, which may be empty (check_joints.c). */
 gneiss_status gn_check_joints(const gn_reader *reader, const gn_node *root);
 
+/* Checks the section `clumps` if it is given (check_clumps.c). */
+gneiss_status gn_check_clumps(const gn_reader *reader, const gn_node *root);
+
 /* Checks the list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 
