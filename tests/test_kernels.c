@@ -157,6 +157,21 @@ static void set_roll(bench *b, size_t c, double scale, uint64_t *at) {
     }
 }
 
+/* Joints that are open or closed, and some that close, open or break in the step. */
+static void set_joint(bench *b, size_t c, double scale, uint64_t *at) {
+    gn_contacts *k = &b->k;
+    double n[3] = {0}, size2 = 0.0;
+    for (int a = 0; a < 2 + b->space; a++) {
+        n[a] = uniform(at, -1.0, 1.0);
+        size2 += n[a] * n[a];
+    }
+    for (size_t a = 0; a < 3; a++) k->plane[c + a * k->soa.capacity] = n[a] / sqrt(size2);
+    k->apart[c] = scale / k->kn[c] * uniform(at, -1.0, 1.0) * (c % 3 ? 1.0 : 1e-4);
+    k->slip[c] = uniform(at, 0.0, 2e-6);
+    k->dilation[c] = uniform(at, 0.0, 0.4);
+    k->dilation[c + k->soa.capacity] = 1e-6;
+}
+
 static void set_contact(bench *b, size_t c, uint64_t *at) {
     gn_contacts *k = &b->k;
     double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3],
@@ -178,6 +193,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     if (k->most) set_hertz(k, c, kn, ri + rj, at);
     if (k->adhesion) set_attraction(b, c, scale, at);
     if (k->reduced) set_roll(b, c, scale, at);
+    if (k->plane) set_joint(b, c, scale, at);
     if (!k->kt || c % 5 == 4) return;
     double d[3], old[3], t[3];
     separation(b, c, d, old);
@@ -592,6 +608,66 @@ static expected expect_hertz(const bench *b, size_t c, const motion *m, double o
     return e;
 }
 
+/* An independent computation of a joint; vr: velocity at the contact; n: normal of the branch;
+ * slack: m, error of the path. */
+static expected expect_joint(const bench *b, size_t c, const double vr[3], const double n[3],
+                             double slack, tally *sum) {
+    const gn_contacts *k = &b->k;
+    expected e = {0};
+    double plane[3], before[3], trial[3], t[3], dt = b->args.dt, kn = k->kn[c], kt = k->kt[c];
+    for (size_t a = 0; a < 3; a++) plane[a] = k->plane[c + a * k->soa.capacity];
+    for (size_t a = 0; a < 3; a++) before[a] = k->shear[c + a * k->soa.capacity];
+    double path = dt * dot3(vr, plane), past = k->apart[c], u = past + path, mu = 0.0;
+    for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * (dt * vr[a] - path * plane[a]);
+    double size = sqrt(dot3(trial, trial)), fn = kn * u, way = u, ds = 0.0, opens = 0.0;
+    bool bonded = k->rn[c] > 0.0;
+    if (bonded) e.cause = cause_of(k, c, fn, size);
+    bool intact = bonded && !e.cause, crosses = false;
+    if (!intact && u >= 0.0) fn = 0.0;
+    if (!bonded && u < 0.0 && past >= 0.0) {
+        fn = 0.5 * kn * u * (1.0 + u / path);
+        way = path;
+        crosses = true;
+    } else if (!bonded && u >= 0.0 && past < 0.0) {
+        fn = -0.5 * kn * past * u / path;
+        way = -path;
+        crosses = true;
+    }
+    if (k->mu) mu = k->mu[c];
+    double pressed = fmax(0.0, -fn), tangent = k->dilation[c];
+    if (crosses || u >= 0.0 || k->slip[c] >= k->dilation[c + k->soa.capacity]) tangent = 0.0;
+    e.slipping = !intact && size > mu * pressed;
+    if (e.slipping) {
+        ds = (size - mu * pressed) / (kt + mu * kn * tangent);
+        opens = tangent * ds;
+        for (int a = 0; a < 3; a++) t[a] = trial[a] * mu * (pressed + kn * opens) / size;
+        fn -= kn * opens;
+        if (!crosses) way = u - opens;
+    }
+    e.open = !intact && u >= 0.0;
+    for (int a = 0; a < 3; a++) e.force[a] = fn * plane[a] + t[a];
+    double along = dot3(e.force, n), across[3];
+    for (int a = 0; a < 3; a++) across[a] = e.force[a] - along * n[a];
+    for (int a = 0; a < 3; a++) e.shear[a] = t[a];
+    if (k->soa.effects & GN_FX_ROTATION) cross3(n, across, e.moment);
+    e.tolerance = 1e-12 * (kn * fabs(u) + size) + (kn + kt) * (slack + 1e-18);
+    /* Work of the step by the trapezoidal rule, less the change of the springs' energies. */
+    double work = 0.0, old = crosses && past >= 0.0 ? 0.0 : kn * past;
+    for (int a = 0; a < 3; a++) work += 0.5 * (before[a] + t[a]) * (dt * vr[a] - path * plane[a]);
+    double lost = work - 0.5 * (dot3(t, t) - dot3(before, before)) / kt;
+    if (bonded || (!crosses && past < 0.0))
+        lost += 0.5 * (old + fn) * path - 0.5 * fn * way + 0.5 * kn * past * past;
+    if (e.cause)
+        sum->breaking += lost;
+    else if (e.slipping)
+        sum->friction += lost;
+    sum->elastic_normal += 0.5 * fn * way;
+    sum->elastic_shear += 0.5 * dot3(t, t) / kt;
+    sum->scale += kn * u * u + kn * past * past + dot3(trial, trial) / kt +
+                  (kn * fabs(u) + size) * slack * 1e12;
+    return e;
+}
+
 static expected expect(const bench *b, size_t c, tally *sum) {
     const gn_contacts *k = &b->k;
     gn_effects fx = k->soa.effects;
@@ -626,6 +702,14 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     double grown = dt * vn - side2 / (left + sqrt(left * left + side2));
     for (int a = 0; a < 3; a++) vt[a] = vr[a] - along * middle[a];
 
+    if (k->plane) {
+        double turning = sqrt(dot3(ti, ti)) + sqrt(dot3(tj, tj)), half = 0.0;
+        if (length > 0.05 * (ri + rj)) half = 0.5 * sqrt(dt * dt * dot3(v, v)) / length;
+        /* half^2/2 from the length of the middle branch, half^2/2 from the arms, and what follows
+         * in higher orders */
+        double slack = dt * turning * half * half * (1.0 + 4.0 * half);
+        return expect_joint(b, c, vr, n, slack, sum);
+    }
     double kn = k->kn[c], kt = k->kt ? k->kt[c] : 0.0;
     double u = fx & GN_FX_BONDS ? length - k->length0[c] : gap, u_old = u - grown;
     bool bonded = fx & GN_FX_BONDS && k->rn[c] > 0.0, touching = u < 0.0;
@@ -899,8 +983,8 @@ static void every_mixed_kernel_has_the_bits_of_the_scalar_one(void **state) {
             char name[200];
             int used = snprintf(name, sizeof name, "%s mixed ", set->name);
             gn_contact_variant_name(v, name + used, sizeof name - (size_t)used);
-            bool never = gn_contact_variant_effects(v) & (GN_FX_PERIODIC | GN_FX_COHESION);
-            assert_true(!set->mixed[v] == (never || !gn_contact_table_scalar[v]));
+            bool none = gn_contact_variant_effects(v) & (GN_FX_PERIODIC | GN_FX_JOINTS | GN_FX_COHESION);
+            assert_true(!set->mixed[v] == (none || !gn_contact_table_scalar[v]));
             if (!set->mixed[v]) continue;
             bench a = make_pressure(v), b = make_pressure(v);
             gn_contact_sums want = run(&a, gn_contact_table_scalar_mixed[v]);
@@ -991,7 +1075,8 @@ static void mixed_forces_follow_the_double_ones(void **state) {
     size_t other_side = 0, contacts = 0;
     for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
         gn_effects fx = gn_contact_variant_effects(v);
-        if (!gn_contact_table_scalar[v] || fx & GN_FX_COHESION) continue; /* never mixed */
+        if (!gn_contact_table_scalar[v] || fx & (GN_FX_COHESION | GN_FX_JOINTS))
+            continue; /* never mixed */
         double softens = fx & GN_FX_SOFTENING ? 2.0 : 1.0;
         bench a = make_bench(fx, 1000 * v), b = make_pressure(v);
         run(&a, gn_contact_table_scalar[v]);
@@ -1082,6 +1167,8 @@ static void exchanging_the_ends_mirrors_the_force(void **state) {
                     b.k.moment[c + x * b.k.soa.capacity] *= -1.0;
                 for (size_t x = 0; b.k.roll && x < 3; x++)
                     b.k.roll[c + x * b.k.soa.capacity] *= -1.0;
+                for (size_t x = 0; b.k.plane && x < 3; x++)
+                    b.k.plane[c + x * b.k.soa.capacity] *= -1.0;
             }
             run(&a, set->contact[v]);
             run(&b, set->contact[v]);

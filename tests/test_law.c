@@ -19,6 +19,7 @@ typedef struct couple {
 
 /* Values of materials for each law in the order of GN_LAWS. */
 static const gn_material materials[] = {
+    {.normal_stiffness = 1e7}, /* of a joint the values are those of set_joint */
     {.normal_stiffness = 1e7,
      .kratio = 2.5,
      .friction = 0.5,
@@ -77,6 +78,18 @@ _Static_assert(LAWS == sizeof law_effects / sizeof *law_effects, "a material for
 
 static const double radius = 1e-3, dt = 1e-8;
 
+/* A joint across the line of the centres: 0.7 of the friction while it is intact. */
+static void set_joint(gn_contacts *k) {
+    k->plane[0] = 1.0;
+    k->kn[0] = 1e7;
+    k->kt[0] = 4e6;
+    k->mu[0] = 0.5;
+    k->mu1[0] = 0.7;
+    k->rn[0] = 20.0;
+    k->rt[0] = 12.0;
+    k->dilation[k->soa.capacity] = 1.0;
+}
+
 static couple *make(int law, bool bonded) {
     couple *t = calloc(1, sizeof *t);
     gn_effects fx = GN_FX_SPACE | GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_ENERGY |
@@ -103,6 +116,7 @@ static couple *make(int law, bool bonded) {
     gn_law_model model = {.scene = &t->scene};
     gn_law_pair pair = {.a = &t->material, .b = &t->material, .ri = radius, .rj = radius};
     t->law->set(&model, &pair, &t->k, 0);
+    if (t->k.plane) set_joint(&t->k);
     t->args = (gn_contact_args){.pos = t->p.pos,
                                 .vel = t->p.vel,
                                 .spin = t->p.spin,
@@ -138,7 +152,7 @@ static void move(couple *t, double x, double y, double force[3]) {
 
 #define EACH_LIST(law, bonded)                                                                     \
     for (int law = 0; law < LAWS; law++)                                                           \
-        for (int bonded = law_lists[law] == GN_LAW_OF_BONDS;                                       \
+        for (int bonded = law_lists[law] == GN_LAW_OF_BONDS || law_lists[law] == GN_LAW_OF_JOINTS; \
              bonded < (law_lists[law] == GN_LAW_OF_PAIRS ? 1 : 2); bonded++)
 
 enum { STEPS = 400 };

@@ -10,7 +10,7 @@ from pathlib import Path
 # Page, title, first parts of paths; the first page has all others.
 PAGES = [("keys.md", "Keys of a scene", ()),
          ("keys-particles.md", "Keys of particles", ("specimen", "sets", "sources", "sinks")),
-         ("keys-materials.md", "Keys of materials and contacts", ("materials", "contacts", "law", "bonds")),
+         ("keys-materials.md", "Keys of materials and contacts", ("materials", "contacts", "law", "bonds", "joints")),
          ("keys-walls.md", "Keys of walls, bodies and membrane", ("walls", "bodies", "membrane")),
          ("keys-elements.md", "Keys of elements and coupling", ("elements", "couple")),
          ("keys-tests.md", "Keys of tests", ("test",))]

@@ -12,7 +12,8 @@ from typing import Any, Literal, TypedDict, Union
 Number = Union[float, str]  # in SI, or a text with a unit
 Vector = Sequence[Number]
 Rows = Any  # rows of numbers, also as an array of numpy, or their number
-Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, or [[time, value], ...]
+Table = Union[float, str, Sequence[Sequence[Number]]]  # constant, [[time, value], ...], or a formula of t in a text
+Tables = Sequence[Table]
 
 
 class Scene(TypedDict, total=False):
@@ -27,13 +28,14 @@ class Scene(TypedDict, total=False):
     couple: Couple  # coupling of particles and elements in zones that both share
     bonds: Bonds  # brittle bonds between particles of one group
     damping: Damping  # dissipation in addition to friction and breakage
-    gravity: Vector  # [x, y, z], in 2D [x, y], m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
+    gravity: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
     initial: Initial  # the state at the start
     periodic: Periodic  # a periodic box
     domain: Domain  # region of space that particles must not leave
     sets: Sequence[Set]  # selections of particles and actions on them; a later one overrides an earlier one
     walls: Sequence[Wall]  # plane walls
     bodies: Sequence[Body]  # rigid bodies with a surface of triangles (2D: segments)
+    joints: Sequence[Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source]  # regions where particles are created during the run
     sinks: Sequence[Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
     membrane: Membrane  # pressure on the surface of the specimen
@@ -281,9 +283,9 @@ class ElementsMotionBox(TypedDict, total=False):
 
 
 class ElementsMotionMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
 
 
 class ElementsLoad(TypedDict, total=False):
@@ -300,15 +302,15 @@ class ElementsLoadBox(TypedDict, total=False):
 
 
 class ElementsLoadTraction(TypedDict, total=False):
-    tx: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along x (default none)
-    ty: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along y (default none)
-    tz: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along z (default none)
+    tx: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along x (default none)
+    ty: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along y (default none)
+    tz: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: component along z (default none)
 
 
 class ElementsLoadForce(TypedDict, total=False):
-    fx: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along x (default none)
-    fy: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along y (default none)
-    fz: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along z (default none)
+    fx: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along x (default none)
+    fy: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along y (default none)
+    fz: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: component along z (default none)
 
 
 class ElementsContact(TypedDict, total=False):
@@ -410,22 +412,25 @@ class Periodic(TypedDict, total=False):
 
 
 class PeriodicX(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
 
 class PeriodicY(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
 
 class PeriodicZ(TypedDict, total=False):
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
-    rate: Table  # number or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target mean normal stress of the specimen along this axis, compression positive; constant or a table; stress or rate (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that along this axis; mean: it is the mean over all axes, which the sides with this word hold by equal stresses of their own (default side)
+    rate: Table  # number, formula of t or table [[time, value], ...], 1/s, in [-1e6, 1e6], or none: prescribed growth of the length of the box over its length (default none)
     max_rate: Number  # number, 1/s, in (0, 1e6], or none: needed with stress: largest relative rate at which the box may shorten or lengthen (default none)
     relaxation: Number  # number, in (0, 1], or auto: with stress: fraction of the stress error corrected per step; reduced where stability of the time step requires it; auto: 0.1 (default auto)
 
@@ -443,7 +448,7 @@ class Set(TypedDict, total=False):
     group: int | str  # whole number, in [0, 1000000], or keep: another cohesive group than the specimen's (default keep)
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin at the start; in 2D one number
-    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: total force on the set, distributed by mass
+    force: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, N, in [-1e18, 1e18]: total force on the set, distributed by mass
     motion: SetMotion  # prescribed motion; each channel free, constant or a table [[time, value], ...]
 
 
@@ -467,12 +472,12 @@ class SetSelectEnd(TypedDict, total=False):
 
 
 class SetMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
-    wx: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about x (default free)
-    wy: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about y (default free)
-    wz: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: prescribed velocity along z (default free)
+    wx: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about x (default free)
+    wy: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about y (default free)
+    wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: prescribed spin about z (default free)
 
 
 class Wall(TypedDict, total=False):
@@ -491,14 +496,15 @@ class Wall(TypedDict, total=False):
 
 
 class WallMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity along z (default free)
 
 
 class WallServo(TypedDict, total=False):
-    force: Table  # number or table [[time, value], ...], N, in [-1e18, 1e18], or none: target normal force, compression positive; constant or a table; force or stress (default none)
-    stress: Table  # number or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target normal stress on the area of the wall, compression positive; constant or a table; force or stress (default none)
+    force: Table  # number, formula of t or table [[time, value], ...], N, in [-1e18, 1e18], or none: target normal force, compression positive; constant or a table; force or stress (default none)
+    stress: Table  # number, formula of t or table [[time, value], ...], Pa, in [-1e18, 1e18], or none: target normal stress on the area of the wall, compression positive; constant or a table; force or stress (default none)
+    stress_of: Literal['side', 'mean']  # side: stress is that on this wall; mean: it is the mean over all axes of a box of walls, which the walls with this word hold by equal stresses of their own (default side)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area for stress; auto: the current section between the walls that face each other across this one (default auto)
     max_velocity: Number  # number, m/s, in (0, inf): largest velocity of the wall
     relaxation: Number  # number, in (0, 1]: fraction of the force error corrected per step; reduced where stability of the time step requires it (default 0.1)
@@ -531,7 +537,7 @@ class Body(TypedDict, total=False):
     inertia: Number | Vector  # [x, y, z], in 2D a number, kg m2, in [1e-36, 1e36]: moments of inertia of a free body about its centre of mass along x, y, z, which are its principal axes at the start; in 2D one number; default: those of the shape with uniform density
     initial_velocity: Vector  # [x, y, z], in 2D [x, y], m/s, in [-3e8, 3e8]: velocity of a free body at the start
     initial_spin: Number | Vector  # [x, y, z], in 2D a number, rad/s, in [-1e12, 1e12]: spin of a free body at the start; in 2D one number
-    force: Vector  # [x, y, z], in 2D [x, y], N, in [-1e18, 1e18]: constant force on the centre of mass of a free body, along directions without prescribed motion
+    force: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, N, in [-1e18, 1e18]: force on the centre of mass of a free body, along directions without prescribed motion
     motion: BodyMotion  # prescribed motion of the body; components left out are zero, in a free body free
 
 
@@ -582,12 +588,41 @@ class BodyPick(TypedDict, total=False):
 
 
 class BodyMotion(TypedDict, total=False):
-    vx: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along x (default free)
-    vy: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along y (default free)
-    vz: Table  # number or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along z (default free)
-    wx: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about x (default free)
-    wy: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about y (default free)
-    wz: Table  # number or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
+    vx: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along x (default free)
+    vy: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along y (default free)
+    vz: Table  # number, formula of t or table [[time, value], ...], m/s, in [-3e8, 3e8], or free: velocity of the reference point along z (default free)
+    wx: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about x (default free)
+    wy: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about y (default free)
+    wz: Table  # number, formula of t or table [[time, value], ...], rad/s, in [-1e12, 1e12], or free: spin about z (default free)
+
+
+class Joint(TypedDict, total=False):
+    name: str  # name: name in the columns of the history
+    point: Vector  # [x, y, z], in 2D [x, y], m, in [-1e9, 1e9]: a point of the joint, the centre of a disc; point, trace, surface, discs or network
+    normal: Vector  # [x, y, z], in 2D [x, y]: normal of the joint, of any length; normal or dip
+    dip: Number  # number, rad, in [0, 1.5707963267948966], or none: angle of the joint to the plane of x and y; in 2D to x, downwards along x (default none)
+    dip_direction: Number  # number, rad, in [-7, 7]: direction of the steepest descent, from y towards x; 3D (default 0)
+    radius: Number  # number, m, in [1e-9, 1e9], or none: radius of a disc, in 2D half of the length; none: the joint has no edge; of a network the smallest radius (default none)
+    polygon: Rows  # list of at least 3 points [x, y], m, in [-1e9, 1e9]: corners of the joint in its plane in either sense of rotation: rows [along the strike, up the dip] from `point`
+    trace: Rows  # list of at least 2 points [x, y], m, in [-1e9, 1e9]: corners of a line in a 2D scene: rows [x, y]
+    surface: str  # file: STL, PLY or OBJ file of a surface of triangles, in m
+    discs: str  # file: CSV file of discs: rows x, y, z, dip, dip direction, radius in m and degrees; in 2D of lines: x, y, dip, half of the length
+    network: JointNetwork  # discs (in 2D lines) drawn at random by run.seed, with the mean normal and the smallest radius of the entry
+    normal_stiffness: Number  # number, Pa/m, in [1e-9, 1e24]: normal stress per closure
+    shear_stiffness: Number  # number, Pa/m, in [1e-9, 1e24]: shear stress per shear displacement before sliding
+    friction: Number  # number, or an angle, in [0, 1e30]: Coulomb friction coefficient once the joint is broken (residual) (default 0)
+    bond_friction: Number  # number, or an angle, in [0, 1e30], or friction: coefficient of friction that adds to the cohesion of the intact joint (default friction)
+    cohesion: Number  # number, Pa, in [0, 1e18]: shear strength of the intact joint without normal stress (default 0)
+    tensile_strength: Number  # number, Pa, in [0, 1e18]: tensile strength of the intact joint (default 0)
+    dilation: Number  # number, or an angle, in [0, 10]: opening per slip while the joint slides closed, or the angle of dilation (default 0)
+    dilation_end: Number  # number, m, in [0, 1e9], or none: slip at which the dilation ends (default none)
+
+
+class JointNetwork(TypedDict, total=False):
+    intensity: Number  # number, 1/m, in [1e-9, 1e9]: area of joints per volume of the specimen (P32); in 2D length per area (P21)
+    fisher: Number  # number, in [0, 1e6], or parallel: concentration kappa of Fisher's distribution of the normals about that of the entry; 0: uniform; in 2D of von Mises' distribution of twice the angle (default parallel)
+    radius_max: Number  # number, m, in [1e-9, 1e9], or equal: largest radius; equal: all joints have `radius` (default equal)
+    exponent: Number  # number, in [0, 20]: D of the power law between `radius` and radius_max: the number of joints larger than r falls as r^-D (default 3)
 
 
 class Source(TypedDict, total=False):
@@ -667,7 +702,7 @@ class SinkCylinder(TypedDict, total=False):
 
 
 class Membrane(TypedDict, total=False):
-    pressure: Table  # number or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
+    pressure: Table  # number, formula of t or table [[time, value], ...], Pa, in [0, 1e18]: pressure along the inward normal; constant or a table in time
     ramp: Number  # number, s, in [0, inf): time over which the pressure rises linearly from 0; in a stage that changes the membrane, from the present pressure since the start of the stage (default 0)
     surface: Literal['shape', 'particles']  # surface that is loaded. shape: that of the specimen's shape; particles: that of the particles, which lies inside it, as for specimens without a shape (default shape)
     faces: Literal['all', 'sides']  # all of the surface, as in a pressure cell; or only the sides, which face across the axis (default all)
@@ -676,10 +711,10 @@ class Membrane(TypedDict, total=False):
 
 
 class Test(TypedDict, total=False):
-    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
+    kind: Literal['compression', 'tension', 'brazilian', 'bending', 'triaxial', 'biaxial', 'hydrostatic', 'polyaxial', 'oedometer', 'shear', 'simple_shear', 'cutting']  # kind of test, which decides the definitions of stress and strain and the readings; brazilian: a disc across its diameter, bending: a beam on two supports, triaxial (in 2D biaxial): under a membrane, hydrostatic: without ends, under pressure from all sides, polyaxial: without ends, a stress or motion on every side, oedometer: between fixed sides, shear: one half along the other, simple_shear: between periodic sides, cutting: a tool along the surface of a rock
     axis: Literal['none', 'x', 'y', 'z']  # direction of loading, or of the motion of the tool (cutting); needed by all but hydrostatic (default none)
-    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic and cutting
-    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic and cutting
+    lower: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the lower end; forces of several add up; needed by all but hydrostatic, polyaxial and cutting
+    upper: str | Sequence[str]  # name or list of names: wall, body, set or motion of elements at the upper end; forces of several add up; needed by all but hydrostatic, polyaxial and cutting
     normal: Literal['none', 'x', 'y', 'z']  # shear and simple_shear: axis normal to the sheared plane; cutting: to the surface of the rock (default none)
     tool: str  # text: cutting: the body that cuts
     depth: Number  # number, m, in [1e-9, 1e9], or none: cutting: depth of the cut, to which energies and predictions refer (default none)
@@ -690,7 +725,7 @@ class Test(TypedDict, total=False):
     compressive_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: uniaxial strength of the rock, used for predicted forces only (default none)
     tensile_strength: Number  # number, Pa, in [1e-12, 1e100], or none: cutting: Brazilian strength of the rock, used for predicted forces only (default none)
     pressure_exponent: Number  # number, in [-0.2, 0.2]: cutting: exponent psi of the pressure along the rim in the predicted forces, 0.2 of sharp to -0.2 of wide tips (default 0)
-    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock (default auto)
+    length: Number  # number, m, in [1e-9, 1e9], or auto: length of the specimen; auto: its extent along the axis, in shear the free distance between the ends along the normal; cutting: path of the means, auto: until the tool leaves the rock, or comes near held particles (default auto)
     area: Number  # number, m2, in [1e-18, 1e18], or auto: area of the section of the specimen; auto: from the diameter, else the specimen's volume over the length (in shear its height) (default auto)
     diameter: Number  # number, m, in [1e-9, 1e9], or none: diameter of a cylinder; brazilian: of the disc, none: its extent along the axis (default none)
     thickness: Number  # number, m, in [1e-9, 1e9], or auto: thickness of the disc of a brazilian test, or of the beam of a bending test; auto: its extent, in 2D 1 m (default auto)
@@ -756,13 +791,14 @@ class Stage(TypedDict, total=False):
     couple: Couple  # coupling of particles and elements in zones that both share
     bonds: Bonds  # brittle bonds between particles of one group
     damping: Damping  # dissipation in addition to friction and breakage
-    gravity: Vector  # [x, y, z], in 2D [x, y], m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
+    gravity: Tables  # [x, y, z], in 2D [x, y], of numbers, formulas of t or tables, m/s2, in [-1e12, 1e12]: acceleration of free fall (default 0)
     initial: Initial  # the state at the start
     periodic: Periodic  # a periodic box
     domain: Domain  # region of space that particles must not leave
     sets: Sequence[Set] | dict[str, Set]  # selections of particles and actions on them; a later one overrides an earlier one
     walls: Sequence[Wall] | dict[str, Wall]  # plane walls
     bodies: Sequence[Body] | dict[str, Body]  # rigid bodies with a surface of triangles (2D: segments)
+    joints: Sequence[Joint] | dict[str, Joint]  # joints in the specimen; contacts that cross one follow the law of the joint
     sources: Sequence[Source] | dict[str, Source]  # regions where particles are created during the run
     sinks: Sequence[Sink] | dict[str, Sink]  # regions where particles are removed and counted; each sink takes those that earlier ones leave
     membrane: Membrane  # pressure on the surface of the specimen

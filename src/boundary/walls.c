@@ -418,11 +418,50 @@ static double wall_area(const gn_step_context *ctx, const gn_boundary *boundary,
     return area;
 }
 
-double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
-                      double time) {
+/* Returns the stress, Pa, compression positive, on the first two walls that face each other across
+ * an axis: the mean of both; `held`: whether one of them holds the mean stress. */
+static double stress_along(const gn_step_context *ctx, const gn_boundary *boundary, int axis,
+                           bool *held) {
+    double sum = 0.0;
+    *held = false;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        const int k = gn_scene_wall_facing(&ctx->scene, axis, sense);
+        const gn_wall *wall = &boundary->walls[k];
+        sum -= 0.5 * gn_dot3(wall->force, wall->normal) / wall_area(ctx, boundary, (size_t)k);
+        *held = *held || ctx->scene.walls[k].servo.of_mean;
+    }
+    return sum;
+}
+
+/* Returns the target of the stress of a servo wall, and the part of the difference that it may make
+ * up; walls that hold the mean stress share what the other axes leave of it, as sides of a periodic
+ * box do (drive/box.c). */
+static double stress_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                            double time, double *part) {
     const gn_servo *servo = &ctx->scene.walls[wall].servo;
+    const int dimension = (int)ctx->scene.dimension;
+    const double wanted = gn_table_at(&servo->stress, time);
+    double left = dimension * wanted, count = 0.0;
+    *part = 1.0;
+    if (!servo->of_mean) return wanted;
+    for (int a = 0; a < dimension; a++) {
+        bool held;
+        const double found = stress_along(ctx, boundary, a, &held);
+        if (held)
+            count += 1.0;
+        else
+            left -= found;
+    }
+    *part = count / dimension;
+    return left / count;
+}
+
+double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                      double time, double *part) {
+    const gn_servo *servo = &ctx->scene.walls[wall].servo;
+    *part = 1.0;
     if (servo->force.count) return gn_table_at(&servo->force, time);
-    return gn_table_at(&servo->stress, time) * wall_area(ctx, boundary, wall);
+    return stress_wanted(ctx, boundary, wall, time, part) * wall_area(ctx, boundary, wall);
 }
 
 /* Sets the velocity of a servo wall: along its normal it moves by the fraction `relaxation`, which
@@ -431,8 +470,11 @@ static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_bou
                            size_t k) {
     const gn_servo *servo = &ctx->scene.walls[k].servo;
     gn_wall *wall = &boundary->walls[k];
-    double relaxation = fmin(servo->relaxation, gn_wall_servo_relaxation(ctx, dem, boundary, k));
-    gn_servo_look look = {.wanted = gn_wall_wanted(ctx, boundary, k, ctx->time),
+    double part;
+    const double wanted = gn_wall_wanted(ctx, boundary, k, ctx->time, &part);
+    double relaxation =
+        part * fmin(servo->relaxation, gn_wall_servo_relaxation(ctx, dem, boundary, k));
+    gn_servo_look look = {.wanted = wanted,
                           .found = -gn_dot3(wall->force, wall->normal),
                           .most = servo->max_velocity};
     double stiffness =

@@ -59,6 +59,7 @@ typedef struct gn_feature {
 /* The features of scenes, in the order in which their hooks are called at every place; those that
  * were added to a world (world/features.h) come after them. X(name): gn_feature_<name>. */
 #define GN_FEATURES(X)                                                                             \
+    X(loads)                                                                                       \
     X(conversion)                                                                                  \
     X(indentation)                                                                                 \
     X(bodies)                                                                                      \

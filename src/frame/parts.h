@@ -6,6 +6,7 @@
 typedef struct gn_step_context gn_step_context;   /* frame/frame.h */
 typedef struct gn_ledger gn_ledger;               /* frame/ledger.h */
 typedef struct gn_dem gn_dem;                     /* particles/particles.h */
+typedef struct gn_joint_faces gn_joint_faces;     /* particles/joint_faces.h */
 typedef struct gn_boundary gn_boundary;           /* boundary/boundary.h */
 typedef struct gn_solids gn_solids;               /* solids/solids.h */
 typedef struct gn_membrane gn_membrane;           /* membrane/membrane.h */

@@ -114,6 +114,10 @@ GN_INLINE void find_motion(const gn_contact_args *args, size_t c, stage *vector,
         v = gn_less_spin_cross(v, sum, middle, with.space);
     }
     out->motion.middle = middle;
+    if (with.law == LAW_joint) { /* its normal is not that of the branch */
+        out->motion.relative = v;
+        return;
+    }
     out->motion.relative = gn_turn_with_normal(v, p->n, middle, with.space);
 }
 
@@ -357,7 +361,7 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
 /* In mixed precision the initial branch contains the period. Hertz's law applies to spheres only;
- * rolling requires rotation; volumes of liquid need double precision. */
+ * rolling requires rotation; volumes of liquid and joints need double precision. */
 #define IS_COHESIVE(law) (LAW_##law == LAW_cohesive || LAW_##law == LAW_cohesive_rolling)
 #define IS_HERTZ(law)    (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling || IS_COHESIVE(law))
 #define IS_ROLLED(law)                                                                             \
@@ -367,6 +371,7 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
     (((options)&NOT_BUILT) || (IS_HERTZ(law) && !GN_BIT(options, 0)) ||                            \
      (IS_ROLLED(law) && !GN_BIT(options, 1)) ||                                                    \
      (IS_COHESIVE(law) && (GN_MIXED || !GN_BUILT(COHESION))) ||                                    \
+     (GN_MIXED && LAW_##law == LAW_joint) ||                                                       \
      (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
      (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 

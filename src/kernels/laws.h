@@ -9,6 +9,7 @@
  * effects first. Lists for which no effect selects another law have the linear one. The files of a
  * law are law_<name>.h and law_<name>.c, see law.h. */
 #define GN_LAWS(X)                                                                                 \
+    X(joint, GN_FX_JOINTS | GN_FX_MOHR, GN_LAW_OF_JOINTS)                                          \
     X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
     X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
     X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
@@ -18,7 +19,7 @@
     X(hertz, GN_FX_HERTZ, GN_LAW_OF_PAIRS)                                                         \
     X(rolling, GN_FX_ROLLING, GN_LAW_OF_PAIRS)                                                     \
     X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
-enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
+enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS, GN_LAW_OF_JOINTS };
 
 /* The kinds of lists that have kernels. X(number, name, body, law, then SHEAR, FRICTION, BONDS as 0
  * or 1: effects that define the kind in addition to those of the law). The list is in parts that
@@ -45,7 +46,9 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 #define GN_CONTACT_KINDS_3(X)                                                                      \
     X(15, cohesive, cohesive, cohesive, 0, 0, 0)                                                   \
     X(16, cohesive_frictional, cohesive_frictional, cohesive, 1, 1, 0)                             \
-    X(17, cohesive_rolling, cohesive_rolling, cohesive_rolling, 1, 1, 0)
+    X(17, cohesive_rolling, cohesive_rolling, cohesive_rolling, 1, 1, 0)                           \
+    X(18, joint, joint, joint, 1, 0, 1)                                                            \
+    X(19, joint_frictional, joint, joint, 1, 1, 1)
 #define GN_CONTACT_KINDS(X)                                                                        \
     GN_CONTACT_KINDS_0(X)                                                                          \
     GN_CONTACT_KINDS_1(X)                                                                          \
@@ -59,6 +62,7 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 #include "kernels/law_beam.h"
 #include "kernels/law_cohesive.h"
 #include "kernels/law_hertz.h"
+#include "kernels/law_joint.h"
 #include "kernels/law_linear.h"
 #include "kernels/law_mohr.h"
 #include "kernels/law_rolling.h"

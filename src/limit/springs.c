@@ -38,7 +38,7 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     double d[3] = {y[0] - x[0], y[1] - x[1], a->dimension == 3 ? y[2] - x[2] : 0.0};
     nearest_image(a, d);
     double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    bool intact = gn_contact_bonded(list, c);
+    bool intact = gn_contact_bonded(list, c) || list->plane; /* a joint acts at any distance */
     double rest = list->length0 ? list->length0[c] : x[3] + y[3], most = rest + spectrum->reach;
     /* most contacts need no square root */
     if (!intact && square > 1.000001 * most * most) return false;

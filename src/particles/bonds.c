@@ -9,6 +9,7 @@
 #include "particles/active_pairs.h"
 #include "particles/bond_sections.h"
 #include "particles/from_run.h"
+#include "particles/joints.h"
 #include "particles/law.h"
 #include "particles/lists.h"
 #include "particles/particles.h"
@@ -295,6 +296,7 @@ static gneiss_status find_bonds(const gn_step_context *ctx, const gn_dem *dem, g
     const bool bonds = ctx->effects & GN_FX_BONDS && ctx->scene.bonds == GN_SWITCH_ON;
     GN_TRY(gn_pairs_find(&query, pairs, error));
     GN_TRY(check_distinct(ctx, dem, pairs, error));
+    gn_joints_drop(dem, pairs);
     GN_TRY(find_overlaps(ctx, dem, pairs, loose, error));
     if (bonds && from_run) return take_bonds(ctx, dem, from, pairs, loose, error);
     if (bonds) keep_bondable(ctx, dem, pairs);
@@ -519,6 +521,7 @@ gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, gneiss_error
     const gn_pair_query query = bond_query(ctx, dem);
     gn_pair_list pairs = {0};
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
+    if (status == GNEISS_OK) gn_joints_drop(dem, &pairs);
     if (status == GNEISS_OK) keep_bondable(ctx, dem, &pairs);
     if (status == GNEISS_OK) drop_known(dem, &pairs);
     for (size_t c = 0; status == GNEISS_OK && c < pairs.count; c++) {

@@ -6,6 +6,7 @@
 #include "kernels/motion.h"
 #include "measure/measure.h"
 #include "neigh/neigh.h"
+#include "particles/joint_faces.h"
 #include "particles/lists.h"
 #include "particles/particles.h"
 #include "sched/deal.h"
@@ -43,6 +44,7 @@ gneiss_status gn_list_changed(const gn_step_context *ctx, const gn_dem *dem, gn_
 }
 
 gneiss_status gn_lists_form(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    GN_TRY(gn_joint_faces_make(ctx, dem, error));
     for (int l = 0; l < GN_LIST_COUNT; l++) {
         if (!gn_list_kinds[l]->form || !gn_list_used(&ctx->scene, l)) continue;
         GN_TRY(gn_list_kinds[l]->form(ctx, dem, error));

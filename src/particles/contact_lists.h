@@ -21,7 +21,8 @@
  * member `name` of gn_dem, and gn_dem.list[GN_LIST_<NAME>]. */
 #define GN_CONTACT_LISTS(X)                                                                        \
     X(BONDS, bonds)                                                                                \
-    X(PAIRS, pairs)
+    X(PAIRS, pairs)                                                                                \
+    X(JOINTS, joints)
 
 typedef enum gn_list_number {
 #define X(NAME, name) GN_LIST_##NAME,

@@ -15,6 +15,7 @@
 #include "particles/flow.h"
 #include "particles/fragments.h"
 #include "particles/from_run.h"
+#include "particles/joint_faces.h"
 #include "particles/law.h"
 #include "particles/observe.h"
 #include "particles/particles.h"
@@ -199,6 +200,7 @@ void gn_dem_free(gn_dem *dem) {
     gn_soa_destroy(&gn_particle_record, &dem->particles);
     for (int l = 0; l < GN_LIST_COUNT; l++) gn_contact_list_free(&dem->list[l]);
     gn_soa_destroy(&gn_contact_record, &dem->prepared);
+    gn_joint_faces_free(&dem->joint_faces);
     gn_deal_free(&dem->deal);
     gn_hold_free(&dem->hold);
     gn_events_free(&dem->events);

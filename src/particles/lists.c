@@ -9,6 +9,8 @@
 #include "particles/active_pairs.h"
 #include "particles/bridges.h"
 #include "particles/dormant.h"
+#include "particles/joint_faces.h"
+#include "particles/joints.h"
 #include "particles/law.h"
 #include "particles/particles.h"
 #include "scene/scene.h"
@@ -102,16 +104,20 @@ gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     gn_pair_query query = {&dem->particles,
                            (int)ctx->scene.dimension,
                            dem->verlet.skin,
-                           dem->verlet.reach,
+                           fmax(dem->verlet.reach, dem->joint_faces
+                                                       ? gn_joint_reach(ctx, dem->joint_faces) - 1.0
+                                                       : 0.0),
                            ctx->effects & GN_FX_PERIODIC,
                            {ctx->period[0], ctx->period[1], ctx->period[2]},
                            ctx->threads};
     gn_pair_list found = {0};
     GN_TRY(gn_box_narrowed(ctx, box, gn_pairs_find(&query, &found, error), error));
-    drop_bonded(ctx, dem, &found);
     gn_contacts now = {0};
-    gneiss_status status = gn_soa_create(&gn_contact_record, &now, found.count,
-                                         gn_contact_list_effects(ctx->effects, false), error);
+    gneiss_status status = gn_joints_renew(ctx, dem, &found, error);
+    drop_bonded(ctx, dem, &found);
+    if (status == GNEISS_OK)
+        status = gn_soa_create(&gn_contact_record, &now, found.count,
+                               gn_contact_list_effects(ctx->effects, false), error);
     if (status == GNEISS_OK) {
         fill_pairs(ctx, dem, &found, &now);
         gn_soa_destroy(&gn_contact_record, &dem->pairs.contacts);

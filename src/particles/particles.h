@@ -90,7 +90,10 @@ struct gn_dem {
         };
         gn_contact_list list[GN_LIST_COUNT];
     };
-    gn_contacts prepared;         /* bonds of all particles at full weight, with couple.convert */
+    gn_joint_faces *joint_faces; /* faces of the joints; NULL: the scene has none */
+    double joint_change;  /* J, energy of joints' contacts that began less that of those that ended
+                             when the lists were made; not booked yet */
+    gn_contacts prepared; /* bonds of all particles at full weight, with couple.convert */
     gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
     uint8_t *still; /* [motion_blocks] it has no active particle, with couple.convert; else NULL */
     int32_t *index_of_id; /* [ids] row of an id; -1: removed together with its row */

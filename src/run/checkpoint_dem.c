@@ -149,6 +149,7 @@ gneiss_status gn_checkpoint_put_particles(const gn_world *world, gn_h5 *file, gn
     GN_TRY(gn_h5_put_pieces(file, "run", choice_pieces, CHOICE_PIECES, &w->ctx.choice, error));
     GN_TRY(gn_checkpoint_put_events(w, file, error));
     GN_TRY(gn_checkpoint_put_flow(w, file, error));
+    GN_TRY(gn_checkpoint_put_joints(w, file, error));
     return gn_checkpoint_put_arrays(file, arrays, count, error);
 }
 
@@ -294,5 +295,6 @@ gneiss_status gn_checkpoint_get_particles(gn_world *world, const gn_h5 *file, co
     GN_TRY(get_near(world, file, path, error));
     if (gn_converts(&world->ctx)) GN_TRY(get_dormant(world, file, path, error));
     GN_TRY(gn_checkpoint_get_events(world, file, path, error));
+    GN_TRY(gn_checkpoint_get_joints(world, file, path, error));
     return check(world, path, error);
 }

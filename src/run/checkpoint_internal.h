@@ -42,6 +42,11 @@ gneiss_status gn_checkpoint_put_flow(const gn_world *world, gn_h5 *file, gneiss_
 gneiss_status gn_checkpoint_get_flow(gn_world *world, const gn_h5 *file, const char *path,
                                      gneiss_error *error);
 
+/* checkpoint_joints.c; read after the contacts of particles */
+gneiss_status gn_checkpoint_put_joints(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_checkpoint_get_joints(gn_world *world, const gn_h5 *file, const char *path,
+                                       gneiss_error *error);
+
 /* events.c */
 gneiss_status gn_checkpoint_put_events(const gn_world *world, gn_h5 *file, gneiss_error *error);
 gneiss_status gn_checkpoint_get_events(gn_world *world, const gn_h5 *file, const char *path,

@@ -51,6 +51,10 @@ static const range of_contacts[] = {
     {"area", -1, 0.0, ANY},
     {"looked", -1, -2.0, 2.0},
     {"broken_time", -1, 0.0, ANY},
+    {"plane", -1, -1.001, 1.001},
+    {"dilation", -1, 0.0, FAR},
+    {"slip", -1, 0.0, FAR},
+    {"patch", -1, 0.0, ANY},
 };
 
 static const range of_elements[] = {

@@ -51,7 +51,8 @@ static gn_output_contact between(const gn_output_view *view, const gn_contacts *
     for (int a = 0; a < (int)w->ctx.scene.dimension; a++) k.force[a] = turn * row[a];
     for (int a = 0; a < 3; a++) k.branch[a] *= turn;
     k.overlap = (list->length0 ? list->length0[c] : x[3] + y[3]) - length;
-    k.area = gn_contact_area(&w->ctx, &w->dem, list, c, k.overlap);
+    if (list->plane) k.overlap = -list->apart[c];
+    k.area = list->patch ? list->patch[c] : gn_contact_area(&w->ctx, &w->dem, list, c, k.overlap);
     split(&k);
     return k;
 }

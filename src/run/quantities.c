@@ -76,7 +76,7 @@ static bool motion_drives(const gn_world *world, size_t k) {
 
 OF_KIND(has_ends, d->ends)
 OF_KIND(is_confined, d->confined)
-OF_KIND(has_volume, d->confined || d->isotropic)
+OF_KIND(has_volume, d->confined || d->isotropic || d->enclosed)
 OF_KIND(is_sheared, d->sheared)
 OF_KIND(is_disc, d->disc)
 
@@ -146,8 +146,6 @@ static double lost_volume(const gn_world *world) {
     mean_strain(world, g);
     return -(g[0] + g[4] + g[8]);
 }
-READ(volumetric_strain, lost_volume(world))
-
 /* Returns the mean over the directions across the axis, compression positive. */
 static double lateral_strain(const gn_world *world) {
     double g[9], sum = 0.0;
@@ -171,8 +169,22 @@ static double hydrostatic_strain(const gn_world *world) {
     return 1.0 - gn_dot3(stretch, cofactor);
 }
 
+READ(volumetric_strain,
+     gn_scene_test(&world->ctx.scene)->enclosed ? hydrostatic_strain(world) : lost_volume(world))
+
+/* Returns the shortening of walls or box along the axis, else that of the average strain. */
+static double enclosed_strain(const gn_world *world) {
+    const int axis = (int)world->ctx.scene.test.axis;
+    const double walls = gn_space_shortening(&world->ctx, &world->boundary, &world->box, axis);
+    double strain[9];
+    if (!isnan(walls)) return walls;
+    mean_strain(world, strain);
+    return -strain[4 * axis];
+}
+
 READ(test_strain,
-     gn_scene_test(&world->ctx.scene)->isotropic ? hydrostatic_strain(world)
+     gn_scene_test(&world->ctx.scene)->isotropic  ? hydrostatic_strain(world)
+     : gn_scene_test(&world->ctx.scene)->enclosed ? enclosed_strain(world)
      : gn_scene_test(&world->ctx.scene)->tool
          ? gn_cutting_path(&world->ctx, &world->boundary, &world->cutting) / world->ctx.test_length
          : gn_ends_shortening(&world->ctx, &world->dem, &world->boundary, &world->solids,
@@ -182,6 +194,13 @@ READ(test_strain,
 static double mean_pressure(const gn_world *world) {
     const double *s = world->ledger.stress;
     return -(s[0] + s[4] + s[8]) / (double)world->ctx.scene.dimension;
+}
+
+/* Returns the stress along the axis less the mean of the others, compression positive. */
+static double deviator(const gn_world *world) {
+    const double *s = world->ledger.stress, d = (double)world->ctx.scene.dimension,
+                 along = -s[4 * world->ctx.scene.test.axis];
+    return along - (d * mean_pressure(world) - along) / (d - 1.0);
 }
 
 /* Returns the stress at an end. For confined specimens it is the deviator: the pressure on the part
@@ -202,7 +221,8 @@ static double cut_stress(const gn_world *world) {
     gn_cutting_force(&world->ctx, &world->boundary, &world->cutting, force);
     return force[GN_CUT_ROLLING] / world->ctx.test_area;
 }
-READ(test_stress, gn_scene_test(&world->ctx.scene)->isotropic ? mean_pressure(world)
+READ(test_stress, gn_scene_test(&world->ctx.scene)->isotropic  ? mean_pressure(world)
+                  : gn_scene_test(&world->ctx.scene)->enclosed ? deviator(world)
                   : gn_scene_test(&world->ctx.scene)->tool
                       ? cut_stress(world)
                       : 0.5 * (end_stress(world, false) + end_stress(world, true)))
@@ -344,12 +364,13 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "step", "1", read_step, "steps done"),
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
-    SCALAR_UNLESS(no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-                  "travel of the ends over the length since contact of both (near unbonded grains: "
-                  "since the start), positive in the test's sense; hydrostatic: loss of volume"),
+    SCALAR_UNLESS(
+        no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
+        "travel of the ends over the length since contact of both (grains: since the start), in "
+        "the test's sense; hydrostatic: loss of volume; polyaxial: shortening"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
-           "mean force of both ends over the area (initial; in a box of walls present), positive "
-           "in the test's sense; confined: deviator; hydrostatic: mean pressure"),
+           "mean force of both ends over the area (initial; in a box of walls present), in the "
+           "test's sense; confined, polyaxial: deviator; hydrostatic: mean pressure"),
     SCALAR(ended, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
            "force on the lower end over the area"),
     SCALAR(ended, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
@@ -361,7 +382,7 @@ static const gn_quantity of_the_model[] = {
     SCALAR_UNLESS(
         no_strain, voluminous, GN_BEFORE_STEP, "volumetric_strain", "1", read_volumetric_strain,
         "trace of the average strain, the change of volume over volume while strains are small, "
-        "compression positive"),
+        "compression positive; polyaxial: loss of volume of the walls or box"),
     SCALAR_UNLESS(no_strain, confined, GN_BEFORE_STEP, "lateral_strain", "1", read_lateral_strain,
                   "average strain across the axis, mean of the directions, compression positive"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,
@@ -601,6 +622,8 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"set", set_count, set_name, of_sets, COUNT(of_sets), NULL, false},
     {"source", source_count, source_name, of_sources, COUNT(of_sources), NULL, false},
     {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks), NULL, false},
+    {"joint", gn_joint_quantity_count, gn_joint_quantity_owner, gn_joint_quantities,
+     GN_JOINT_QUANTITIES, NULL, false},
     {NULL, one, NULL, gn_cut_quantities, GN_CUT_QUANTITIES, NULL, false},
     {NULL, one, NULL, of_elements, COUNT(of_elements), NULL, false},
     {"motion", motion_count, motion_name, of_motions, COUNT(of_motions), "motions", false}};

@@ -85,10 +85,8 @@ static bool has_spring_in_a_pair(const gn_scene *scene, const gn_material *mater
 }
 
 static gneiss_status no_grip(const check *section, const gn_scene *scene, const char *key) {
-    return gn_check_fail(section, key,
-                         "expected %s above 0 beside it, found 0: without a tangential spring "
-                         "contacts have no friction",
-                         gn_scene_by_area(scene) ? "beta" : "kratio");
+    return gn_check_needs(section, key, "0: without a tangential spring contacts have no friction",
+                          "%s above 0", gn_scene_by_area(scene) ? "beta" : "kratio");
 }
 
 bool gn_material_has_spring(const gn_scene *scene, const gn_material *material) {
@@ -134,7 +132,7 @@ static gneiss_status check_inherited_grip(const check *section, const gn_scene *
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
         if (keys[k].own == GN_COMBINED && keys[k].of_both > 0.0)
             return gn_check_fail(section, spring,
-                                 "expected a value above 0, or %s: 0 beside it, found 0 and a %s "
+                                 "expected a value above 0, or %s: 0, found 0 and a %s "
                                  "of %.4g by the materials: without a tangential spring contacts "
                                  "have no friction",
                                  keys[k].key, keys[k].key, keys[k].of_both);
@@ -215,16 +213,14 @@ gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size
 gneiss_status gn_check_gamma(const check *section, const gn_scene *scene) {
     bool area = gn_scene_by_area(scene);
     if (!area && scene->gamma > 0)
-        return gn_check_fail(section, "law.gamma",
-                             "expected stiffness dempack or polyhedron beside it, found another");
+        return gn_check_needs(section, "law.gamma", "another", "stiffness dempack or polyhedron");
     if (scene->gamma_rule != GN_GAMMA_VOLUME && scene->stiffness == GN_STIFFNESS_POLYHEDRON)
         return gn_check_fail(section, "law.gamma_rule",
                              "expected volume beside stiffness polyhedron (whose bonds have "
                              "individual sections, without gamma), found porosity");
     if (scene->gamma_rule != GN_GAMMA_VOLUME && (!area || scene->gamma > 0))
-        return gn_check_fail(section, "law.gamma_rule", "expected %s beside it, found %s",
-                             area ? "gamma auto" : "stiffness dempack or polyhedron",
-                             area ? "a number" : "another");
+        return gn_check_needs(section, "law.gamma_rule", area ? "a number" : "another", "%s",
+                              area ? "gamma auto" : "stiffness dempack or polyhedron");
     return GNEISS_OK;
 }
 
@@ -303,11 +299,9 @@ static gneiss_status check_curve(const check *section, const gn_scene *scene) {
     }
     if (scene->kink_stress > 0.0 &&
         fabs(scene->kink_stress - 1.0 / 3.0) > 1e-12) /* 0: the scene has no section `law` */
-        return gn_check_fail(section, "law.kink_stress",
-                             "expected softening_curve bilinear beside it, found linear");
+        return gn_check_needs(section, "law.kink_stress", "linear", "softening_curve bilinear");
     if (scene->initial_energy > 0.0 && scene->initial_energy != 0.6)
-        return gn_check_fail(section, "law.initial_energy",
-                             "expected softening_curve bilinear beside it, found linear");
+        return gn_check_needs(section, "law.initial_energy", "linear", "softening_curve bilinear");
     return GNEISS_OK;
 }
 
@@ -342,9 +336,8 @@ gneiss_status gn_check_moments(const check *section, const gn_scene *scene) {
         if (!gn_check_given(section, "bonds.moment_share") ||
             gn_check_given(section, "bonds.radius_multiplier"))
             return GNEISS_OK;
-        return gn_check_fail(section, "bonds.moment_share",
-                             "expected a radius_multiplier above 0 beside it (otherwise bonds "
-                             "carry no moments), found none");
+        return gn_check_needs(section, "bonds.moment_share", "none",
+                              "a radius_multiplier above 0 (otherwise bonds carry no moments)");
     }
     if (scene->rotation == GN_SWITCH_OFF)
         return gn_check_fail(section, "bonds.radius_multiplier",
@@ -443,8 +436,7 @@ gneiss_status gn_check_hertz(const check *section, const gn_scene *scene) {
     GN_TRY(check_cohesion(section, scene));
     if (!gn_scene_hertz(scene)) {
         if (scene->pull || !gn_check_given(section, "law.pull")) return GNEISS_OK;
-        return gn_check_fail(section, "law.pull",
-                             "expected law.stiffness hertz beside it, found another");
+        return gn_check_needs(section, "law.pull", "another", "law.stiffness hertz");
     }
     if (scene->dimension != 3)
         return gn_check_fail(section, "law.stiffness",
@@ -492,8 +484,7 @@ gneiss_status gn_check_side(const check *section, const gn_scene *scene, const c
             GN_TRY(gn_check_required(section, side.kratio, kratio, "by friction"));
         if (rolls) GN_TRY(gn_check_required(section, side.kratio, kratio, "by rolling_friction"));
         if (!*side.material) return GNEISS_OK;
-        return gn_check_fail(section, material,
-                             "expected law.stiffness hertz beside it, found another");
+        return gn_check_needs(section, material, "another", "law.stiffness hertz");
     }
     const char *why = "beside law.stiffness hertz, which has E and nu of the material";
     if (!side.body) {
@@ -561,6 +552,7 @@ static gneiss_status check_idle(const check *section, const gn_box_side *side, c
     char more[48];
     if (given && given->kind == GN_NODE_MAP && !given->count)
         return gn_check_fail(section, key, "expected stress or rate, found neither");
+    if (side->of_mean && !side->stress.count) idle = "stress_of";
     if (side->stress.count || !idle) return GNEISS_OK;
     snprintf(more, sizeof more, "%s.%s", key, idle);
     return gn_check_fail(section, more, "expected stress (a servo) for this side, found %s",

@@ -7,6 +7,7 @@ const gn_choice gn_switches[] = {
     {"false", GN_SWITCH_OFF}, {"yes", GN_SWITCH_ON}, {"no", GN_SWITCH_OFF},  {NULL, 0}};
 const gn_choice gn_booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
                                  {"yes", 1},  {"no", 0},    {NULL, 0}};
+const gn_choice gn_held_stresses[] = {{"side", 0}, {"mean", 1}, {NULL, 0}};
 static const gn_choice stiffness_models[] = {{"uniform", GN_STIFFNESS_UNIFORM},
                                              {"arithmetic", GN_STIFFNESS_ARITHMETIC},
                                              {"harmonic", GN_STIFFNESS_HARMONIC},
@@ -281,6 +282,9 @@ TABLE_OF(initial);
             .word = "none", .fallback = "none",                                                    \
             .text = "target mean normal stress of the specimen along this axis, compression "      \
                     "positive; constant or a table; stress or rate"),                              \
+        CHOICE("stress_of", gn_scene, box[K].of_mean, gn_held_stresses, BY("side"),                \
+               "side: stress is that along this axis; mean: it is the mean over all axes, which "  \
+               "the sides with this word hold by equal stresses of their own"),                    \
         KEY("rate", TABLE, gn_scene, box[K].rate, .unit = "1/s", .range = "[-1e6, 1e6]",           \
             .word = "none", .fallback = "none",                                                    \
             .text = "prescribed growth of the length of the box over its length",                  \
@@ -391,8 +395,8 @@ static const gn_key set_keys[] = {
            PRESENT(BOOL, gn_set_def, has_initial_velocity), "velocity at the start"),
     SPIN("initial_spin", gn_set_def, initial_spin, "rad/s", GN_SPINS,
          PRESENT(BOOL, gn_set_def, has_initial_spin), "spin at the start; in 2D one number"),
-    VECTOR("force", gn_set_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_set_def, has_force),
-           "total force on the set, distributed by mass"),
+    VARYING("force", gn_set_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_set_def, has_force),
+            "total force on the set, distributed by mass"),
     SECTION("motion", set_motion_section, .offset = offsetof(gn_set_def, motion),
             .text =
                 "prescribed motion; each channel free, constant or a table [[time, value], ...]"),
@@ -405,6 +409,10 @@ static const gn_key servo_keys[] = {
     TABLE("stress", gn_wall_def, servo.stress, "Pa", GN_TRACTIONS, OR("none", 0),
           "target normal stress on the area of the wall, compression positive; constant or a "
           "table; force or stress"),
+    CHOICE(
+        "stress_of", gn_wall_def, servo.of_mean, gn_held_stresses, BY("side"),
+        "side: stress is that on this wall; mean: it is the mean over all axes of a box of walls, "
+        "which the walls with this word hold by equal stresses of their own"),
     REAL("area", gn_wall_def, servo.area, "m2", GN_AREAS, OR("auto", 0),
          "area for stress; auto: the current section between the walls that face each other across "
          "this one"),
@@ -496,8 +504,8 @@ static const gn_key scene_keys[] = {
             .text = "coupling of particles and elements in zones that both share"),
     SECTION("bonds", bonds_section, .text = "brittle bonds between particles of one group"),
     SECTION("damping", damping_section, .text = "dissipation in addition to friction and breakage"),
-    VECTOR("gravity", gn_scene, gravity, "m/s2", GN_ACCELERATIONS, BY("0"),
-           "acceleration of free fall"),
+    VARYING("gravity", gn_scene, gravity, "m/s2", GN_ACCELERATIONS, BY("0"),
+            "acceleration of free fall"),
     SECTION("initial", initial_section, .text = "the state at the start"),
     SECTION("periodic", periodic_section, PRESENT(BOOL, gn_scene, has_periodic),
             .text = "a periodic box"),
@@ -509,6 +517,9 @@ static const gn_key scene_keys[] = {
           .range = "[0, 10000]", .text = "plane walls"),
     ARRAY("bodies", LIST, gn_scene, bodies, body_count, .section = &gn_body_section,
           .range = "[0, 1000]", .text = "rigid bodies with a surface of triangles (2D: segments)"),
+    ARRAY("joints", LIST, gn_scene, joints, joint_count, .section = &gn_joint_section,
+          .range = "[0, 10000]",
+          .text = "joints in the specimen; contacts that cross one follow the law of the joint"),
     ARRAY("sources", LIST, gn_scene, sources, source_count, .section = &gn_source_section,
           .range = "[0, 1000]", .text = "regions where particles are created during the run"),
     ARRAY("sinks", LIST, gn_scene, sinks, sink_count, .section = &gn_sink_section,

@@ -161,10 +161,9 @@ static const gn_key body_keys[] = {
     SPIN("initial_spin", gn_body_def, initial_spin, "rad/s", GN_SPINS,
          PRESENT(BOOL, gn_body_def, has_initial_spin),
          "spin of a free body at the start; in 2D one number"),
-    VECTOR(
-        "force", gn_body_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_body_def, has_force),
-        "constant force on the centre of mass of a free body, along directions without prescribed "
-        "motion"),
+    VARYING("force", gn_body_def, force, "N", GN_FORCES, PRESENT(BOOL, gn_body_def, has_force),
+            "force on the centre of mass of a free body, along directions without prescribed "
+            "motion"),
     SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),
             .text =
                 "prescribed motion of the body; components left out are zero, in a free body free"),

@@ -9,6 +9,7 @@
 #include "base/particle_columns.h"
 #include "scene/couple_def.h"
 #include "scene/flow_def.h"
+#include "scene/joint_def.h"
 #include "scene/laboratory.h"
 #include "scene/mesh_def.h"
 #include "scene/tool_def.h"
@@ -286,7 +287,8 @@ typedef struct gn_set_def {
     int64_t group;               /* negative: unchanged */
     double initial_velocity[3], initial_spin[3];
     bool has_initial_velocity, has_initial_spin;
-    double force[3]; /* N in total, distributed by mass */
+    double force[3];             /* N in total, distributed by mass */
+    gn_table force_over_time[3]; /* a component that varies; see gn_scene_set_time */
     bool has_force;
     gn_motion motion;
     gn_scene_place where;
@@ -296,6 +298,7 @@ typedef struct gn_servo {
     bool active;
     gn_table force;      /* target normal force, compression positive, N; or */
     gn_table stress;     /* Pa, target stress on the area */
+    bool of_mean;        /* `stress` is the target of the mean of the stresses along all axes */
     double area;         /* m2 (2D: m x 1 m); 0: the section between walls that face each other */
     double max_velocity; /* m/s */
     double relaxation;   /* share of the force error that is corrected per step, (0, 1] */
@@ -354,6 +357,7 @@ typedef struct gn_body_def {
     bool has_initial_velocity, has_initial_spin;
     double initial_velocity[3], initial_spin[3];
     double force[3]; /* N, on the centre of mass of a free body, in its free directions */
+    gn_table force_over_time[3]; /* a component that varies; see gn_scene_set_time */
     bool has_force;
     gn_motion motion;
     gn_scene_place where;
@@ -517,8 +521,9 @@ typedef struct gn_scene {
     double damping_fraction; /* alpha, fraction of critical damping; 0 and restitution < 0: no
                                 contact damping */
 
-    double gravity[3];      /* m/s2 */
-    double random_velocity; /* m/s, components uniform in +- this at the start */
+    double gravity[3];             /* m/s2 */
+    gn_table gravity_over_time[3]; /* a component that varies; see gn_scene_set_time */
+    double random_velocity;        /* m/s, components uniform in +- this at the start */
     bool has_pulse;
     gn_pulse pulse;
 
@@ -537,6 +542,8 @@ typedef struct gn_scene {
     gn_wall_def *walls;
     size_t body_count;
     gn_body_def *bodies;
+    size_t joint_count;
+    gn_joint_def *joints;
     size_t source_count, sink_count;
     gn_source_def *sources;
     gn_sink_def *sinks;
@@ -585,6 +592,9 @@ typedef struct gn_scene {
     gn_scene_place isa_where;
     double residual_warning; /* residual of the energy ledger above which a run warns; 0: off */
     double residual_limit;   /* residual of the energy ledger above which a run stops; 0: off */
+
+    bool loads_vary;             /* gravity or a force of a set or body varies over time */
+    struct gn_formula *formulas; /* all formulas of tables */
 
     size_t stage_count; /* 0: the run has no stages */
     struct gn_stage *stages;
@@ -660,6 +670,10 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
  * and "" if none is similar enough. */
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 
+/* Sets the components of gravity and of the forces of sets and bodies that vary over time to their
+ * values at a time. In a scene that was read they have the first value that is not 0. */
+void gn_scene_set_time(gn_scene *scene, double time);
+
 /* Return the index of the entry with a name; -1: there is none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
@@ -709,6 +723,13 @@ static inline bool gn_scene_box_moves(const gn_scene *scene) {
     for (int a = 0; scene->has_periodic && a < 3; a++)
         moves |= scene->box[a].stress.count || scene->box[a].rate.count;
     return moves;
+}
+/* True if there is gravity at some time. */
+static inline bool gn_scene_has_gravity(const gn_scene *scene) {
+    bool acts = false;
+    for (int a = 0; a < 3; a++)
+        acts = acts || scene->gravity[a] != 0.0 || scene->gravity_over_time[a].count;
+    return acts;
 }
 /* Returns the coefficient of the background damping of spins. */
 static inline double gn_scene_spin_damping(const gn_scene *scene) {

@@ -73,5 +73,9 @@ void gn_scene_shift(gn_scene *scene) {
         shift(scene, scene->domain_max);
     }
     for (size_t k = 0; k < scene->wall_count; k++) shift(scene, scene->walls[k].point);
+    for (size_t k = 0; k < scene->joint_count; k++) {
+        if (scene->joints[k].has_point) shift(scene, scene->joints[k].point);
+        shift_rows(scene, scene->joints[k].trace, scene->joints[k].trace_count, 2);
+    }
     shift_bodies(scene);
 }

@@ -170,6 +170,18 @@
       "time at which the bond broke or was removed; 0 while it is intact")                         \
     Y(X, area, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_BONDS | GN_FX_AREA,   \
       0, "m2", "section of the bond: 3D, in 2D width times 1 m")                                   \
+    Y(X, plane, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, BESIDE, GN_FX_JOINTS,   \
+      0, "1", "normal of the joint, from the side of the first particle to the other")             \
+    Y(X, dilation, double, GN_F64, 2, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_JOINTS, 0,      \
+      "1, m", "tangent of the dilation angle; slip at which the dilation ends")                    \
+    Y(X, apart, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD, GN_FX_JOINTS, 0, "m",   \
+      "gap of the joint along its normal, less the dilation")                                      \
+    Y(X, slip, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD, GN_FX_JOINTS, 0, "m",    \
+      "path of sliding along the joint")                                                           \
+    Y(X, joint, int32_t, GN_I32, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_JOINTS, 0, "1",     \
+      "face of a joint that the contact crosses, base 0")                                          \
+    Y(X, patch, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_JOINTS, 0, "m2",     \
+      "area of the joint that the contact stands for")                                             \
     Y(X, looked, float, GN_F32, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, NONE, 0, 0, "1",        \
       "normal at the last check of the step; 0: not yet")
 

@@ -9,6 +9,8 @@
 #include "inflow/removal.h"
 #include "inflow/sources.h"
 #include "particles/fragments.h"
+#include "particles/joint_faces.h"
+#include "particles/joints.h"
 #include "particles/lists.h"
 #include "particles/particles.h"
 #include "particles/refresh.h"
@@ -101,6 +103,7 @@ gneiss_status gn_world_refresh_particles(gn_world *world, gneiss_error *error) {
     if (gn_dem_order_is_old(&world->ctx, &world->dem))
         GN_TRY(reorder(&world->ctx, &world->dem, &world->boundary, error));
     GN_TRY(gn_dem_make_lists(&world->ctx, &world->dem, &world->box, error));
+    world->ledger.energy.friction -= gn_joints_take_change(&world->dem);
     gn_flow_listed(&world->ctx, &world->dem);
     gn_box_listed(&world->ctx, &world->dem, &world->box);
     gn_walls_listed(&world->ctx, &world->dem, &world->boundary);
@@ -111,6 +114,7 @@ gneiss_status gn_world_restore_particles(const gn_step_context *ctx, gn_dem *dem
                                          const gn_periodic_box *box, gneiss_error *error) {
     gn_dem_null_particles(ctx, dem);
     GN_TRY(gn_dem_number_rows(dem, error));
+    GN_TRY(gn_joint_faces_list_near(ctx, dem, error));
     GN_TRY(gn_pieces_create(ctx, dem, error));
     for (int l = 0; l < GN_LIST_COUNT; l++) GN_TRY(gn_list_changed(ctx, dem, &dem->list[l], error));
     gn_dem_ready_kernels(ctx, dem);

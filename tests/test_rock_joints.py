@@ -1,0 +1,206 @@
+"""Joints in packings: Coulomb's threshold, direct shear, places from files, refusals. Speaks TAP."""
+import math
+import os
+import sys
+
+import h5py
+import numpy as np
+
+from program import expect, fact, gneiss, history, main, run, summary, write_scene
+
+WIDTH, HEIGHT, SIGMA = 0.06, 0.024, 1e6
+
+
+def packed(joint, count=150, seed=1, modulus=10e6, **more):
+    """A bonded packing of discs whose lower half is held; `joint`: keys of its joint at half the height."""
+    place = {"name": "plane", "point": [0, HEIGHT / 2], "normal": [0, 1]}
+    scene = {
+        "dimension": 2,
+        "specimen": {"rectangle": {"width": WIDTH, "height": HEIGHT}, "particles": count, "packing": {"size_ratio": 2}},
+        "materials": [{"name": "rock", "density": 2600, "contact_modulus": modulus, "kratio": 2, "friction": 0.5,
+                       "tensile_strength": 1e15, "shear_strength": 1e15}],
+        "law": {"stiffness": "harmonic"},
+        "bonds": {"interaction_range": 0.05},
+        "sets": [{"name": "below", "select": {"box": {"min": [-1, -1], "max": [1, HEIGHT / 2]}},
+                  "motion": {"vx": 0, "vy": 0}},
+                 {"name": "above", "select": {"box": {"min": [-1, HEIGHT / 2], "max": [1, 1]}}}],
+        "time": {"end": 0.1},
+        "output": {"history_rows": 400, "snapshots": 0},
+        "run": {"seed": seed, "threads": 1},
+        **more}
+    if joint is not None:
+        scene["joints"] = [{**place, **joint}]
+    return scene
+
+
+# --- a block on an incline ---
+
+
+def slid(folder, name, degrees, friction, **more):
+    """Paths in the second half of the run, and the final shear over normal force."""
+    tilt = math.radians(degrees)
+    scene = packed({"normal_stiffness": 1e8, "shear_stiffness": 1e8, "friction": friction},
+                   gravity=[9.81 * math.sin(tilt), -9.81 * math.cos(tilt)],
+                   damping={"background": {"model": "nonviscous_vector", "coefficient": 0.7}}, **more)
+    run(write_scene(folder, scene, name + ".yaml"), os.path.join(folder, name))
+    h = history(os.path.join(folder, name))
+    slip = h["joint_plane_slip"]
+    return slip[-1] - slip[len(slip) // 2], h["joint_plane_shear"][-1] / h["joint_plane_normal"][-1], h
+
+
+@fact
+def a_block_slides_at_the_friction_of_its_joint_at_any_tilt(folder):
+    for degrees in (10, 30, 60):
+        tangent = math.tan(math.radians(degrees))
+        path, ratio, h = slid(folder, f"rests{degrees}", degrees, 1.005 * tangent)
+        assert path == 0 and abs(ratio / tangent - 1) < 1e-6, (degrees, path, ratio)
+        assert abs(h["energy_residual"][-1]) < 1e-8
+        path, ratio, h = slid(folder, f"slides{degrees}", degrees, 0.995 * tangent)
+        assert path > 1e-6 and abs(ratio / (0.995 * tangent) - 1) < 1e-9, (degrees, path, ratio)
+        assert abs(h["energy_residual"][-1]) < 1e-8 and h["energy_friction"][-1] > 0
+
+
+@fact
+def a_joint_that_dips_in_the_packing_has_the_same_threshold(folder):
+    """The joint goes through the middle at a dip of 35 degrees; the wedge above is free."""
+    tilt, middle = math.radians(35), [WIDTH / 2, HEIGHT / 2]
+    source = packed(None)
+    source["time"]["end"] = 1e-4
+    run(write_scene(folder, source, "pack.yaml"), os.path.join(folder, "pack"))
+    with h5py.File(os.path.join(folder, "pack", "results.h5")) as file:
+        group = file["particles"]
+        place = group["position"][:] - group["displacement"][:]
+        radius = group["radius"][:]
+    turn = np.array([[math.cos(tilt), math.sin(tilt)], [-math.sin(tilt), math.cos(tilt)]])
+    turned = (place[:, :2] - middle) @ turn.T
+    held = [int(k) for k in np.nonzero(place[:, 1] < middle[1])[0]]
+    for factor, moves in ((1.005, False), (0.995, True)):
+        scene = packed({"point": [0, 0], "dip": "35 deg", "normal_stiffness": 1e8, "shear_stiffness": 1e8,
+                        "friction": factor * math.tan(tilt)}, gravity=[0, -9.81],
+                       damping={"background": {"model": "nonviscous_vector", "coefficient": 0.7}})
+        del scene["joints"][0]["normal"]
+        scene["specimen"] = {"particles": [[*map(float, x), float(r)] for x, r in zip(turned, radius)]}
+        scene["sets"] = [{"name": "below", "select": {"ids": held}, "motion": {"vx": 0, "vy": 0}}]
+        out = os.path.join(folder, f"dips{moves}")
+        run(write_scene(folder, scene), out)
+        slip = history(out)["joint_plane_slip"]
+        assert (slip[-1] > slip[200]) == moves, (factor, slip[200], slip[-1])
+
+
+# --- direct shear ---
+
+SHEAR = {"normal_stiffness": 1e11, "shear_stiffness": 5e10, "friction": 0.5, "bond_friction": 0.8, "cohesion": 1e6,
+         "tensile_strength": 2e5, "dilation": 0.1, "dilation_end": 1e-4}
+
+
+def sheared(folder, seed, joint, speed=0.1):
+    """A rigid block, pressed by 1 MPa and then pushed along the joint."""
+    scene = packed(joint, seed=seed, modulus=1e12,
+                   damping={"background": {"model": "viscous", "coefficient": 1e5}})
+    scene["sets"][1] |= {"force": [0, -SIGMA * WIDTH], "motion": {"vx": [[2e-4, 0], [3e-4, speed]]}}
+    scene["time"]["end"] = 2.5e-3
+    scene["output"]["history_rows"] = 1500
+    out = os.path.join(folder, f"shear{seed}")
+    run(write_scene(folder, scene), out)
+    return history(out)
+
+
+@fact
+def direct_shear_follows_its_closed_forms_in_any_packing(folder):
+    """Closure sigma/k_n; slope k_s; peak c + sigma tan(phi); then friction; opening tan(psi) times slip up to its end."""
+    for seed in (1, 2, 3):
+        h = sheared(folder, seed, SHEAR)
+        shear, normal, gap, slip = (h["joint_plane_" + name] for name in ("shear", "normal", "gap", "slip"))
+        assert abs(h["joint_plane_area"][0] / WIDTH - 1) < 1e-9
+        before = np.searchsorted(h["time"], 1.9e-4)
+        assert abs(gap[before] * 1e11 / -SIGMA - 1) < 0.002, gap[before]
+        peak = int(shear.argmax())
+        wanted = 1e6 * WIDTH + 0.8 * normal[peak]
+        # A row is one five-hundredth of the path to the peak.
+        assert abs(shear[peak] / wanted - 1) < 0.005, (seed, shear[peak] / wanted)
+        rise = (h["time"] > 3.2e-4) & (np.arange(len(shear)) < peak)
+        slope = np.polyfit(h["time"][rise], shear[rise], 1)[0] / 0.1 / WIDTH
+        assert abs(slope / 5e10 - 1) < 0.005, slope
+        late = slice(peak + (len(shear) - peak) // 4, None)
+        assert np.allclose(shear[late], 0.5 * normal[late], rtol=1e-9)
+        assert np.allclose(h["joint_plane_broken"][late], WIDTH)
+        opening = (slip > 4e-5) & (slip < 9e-5)
+        assert abs(np.polyfit(slip[opening], gap[opening], 1)[0] / 0.1 - 1) < 0.01
+        ended = slip > 1.3e-4
+        # Less viscous drag on the rise presses on the sides once they have stopped to part.
+        assert abs(gap[ended].mean() - (0.1 * 1e-4 - SIGMA / 1e11)) < 0.02 * 0.1 * 1e-4, gap[ended].mean()
+        assert abs(h["energy_residual"][-1]) < 1e-7
+
+
+@fact
+def a_smooth_joint_slides_far_at_its_friction_where_particles_ride_over_others(folder):
+    """Both sides part by sliding over each other without the law of joints; with it they stay."""
+    h = sheared(folder, 1, {"normal_stiffness": 1e11, "shear_stiffness": 5e10, "friction": 0.5}, speed=2.0)
+    slip = h["joint_plane_slip"]
+    assert slip[-1] > 4e-3 and abs(h["joint_plane_gap"][-1]) < 5e-5
+    late = slip > 1e-3
+    assert np.allclose(h["joint_plane_shear"][late], 0.5 * h["joint_plane_normal"][late], rtol=1e-9)
+    # Contacts of particles that slide off and meet others keep the load.
+    assert abs(h["joint_plane_normal"][late].mean() / (SIGMA * WIDTH) - 1) < 0.02
+    assert abs(h["energy_residual"][-1]) < 1e-5
+    scene = packed(None, modulus=1e12, damping={"background": {"model": "viscous", "coefficient": 1e5}})
+    scene["sets"][1] |= {"group": 2, "force": [0, -SIGMA * WIDTH], "motion": {"vx": [[2e-4, 0], [3e-4, 2.0]]}}
+    scene["time"]["end"] = 2.5e-3
+    out = os.path.join(folder, "rough")
+    run(write_scene(folder, scene), out)
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        rise = file["particles/displacement"][:, 1].max()
+    assert rise > 2e-4, rise
+
+
+# --- places ---
+
+
+@fact
+def joints_come_from_traces_files_and_surfaces(folder):
+    with open(os.path.join(folder, "discs.csv"), "w") as file:
+        file.write("x, y, dip, half-length\n# two lines\n0.02, 0.012, 0, 0.01\n0.045, 0.012, 60, 0.004\n")
+    stiff = {"normal_stiffness": 1e11, "shear_stiffness": 1e11, "friction": 0.5}
+    scene = packed(None)
+    scene["joints"] = [{"name": "line", "trace": [[0, 0.004], [0.03, 0.006], [0.1, 0.006]], **stiff},
+                       {"name": "file", "discs": "discs.csv", **stiff}]
+    scene["time"]["end"] = 1e-3
+    run(write_scene(folder, scene), os.path.join(folder, "plane"))
+    h = history(os.path.join(folder, "plane"))
+    assert abs(h["joint_line_area"][0] / (math.hypot(0.03, 0.002) + 0.03) - 1) < 1e-9
+    assert abs(h["joint_file_area"][0] / 0.028 - 1) < 1e-9
+    with open(os.path.join(folder, "wavy.obj"), "w") as file:
+        file.write("v 0 0 0.004\nv 0.01 0 0.005\nv 0.01 0.01 0.004\nv 0 0.01 0.005\nf 1 2 3\nf 1 3 4\n")
+    solid = {**packed(None), "dimension": 3}
+    solid["specimen"] = {"box": {"size": [0.01, 0.01, 0.01]}, "particles": 300}
+    del solid["sets"]
+    solid["joints"] = [{"name": "wavy", "surface": "wavy.obj", **stiff}]
+    solid["time"]["end"] = 1e-4
+    run(write_scene(folder, solid), os.path.join(folder, "space"))
+    side = np.array([[0.01, 0, 0.001], [0.01, 0.01, 0], [0, 0.01, 0.001]])
+    area = 0.5 * sum(np.linalg.norm(np.cross(side[k], side[k + 1])) for k in (0, 1))
+    assert abs(history(os.path.join(folder, "space"))["joint_wavy_area"][0] / area - 1) < 1e-9
+    assert summary(os.path.join(folder, "space"))["steps"] > 0
+
+
+@fact
+def wrong_joints_are_refused_with_their_place(folder):
+    good = {"normal_stiffness": 1e11, "shear_stiffness": 1e11}
+    with open(os.path.join(folder, "wrong.csv"), "w") as file:
+        file.write("0.02, 0.012, 0, 0.01\n0.02, 0.012, x, 0.01\n")
+    cases = [({**good, "dip": "20 deg"}, {}, r"scene.yaml:\d+:\d+: joints\[0\].dip: expected normal or dip, found both"),
+             ({**good, "discs": "wrong.csv"}, {}, "expected one of point, trace, surface, discs and network"),
+             ({**good, "point": [0, 1]}, {}, "expected a joint that contacts between particles cross"),
+             (good, {"run": {"precision": "mixed"}}, "expected a scene without run.precision: mixed"),
+             ({**good, "network": {"intensity": 10}}, {}, "expected one of point"),
+             ({"normal_stiffness": 1e11}, {}, "shear_stiffness")]
+    for joint, more, words in cases:
+        expect(gneiss("run", write_scene(folder, packed(joint, **more)), "--out", os.path.join(folder, "o")), 2, words)
+    scene = packed(None)
+    scene["joints"] = [{"name": "file", "discs": "wrong.csv", **good}]
+    expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, "o")), 2,
+           r"wrong.csv:2:14: expected 4 numbers")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
